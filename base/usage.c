@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/usage.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 
 #include <dirent.h>
@@ -84,36 +85,25 @@ static bool fits(const struct neph_usage *usage)
 }
 
 struct file {
-    char *name;
+    const char *name;
     int64_t bytes;
 };
 
 struct files {
+    struct neph_arena arena;
     struct file *list;
-    size_t count, capacity;
+    int count, room;
 };
 
 static bool add_file(struct files *files, const char *name, int64_t bytes)
 {
-    if (files->count == files->capacity) {
-        const size_t capacity = files->capacity ? 2 * files->capacity : 64;
-        struct file *grown = realloc(files->list, capacity * sizeof(*grown));
-        if (!grown)
-            return false;
-        files->list = grown;
-        files->capacity = capacity;
-    }
-    char *copy = strdup(name);
-    if (copy)
-        files->list[files->count++] = (struct file){copy, bytes};
-    return copy != NULL;
-}
-
-static void free_files(struct files *files)
-{
-    for (size_t i = 0; i < files->count; i++)
-        free(files->list[i].name);
-    free(files->list);
+    const char *copy = neph_arena_text(&files->arena, name);
+    files->list = neph_arena_grown(&files->arena, files->list, files->count, &files->room,
+                                   sizeof(*files->list));
+    if (files->arena.is_short)
+        return false;
+    files->list[files->count++] = (struct file){copy, bytes};
+    return true;
 }
 
 /* List the files of `folder` itself. */
@@ -157,8 +147,8 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
 {
     struct files files = {.list = NULL};
     if (list_files(folder, &files))
-        qsort(files.list, files.count, sizeof(*files.list), by_size);
-    for (size_t i = 0; i < files.count && !fits(usage); i++) {
+        qsort(files.list, (size_t)files.count, sizeof(*files.list), by_size);
+    for (int i = 0; i < files.count && !fits(usage) && files.list; i++) {
         char *path = neph_path_join(folder, files.list[i].name);
         if (path && unlink(path) == 0) {
             usage->bytes -= files.list[i].bytes;
@@ -166,7 +156,7 @@ static void remove_largest(const char *folder, struct neph_usage *usage)
         }
         free(path);
     }
-    free_files(&files);
+    neph_arena_finish(&files.arena);
 }
 
 static void leave_note(const char *folder, const struct neph_usage *before)

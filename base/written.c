@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/written.h"
 
+#include "base/files.h"
+
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum neph_status neph_written(neph_writer *write, const void *what, char **text,
                               struct neph_diag *diag)
@@ -20,4 +23,15 @@ enum neph_status neph_written(neph_writer *write, const void *what, char **text,
     }
     *text = made;
     return NEPH_OK;
+}
+
+enum neph_status neph_written_file(const char *path, neph_writer *write, const void *what,
+                                   struct neph_diag *diag)
+{
+    char *text = NULL;
+    enum neph_status status = neph_written(write, what, &text, diag);
+    if (!status)
+        status = neph_file_write(path, text, strlen(text), diag);
+    free(text);
+    return status;
 }

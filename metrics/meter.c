@@ -6,9 +6,7 @@
 #include "metrics/interval.h"
 #include "metrics/pooling.h"
 #include "metrics/series.h"
-#include "metrics/statistics.h"
 #include "metrics/validity.h"
-#include "metrics/vector_math.h"
 
 #include <float.h>
 #include <math.h>
@@ -172,54 +170,6 @@ struct neph_measurement *neph_meter_release(struct neph_meter *meter, int *count
 
 /* ---- a pair of frames ------------------------------------------------------------------------ */
 
-enum { LANES = 8 }; /* sums are made in as many parts, so that the order of adding is ours */
-
-NEPH_VECTOR static void add_luminance(const float *restrict r, const float *restrict g,
-                                      const float *restrict b, size_t count, double *restrict lanes)
-{
-    size_t i = 0;
-    for (; i + LANES <= count; i += LANES)
-        for (size_t l = 0; l < LANES; l++)
-            lanes[l] += neph_luminance((double)r[i + l], (double)g[i + l], (double)b[i + l]);
-    for (; i < count; i++)
-        lanes[0] += neph_luminance((double)r[i], (double)g[i], (double)b[i]);
-}
-
-/* The depths of a row that are not the sky, and their number. */
-static size_t add_depth(const float *depth_m, size_t count, double *sum)
-{
-    size_t solid_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        const bool is_sky = depth_m[i] == INFINITY;
-        *sum += is_sky ? 0.0 : (double)depth_m[i];
-        solid_count += !is_sky;
-    }
-    return solid_count;
-}
-
-/* S of extractor.h: NaN when there is none. */
-static double scene_mean(const struct neph_frame_pair *pair)
-{
-    const float *const *planes = pair->reference;
-    const size_t width = (size_t)pair->width_px;
-    struct neph_sum sum = {0};
-    size_t count = 0;
-    for (size_t row = 0; row < (size_t)pair->height_px; row++) {
-        const size_t first = row * width;
-        double lanes[LANES] = {0.0};
-        if (pair->quantity->bit == NEPH_DEPTH)
-            count += add_depth(planes[0] + first, width, &lanes[0]);
-        else
-            add_luminance(planes[0] + first, planes[1] + first, planes[2] + first, width, lanes);
-        if (pair->quantity->bit != NEPH_DEPTH)
-            count += width;
-        for (int l = 0; l < LANES; l++)
-            neph_sum_add(&sum, lanes[l]);
-    }
-    const double mean = count > 0 ? neph_sum_value(&sum) / (double)count : 0.0;
-    return mean > 0.0 && isfinite(mean) ? mean : NAN;
-}
-
 static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *quantity,
                     const struct neph_image *const images[3], struct neph_frame_pair *pair)
 {
@@ -239,7 +189,8 @@ static bool pair_up(const struct neph_meter *meter, const struct neph_quantity *
         return false;
     if (images[1])
         neph_quantity_planes(quantity, images[1], pair->reference_second);
-    pair->scene_mean = scene_mean(pair);
+    pair->scene_mean = neph_quantity_mean(quantity, pair->reference, pair->width_px,
+                                          pair->height_px);
     pair->codes = &meter->codes[quantity - neph_quantity_at(0)];
     neph_pair_codes_forget(pair->codes);
     return true;
@@ -257,14 +208,6 @@ static bool is_good(const struct neph_frame_pair *pair, size_t pixel)
     return good;
 }
 
-NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
-{
-    uint32_t bad = 0;
-    for (size_t i = 0; i < count; i++)
-        bad += fabsf(values[i]) <= FLT_MAX ? 0u : 1u;
-    return bad;
-}
-
 /* Whether all samples of a row are finite: then nothing in it is bad. A reference with a mean is
  * finite everywhere, for what is not finite stays in a sum; but a sky is left out of that. */
 static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
@@ -272,8 +215,8 @@ static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
     const size_t width = (size_t)pair->width_px;
     const bool is_known = pair->quantity->bit != NEPH_DEPTH && isfinite(pair->scene_mean);
     for (int p = 0; p < pair->plane_count; p++)
-        if (count_not_finite(pair->test[p] + first, width) > 0 ||
-            (!is_known && count_not_finite(pair->reference[p] + first, width) > 0))
+        if (neph_count_not_finite(pair->test[p] + first, width) > 0 ||
+            (!is_known && neph_count_not_finite(pair->reference[p] + first, width) > 0))
             return false;
     return true;
 }

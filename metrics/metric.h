@@ -125,10 +125,25 @@ const struct neph_quantity *neph_quantity_find(const char *name);
 bool neph_quantity_planes(const struct neph_quantity *quantity, const struct neph_image *image,
                           const float *planes[3]);
 
+/* Mean luminance (depth: mean over what is not the sky) of a whole frame of `width_px` to a row; NaN
+ * when it is not positive and finite. */
+double neph_quantity_mean(const struct neph_quantity *quantity, const float *const planes[3],
+                          int width_px, int height_px);
+
+/* How many of the values are infinite or NaN. */
+uint32_t neph_count_not_finite(const float *values, size_t count);
+
 /* Luminance of scene-linear Rec.709 (ITU-R BT.709, item 3.2). */
 static inline double neph_luminance(double r, double g, double b)
 {
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
+
+/* Of a pixel of three planes. */
+static inline double neph_luminance_at(const float *const planes[3], size_t pixel)
+{
+    return neph_luminance((double)planes[0][pixel], (double)planes[1][pixel],
+                          (double)planes[2][pixel]);
 }
 
 #endif

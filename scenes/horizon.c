@@ -539,11 +539,6 @@ static enum neph_status check(const struct neph_horizon_params *params, struct n
     return NEPH_OK;
 }
 
-static float *array_of(size_t texels, size_t channels)
-{
-    return calloc(texels * channels, sizeof(float));
-}
-
 enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
                                      struct neph_horizon **horizon, struct neph_diag *diag)
 {
@@ -553,19 +548,23 @@ enum neph_status neph_horizon_create(const struct neph_horizon_params *params,
     struct neph_horizon *made = calloc(1, sizeof(*made));
     if (!made)
         return neph_fail_memory(diag);
+    const struct {
+        float **values;
+        size_t count;
+    } arrays[] = {
+        {&made->base, BASE_TEXELS * 4},
+        {&made->detail, DETAIL_TEXELS * 3},
+        {&made->weather, WEATHER_TEXELS * 4},
+        {&made->base_blocks, BASE_BLOCKS * BASE_BLOCKS * BASE_BLOCKS},
+        {&made->detail_blocks, DETAIL_BLOCKS * DETAIL_BLOCKS * DETAIL_BLOCKS * 2},
+        {&made->weather_blocks, WEATHER_BLOCKS * WEATHER_BLOCKS * 4},
+    };
     made->params = *params;
-    made->base = array_of(BASE_TEXELS, 4);
-    made->detail = array_of(DETAIL_TEXELS, 3);
-    made->weather = array_of(WEATHER_TEXELS, 4);
-    made->base_blocks = array_of(BASE_BLOCKS * BASE_BLOCKS * BASE_BLOCKS, 1);
-    made->detail_blocks = array_of(DETAIL_BLOCKS * DETAIL_BLOCKS * DETAIL_BLOCKS, 2);
-    made->weather_blocks = array_of(WEATHER_BLOCKS * WEATHER_BLOCKS, 4);
-    if (!made->base || !made->detail || !made->weather || !made->base_blocks ||
-        !made->detail_blocks || !made->weather_blocks) {
-        neph_horizon_destroy(made);
-        return neph_fail_memory(diag);
-    }
-    status = neph_horizon_fill_base(params->seed, made->base, diag);
+    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); i++)
+        *arrays[i].values = neph_arena_zeroed(&made->arena, arrays[i].count, sizeof(float));
+    status = neph_arena_check(&made->arena, diag);
+    if (!status)
+        status = neph_horizon_fill_base(params->seed, made->base, diag);
     if (!status)
         status = neph_horizon_fill_detail(params->seed, made->detail, diag);
     if (!status)
@@ -583,11 +582,6 @@ void neph_horizon_destroy(struct neph_horizon *horizon)
 {
     if (!horizon)
         return;
-    free(horizon->base);
-    free(horizon->detail);
-    free(horizon->weather);
-    free(horizon->base_blocks);
-    free(horizon->detail_blocks);
-    free(horizon->weather_blocks);
+    neph_arena_finish(&horizon->arena);
     free(horizon);
 }

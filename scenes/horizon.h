@@ -21,6 +21,7 @@
 #ifndef NEPH_SCENES_HORIZON_H
 #define NEPH_SCENES_HORIZON_H
 
+#include "base/arena.h"
 #include "scenes/horizon_textures.h"
 #include "scenes/scene.h"
 
@@ -48,14 +49,15 @@ struct neph_horizon_params {
 /* Textures are float32 on both sides: the shader reads the same numbers. Texel (i, j, k) is at
  * (i + 0.5) / side; lookups are (bi/tri)linear and wrap around. */
 struct neph_horizon {
+    struct neph_arena arena; /* of what follows */
     struct neph_horizon_params params;
-    float *base;    /* owned; [z][y][x][4]: Perlin-Worley, three octaves of Worley; 0..1 */
-    float *detail;  /* owned; [z][y][x][3]: three octaves of Worley; 0..1 */
-    float *weather; /* owned; [z][x][4]: low coverage, high coverage, peak height, density; 0..1 */
+    float *base;    /* [z][y][x][4]: Perlin-Worley, three octaves of Worley; 0..1 */
+    float *detail;  /* [z][y][x][3]: three octaves of Worley; 0..1 */
+    float *weather; /* [z][x][4]: low coverage, high coverage, peak height, density; 0..1 */
     /* For the bound. Per block of texels and its far neighbours: what lookups can come to. */
-    float *base_blocks;    /* owned; [z][y][x]: the largest B */
-    float *detail_blocks;  /* owned; [z][y][x][2]: the smallest and the largest D */
-    float *weather_blocks; /* owned; [z][x][4]: the largest of each channel */
+    float *base_blocks;    /* [z][y][x]: the largest B */
+    float *detail_blocks;  /* [z][y][x][2]: the smallest and the largest D */
+    float *weather_blocks; /* [z][x][4]: the largest of each channel */
 };
 
 /* Generate the textures: deterministic in the seed, the same bits on every machine. Takes less

@@ -4,6 +4,7 @@
  */
 #include "scenes/variant.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/document.h"
@@ -22,11 +23,12 @@ enum { SPLICES_MAX = 4 + NEPH_SCENE_MEDIA_MAX };
 /* Bytes of the file that give way to a text. */
 struct splice {
     size_t from, to;
-    char *text; /* owned */
+    const char *text;
 };
 
 struct file {
-    char *text; /* owned */
+    struct neph_arena arena; /* of what takes the place of its text */
+    char *text;              /* owned */
     size_t size;
     struct neph_document document;
     struct splice splices[SPLICES_MAX];
@@ -50,61 +52,51 @@ static bool is_block(const yaml_node_t *node)
     return node->type == YAML_MAPPING_NODE && node->data.mapping.style == YAML_BLOCK_MAPPING_STYLE;
 }
 
-/* `text` is consumed; NULL: there was no memory for it. */
-static enum neph_status add_splice(struct file *file, size_t from, size_t to, char *text,
-                                   struct neph_diag *diag)
-{
-    if (!text)
-        return neph_fail_memory(diag);
-    file->splices[file->splice_count++] = (struct splice){from, to, text};
-    return NEPH_OK;
-}
-
 /* A mapping in block style ends where the next key begins: the indentation of that one stays. */
-static enum neph_status replace_node(struct file *file, const yaml_node_t *node, const char *text,
-                                     struct neph_diag *diag)
+static void replace_node(struct file *file, const yaml_node_t *node, const char *text)
 {
     const size_t from = byte_of(file, node->start_mark.index);
     size_t to = byte_of(file, node->end_mark.index);
     while (is_block(node) && file->text[to - 1] == ' ')
         to--;
-    return add_splice(file, from, to, neph_format(is_block(node) ? "%s\n" : "%s", text), diag);
+    text = neph_arena_format(&file->arena, is_block(node) ? "%s\n" : "%s", text);
+    file->splices[file->splice_count++] = (struct splice){from, to, text};
 }
 
 /* Replace the value of a key of the scene, or put both before all others. */
-static enum neph_status replace_key(struct file *file, const char *key, const char *text,
-                                    struct neph_diag *diag)
+static void replace_key(struct file *file, const char *key, const char *text)
 {
     const yaml_node_t *root = neph_document_root(&file->document);
     const yaml_node_t *value = neph_document_value(&file->document, root, key, strlen(key));
-    if (value)
-        return replace_node(file, value, text, diag);
+    if (value) {
+        replace_node(file, value, text);
+        return;
+    }
     const yaml_node_t *first = yaml_document_get_node(&file->document.yaml,
                                                       root->data.mapping.pairs.start->key);
     const size_t place = byte_of(file, first->start_mark.index);
     const int column = (int)first->start_mark.column;
-    char *pair = is_block(root) ? neph_format("%s: %s\n%*s", key, text, column, "")
-                                : neph_format("%s: %s, ", key, text);
-    return add_splice(file, place, place, pair, diag);
+    const char *pair = is_block(root)
+                           ? neph_arena_format(&file->arena, "%s: %s\n%*s", key, text, column, "")
+                           : neph_arena_format(&file->arena, "%s: %s, ", key, text);
+    file->splices[file->splice_count++] = (struct splice){place, place, pair};
 }
 
 /* --- values ----------------------------------------------------------------------------------- */
 
-static char *quoted(const char *text)
+static const char *quoted(struct neph_arena *arena, const char *text)
 {
-    char *made = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&made, &size);
-    if (!out)
-        return NULL;
-    fputc('\'', out);
-    for (; *text; text++)
-        fputs(*text == '\'' ? "''" : (const char[]){*text, '\0'}, out);
-    fputc('\'', out);
-    if (fclose(out) == 0)
-        return made;
-    free(made);
-    return NULL;
+    char *made = neph_arena_zeroed(arena, 2 * strlen(text) + 3, 1), *to = made;
+    if (!made)
+        return "";
+    *to++ = '\'';
+    for (; *text; text++) {
+        if (*text == '\'')
+            *to++ = '\'';
+        *to++ = *text;
+    }
+    *to = '\'';
+    return made;
 }
 
 static void put_vec3(FILE *out, const char *key, double x, double y, double z)
@@ -184,54 +176,35 @@ static enum neph_status rewrite(struct file *file, const char *key, put_function
     if (!out)
         return neph_fail_memory(diag);
     put(out, file, made);
-    enum neph_status status = fclose(out) == 0 ? replace_key(file, key, text, diag)
-                                               : neph_fail_memory(diag);
+    const bool is_whole = fclose(out) == 0;
+    if (is_whole)
+        replace_key(file, key, text);
     free(text);
-    return status;
-}
-
-static enum neph_status rewrite_text(struct file *file, const char *key, const char *value,
-                                     struct neph_diag *diag)
-{
-    char *text = quoted(value);
-    enum neph_status status = text ? replace_key(file, key, text, diag) : neph_fail_memory(diag);
-    free(text);
-    return status;
+    return is_whole ? NEPH_OK : neph_fail_memory(diag);
 }
 
 /* In quotes; relative paths start at the scene file, and the variant will lie elsewhere. */
-static enum neph_status absolute_path(const char *scene_path, const char *relative, char **path,
-                                      struct neph_diag *diag)
-{
-    const char *slash = strrchr(scene_path, '/');
-    char *joined = neph_format("%.*s%s", slash ? (int)(slash - scene_path + 1) : 0, scene_path,
-                               relative);
-    if (!joined)
-        return neph_fail_memory(diag);
-    char *absolute = realpath(joined, NULL);
-    enum neph_status status = NEPH_OK;
-    if (!absolute)
-        status = neph_fail(diag, NEPH_ERR_IO, "cannot resolve '%s': %s", joined, strerror(errno));
-    else if (!(*path = quoted(absolute)))
-        status = neph_fail_memory(diag);
-    free(absolute);
-    free(joined);
-    return status;
-}
-
 static enum neph_status rewrite_volume(struct file *file, int medium, const char *scene_path,
                                        struct neph_diag *diag)
 {
-    char key[64], *path = NULL;
+    char key[64];
     snprintf(key, sizeof(key), "media[%d].volume.file", medium);
     const yaml_node_t *node = neph_document_find(&file->document, key);
     if (node->type != YAML_SCALAR_NODE || strchr("$/", neph_document_text(node)[0]))
         return NEPH_OK;
-    enum neph_status status = absolute_path(scene_path, neph_document_text(node), &path, diag);
-    if (!status)
-        status = replace_node(file, node, path, diag);
-    free(path);
-    return status;
+    const char *slash = strrchr(scene_path, '/');
+    const char *joined = neph_arena_format(&file->arena, "%.*s%s",
+                                           slash ? (int)(slash - scene_path + 1) : 0, scene_path,
+                                           neph_document_text(node));
+    const enum neph_status status = neph_arena_check(&file->arena, diag);
+    if (status)
+        return status;
+    char *absolute = realpath(joined, NULL);
+    if (!absolute)
+        return neph_fail(diag, NEPH_ERR_IO, "cannot resolve '%s': %s", joined, strerror(errno));
+    replace_node(file, node, quoted(&file->arena, absolute));
+    free(absolute);
+    return NEPH_OK;
 }
 
 /* --- the file --------------------------------------------------------------------------------- */
@@ -255,8 +228,7 @@ static enum neph_status read_file(const char *path, struct file *file, struct ne
 
 static void finish(struct file *file)
 {
-    for (int i = 0; i < file->splice_count; i++)
-        free(file->splices[i].text);
+    neph_arena_finish(&file->arena);
     neph_document_finish(&file->document);
     free(file->text);
 }
@@ -264,17 +236,15 @@ static void finish(struct file *file)
 static enum neph_status make_splices(struct file *file, const struct neph_scene *made,
                                      bool has_camera, struct neph_diag *diag)
 {
-    enum neph_status status = rewrite_text(file, "name", made->name, diag);
-    if (!status)
-        status = rewrite_text(file, "title", made->title, diag);
-    if (!status)
-        status = rewrite(file, "frames", put_frames, made, diag);
+    replace_key(file, "name", quoted(&file->arena, made->name));
+    replace_key(file, "title", quoted(&file->arena, made->title));
+    enum neph_status status = rewrite(file, "frames", put_frames, made, diag);
     if (!status)
         status = rewrite(file, has_camera ? "camera" : "sun", has_camera ? put_camera : put_sun,
                          made, diag);
     for (int i = 0; i < made->medium_count && !status; i++)
         status = rewrite_volume(file, i, made->path, diag);
-    return status;
+    return status ? status : neph_arena_check(&file->arena, diag);
 }
 
 static int by_place(const void *a_, const void *b_)

@@ -11,6 +11,7 @@
 #include "scenes/grid.h"
 #include "scenes/horizon.h"
 #include "scenes/horizon_density.h"
+#include "scenes/media.h"
 #include "scenes/scene.h"
 
 static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
@@ -37,6 +38,28 @@ static inline struct neph_vec3 random_point(uint64_t *seed, double size_m)
     return (struct neph_vec3){neph_test_uniform(seed, -size_m, size_m),
                               neph_test_uniform(seed, -size_m, size_m),
                               neph_test_uniform(seed, -size_m, size_m)};
+}
+
+static inline struct neph_vec3 random_place_in(const struct neph_bounds *box, uint64_t *seed)
+{
+    return (struct neph_vec3){neph_test_uniform(seed, box->min_m.x, box->max_m.x),
+                              neph_test_uniform(seed, box->min_m.y, box->max_m.y),
+                              neph_test_uniform(seed, box->min_m.z, box->max_m.z)};
+}
+
+/* None of `count` places in a box is denser than its bound; the densest over that. */
+static inline double assert_bound(const struct neph_medium *medium, const struct neph_bounds *box,
+                                  int count, uint64_t *seed)
+{
+    const double bound_per_m = neph_medium_extinction_bound_per_m(medium, box);
+    const uint64_t first = *seed;
+    double densest_per_m = 0.0;
+    for (int n = 0; n < count; n++)
+        densest_per_m = fmax(densest_per_m,
+                             neph_medium_extinction_per_m(medium, random_place_in(box, seed)));
+    if (!(densest_per_m <= bound_per_m))
+        fail_msg("seed %llu: %.17g > %.17g", (unsigned long long)first, densest_per_m, bound_per_m);
+    return bound_per_m > 0.0 ? densest_per_m / bound_per_m : 0.0;
 }
 
 /* Nodes from `low` to 1, those below 0 empty. For neph_grid_destroy(). */

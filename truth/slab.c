@@ -6,6 +6,7 @@
  */
 #include "truth/slab.h"
 
+#include "base/arena.h"
 #include "base/threads.h"
 #include "scenes/media.h"
 #include "truth/doubling.h"
@@ -26,6 +27,7 @@ struct neph_slab {
     struct neph_phase phase;
     struct neph_slab_fluxes fluxes;
     int view_count, mode_count;
+    struct neph_arena arena; /* of what follows */
     double *view_cosines;
     double *up, *down; /* scattered twice or more; [mode][view] */
 };
@@ -110,11 +112,11 @@ static enum neph_status slab_alloc(const struct neph_slab_params *params, int mo
                                .albedo = params->albedo,
                                .sun_cosine = params->sun_cosine,
                                .phase = params->phase,
-                               .view_count = params->view_count,
-                               .view_cosines = calloc(views + 1, sizeof(double)),
-                               .up = calloc(views * modes + 1, sizeof(double)),
-                               .down = calloc(views * modes + 1, sizeof(double))};
-    if (!made->view_cosines || !made->up || !made->down) {
+                               .view_count = params->view_count};
+    made->view_cosines = neph_arena_zeroed(&made->arena, views, sizeof(double));
+    made->up = neph_arena_zeroed(&made->arena, views * modes, sizeof(double));
+    made->down = neph_arena_zeroed(&made->arena, views * modes, sizeof(double));
+    if (made->arena.is_short) {
         neph_slab_destroy(made);
         return neph_fail_memory(diag);
     }
@@ -128,9 +130,7 @@ void neph_slab_destroy(struct neph_slab *slab)
 {
     if (!slab)
         return;
-    free(slab->view_cosines);
-    free(slab->up);
-    free(slab->down);
+    neph_arena_finish(&slab->arena);
     free(slab);
 }
 

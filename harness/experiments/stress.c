@@ -83,8 +83,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
                                         .jobs = shared->jobs,
                                         .device = run->device,
                                         .quiet = run->quiet,
-                                        .show = neph_stress_page_publish,
-                                        .context = &request->page};
+                                        .page = &request->page};
     if (request->pictures)
         params.pictures = neph_stress_pictures_of(request->pictures);
     enum neph_status status = neph_stress_run(&params, run->store, &suite, diag);

@@ -250,12 +250,6 @@ void neph_validate_close_report(void *request_)
     free(request->page_folder);
 }
 
-static enum neph_status show_page(struct neph_validation *validation, void *report,
-                                  struct neph_diag *diag)
-{
-    return neph_report_publish(report, validation, diag);
-}
-
 struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
                                                     const struct neph_experiment_run *run)
 {
@@ -275,8 +269,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
         .jobs = shared->jobs,
         .quiet = run->quiet,
         .skip_absent = shared->operand_count == 0,
-        .show = show_page,
-        .context = request->report,
+        .report = request->report,
     };
 }
 

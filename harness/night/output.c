@@ -283,29 +283,18 @@ static void print_junit(const void *given, FILE *out)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* `text` is freed. */
-static enum neph_status write_text(const char *output, const char *name, char *text,
-                                   struct neph_diag *diag)
-{
-    const struct neph_path path = neph_path_format("%s/nightly/%s", output, name);
-    const enum neph_status status = neph_file_write(path.text, text, strlen(text), diag);
-    free(text);
-    return status;
-}
-
 enum neph_status neph_night_write(const struct neph_night *night, const char *tier,
                                   const char *output, struct neph_diag *diag)
 {
-    char *text = NULL;
+    const struct printed printed = {night, tier};
     json_t *json = neph_night_json(night, tier);
     enum neph_status status = neph_json_write(
         json, JSON_INDENT(1), neph_path_in(output, "nightly/nightly.json").text, diag);
     json_decref(json);
     if (!status)
-        status = neph_written(print_junit, night, &text, diag);
-    if (!status)
-        status = write_text(output, "junit.xml", text, diag);
-    if (!status)
-        status = neph_night_summary(night, tier, &text, diag);
-    return status ? status : write_text(output, "summary.txt", text, diag);
+        status = neph_written_file(neph_path_in(output, "nightly/junit.xml").text, print_junit,
+                                   night, diag);
+    return status ? status
+                  : neph_written_file(neph_path_in(output, "nightly/summary.txt").text,
+                                      print_summary, &printed, diag);
 }

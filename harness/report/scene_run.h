@@ -10,10 +10,7 @@
 #include "harness/progress.h"
 #include "harness/report/validation.h"
 
-/* Called with what there is whenever there is more to show. A status other than NEPH_OK ends the
- * run. */
-typedef enum neph_status neph_validate_show(struct neph_validation *validation, void *context,
-                                            struct neph_diag *diag);
+struct neph_report;
 
 struct neph_validate_params {
     const char *const *scenes; /* paths or names of the catalogue */
@@ -31,8 +28,7 @@ struct neph_validate_params {
     bool skip_absent; /* a scene whose data is not there goes into `absent` */
     const struct neph_charts_params *charts; /* NULL: none */
     bool over_time;                          /* the sequence of over_time.h too */
-    neph_validate_show *show;                /* NULL: nobody looks */
-    void *context;
+    struct neph_report *report;              /* published after each scene; NULL: none is */
 };
 
 enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };

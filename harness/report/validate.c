@@ -9,6 +9,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
+#include "harness/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -134,10 +135,10 @@ static void judge_so_far(struct run *run, enum neph_verdict verdict)
 
 static enum neph_status show(struct run *run, struct neph_diag *diag)
 {
-    if (!run->params->show)
+    if (!run->params->report)
         return NEPH_OK;
     judge_so_far(run, NEPH_VERDICT_RUNNING);
-    return run->params->show(run->made, run->params->context, diag);
+    return neph_report_publish(run->params->report, run->made, diag);
 }
 
 /* A scene whose data is not on this machine takes its steps away; the diag is used up. */

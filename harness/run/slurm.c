@@ -310,16 +310,6 @@ static void print_lines(const void *given, FILE *out)
         fprintf(out, "%s\n", submission->tasks[i].line);
 }
 
-static enum neph_status write_manifest(const struct submission *submission, struct neph_diag *diag)
-{
-    char *text = NULL;
-    enum neph_status status = neph_written(print_lines, submission, &text, diag);
-    if (!status)
-        status = neph_file_write(submission->batch->manifest, text, strlen(text), diag);
-    free(text);
-    return status;
-}
-
 static enum neph_status check_lines(const struct neph_slurm_batch *batch, struct neph_diag *diag)
 {
     bool is_line = strchr(batch->last.line, '\n') == NULL;
@@ -339,7 +329,9 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
     submission.manifest = quote(&submission.arena, batch->manifest);
     enum neph_status status = check_lines(batch, diag);
     if (!status)
-        status = submission.tasks ? write_manifest(&submission, diag) : neph_fail_memory(diag);
+        status = submission.tasks
+                     ? neph_written_file(batch->manifest, print_lines, &submission, diag)
+                     : neph_fail_memory(diag);
     if (!status)
         status = read_array_limit(batch->logs, &submission.array_limit, diag);
     if (!status) {

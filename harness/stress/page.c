@@ -250,10 +250,10 @@ enum neph_status neph_stress_page_open(const char *folder, struct neph_stress_pa
                   : neph_page_start(neph_report_folder_work(page->folder), &parts, NULL, diag);
 }
 
-enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite, void *page_,
+enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite,
+                                          const struct neph_stress_page *page,
                                           struct neph_diag *diag)
 {
-    const struct neph_stress_page *page = page_;
     struct gallery gallery = {.spots = NULL};
     json_t *document = NULL;
     enum neph_status status = make_gallery(page, suite, &gallery, diag);

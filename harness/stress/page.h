@@ -22,8 +22,9 @@ struct neph_stress_page {
 enum neph_status neph_stress_page_open(const char *folder, struct neph_stress_page *page,
                                        struct neph_diag *diag);
 
-/* Put the run as it is into the page: neph_stress_params.show, with the page as its context. */
-enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite, void *page,
+/* Put the run as it is into the page. */
+enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite,
+                                          const struct neph_stress_page *page,
                                           struct neph_diag *diag);
 
 #endif

@@ -67,7 +67,7 @@ enum neph_stress_pictures {
     NEPH_STRESS_PICTURES_COUNT,
 };
 
-struct neph_stress_suite;
+struct neph_stress_page;
 
 /* How far a run is. */
 enum neph_stress_state {
@@ -93,11 +93,7 @@ struct neph_stress_params {
     int jobs;       /* processes that render at the same time, 1 .. */
     struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
-
-    /* Called with what is there so far, by one process alone; NULL: nobody looks. */
-    enum neph_status (*show)(const struct neph_stress_suite *suite, void *context,
-                             struct neph_diag *diag);
-    void *context;
+    const struct neph_stress_page *page; /* published while the run goes on; NULL: none is */
 };
 
 /* A preset of `realtime`; a guest ("command"), which takes part as one; or an engine that makes

@@ -8,6 +8,7 @@
 #include "harness/experiment/pool.h"
 #include "harness/json.h"
 #include "harness/stress/expectations.h"
+#include "harness/stress/page.h"
 #include "harness/stress/trial.h"
 
 #include <math.h>
@@ -106,9 +107,9 @@ static enum neph_status show(struct work *work, enum neph_stress_state state,
     suite->left_s = neph_progress_left_s(&work->bench.progress);
     neph_progress_count(&work->bench.progress, &suite->steps_done, &suite->steps_total);
     neph_stress_count(suite);
-    if (!params->show || !is_due)
+    if (!params->page || !is_due)
         return NEPH_OK;
-    const enum neph_status status = params->show(suite, params->context, diag);
+    const enum neph_status status = neph_stress_page_publish(suite, params->page, diag);
     work->shown_s = neph_wall_s();
     return status;
 }

@@ -123,17 +123,12 @@ struct work {
     struct neph_kept *now, *before;
 };
 
-static double luminance_at(const float *const planes[3], size_t i)
-{
-    return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
-}
-
 static void look_row(int row, void *context)
 {
     const struct work *work = context;
     const size_t width = (size_t)work->state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
-        work->now->planes[REFERENCE][i] = luminance_at(work->pair->reference, i);
+        work->now->planes[REFERENCE][i] = neph_luminance_at(work->pair->reference, i);
         work->now->nearness_per_m[i] = neph_moved_nearness_per_m(&work->moved, i);
     }
 }
@@ -164,7 +159,7 @@ static void add_pixel(const struct work *work, size_t i)
 {
     struct pixel *pixel = &work->state->pixels[i];
     const double reference = work->now->planes[REFERENCE][i], front = work->now->planes[FRONT][i];
-    const double residual = luminance_at(work->pair->test, i) - reference;
+    const double residual = neph_luminance_at(work->pair->test, i) - reference;
     const double hidden = front - reference;
     const int age = work->now->age[i];
     if (age == 0 || !neph_is_visible_step(front, reference, work->state->gain))

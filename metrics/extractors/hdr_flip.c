@@ -55,12 +55,6 @@ static bool is_given(const struct neph_settings *settings)
     return !isnan(settings->values[OPTION_START]) && !isnan(settings->values[OPTION_STOP]);
 }
 
-static double luminance_at(const struct neph_frame_pair *pair, size_t i)
-{
-    return neph_luminance((double)pair->reference[0][i], (double)pair->reference[1][i],
-                          (double)pair->reference[2][i]);
-}
-
 static size_t pixel_count(const struct neph_frame_pair *pair)
 {
     return (size_t)pair->width_px * (size_t)pair->height_px;
@@ -74,7 +68,8 @@ static const char *obstacle(const struct neph_frame_pair *first,
                    ? NULL
                    : "start_ev is not below stop_ev";
     for (size_t i = 0; i < pixel_count(first); i++)
-        if (luminance_at(first, i) > 0.0 && isfinite(luminance_at(first, i)))
+        if (neph_luminance_at(first->reference, i) > 0.0 &&
+            isfinite(neph_luminance_at(first->reference, i)))
             return NULL;
     return "the reference has no positive luminance to choose exposures by; give start_ev and "
            "stop_ev";
@@ -90,7 +85,7 @@ static struct census take_census(const struct neph_frame_pair *pair)
 {
     struct census census = {.largest = -INFINITY};
     for (size_t i = 0; i < pixel_count(pair); i++) {
-        const double luminance = luminance_at(pair, i);
+        const double luminance = neph_luminance_at(pair->reference, i);
         if (!isfinite(luminance))
             continue;
         census.count++;
@@ -123,7 +118,7 @@ static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank,
         const uint64_t known = shift == 64 - DIGIT_BITS ? 0 : UINT64_MAX << (shift + DIGIT_BITS);
         memset(counts, 0, DIGIT_VALUES * sizeof(*counts));
         for (size_t i = 0; i < pixel_count(pair); i++) {
-            const double luminance = luminance_at(pair, i);
+            const double luminance = neph_luminance_at(pair->reference, i);
             const uint64_t candidate = key_of(luminance);
             if (isfinite(luminance) && (candidate & known) == key)
                 counts[candidate >> shift & (DIGIT_VALUES - 1)]++;

@@ -196,11 +196,6 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     return neph_arena_check(first->memory, diag);
 }
 
-static double luminance_at(const float *const planes[3], size_t i)
-{
-    return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
-}
-
 struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
@@ -212,14 +207,14 @@ static void keep_row(int row, void *context)
     const struct state *state = work->state;
     const size_t width = (size_t)state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
-        state->planes[OLD_REFERENCE][i] = luminance_at(work->pair->reference, i);
-        state->planes[OLD_TEST][i] = luminance_at(work->pair->test, i);
+        state->planes[OLD_REFERENCE][i] = neph_luminance_at(work->pair->reference, i);
+        state->planes[OLD_TEST][i] = neph_luminance_at(work->pair->test, i);
     }
 }
 
 static double old_at(const struct work *work, size_t i)
 {
-    return work->state->old_is_second ? luminance_at(work->pair->reference_second, i)
+    return work->state->old_is_second ? neph_luminance_at(work->pair->reference_second, i)
                                       : work->state->planes[OLD_REFERENCE][i];
 }
 
@@ -293,13 +288,13 @@ static void follow_row(int row, void *context)
     const struct state *state = work->state;
     const size_t width = (size_t)state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
-        const double reference = luminance_at(work->pair->reference, i);
+        const double reference = neph_luminance_at(work->pair->reference, i);
         if (state->frame_count == 1)
             begin_pixel(work, reference, i);
         else if (state->old_is_second && !isnan(state->planes[STEP][i]))
             state->planes[STEP][i] = step_at(work, reference, i);
         if (!isnan(state->planes[STEP][i]))
-            follow_pixel(state, luminance_at(work->pair->test, i) - reference, i);
+            follow_pixel(state, neph_luminance_at(work->pair->test, i) - reference, i);
     }
 }
 

@@ -78,8 +78,8 @@ static bool shows_medium(const struct neph_moved *moved, size_t i)
         return false;
     return isinf(moved->depth_m[i]) ||
            (moved->has_transmittance &&
-            neph_luminance((double)moved->transmittance[0][i], (double)moved->transmittance[1][i],
-                           (double)moved->transmittance[2][i]) < opaque_transmittance);
+            neph_luminance_at((const float *const *)moved->transmittance, i) <
+                opaque_transmittance);
 }
 
 /* A depth of 0 counts as the nearest that a float can tell. */

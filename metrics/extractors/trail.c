@@ -91,11 +91,6 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     return neph_arena_check(first->memory, diag);
 }
 
-static double luminance_at(const float *const planes[3], size_t i)
-{
-    return neph_luminance((double)planes[0][i], (double)planes[1][i], (double)planes[2][i]);
-}
-
 struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
@@ -123,13 +118,13 @@ static void follow_row(int row, void *context)
     const size_t width = (size_t)work->state->width_px, first = (size_t)row * width;
     for (size_t i = first; i < first + width; i++) {
         struct pixel *pixel = &work->state->pixels[i];
-        const double reference = luminance_at(work->pair->reference, i);
+        const double reference = neph_luminance_at(work->pair->reference, i);
         if (work->card[i] > 0.5f) {
             pixel->card = reference;
             pixel->covered = 1;
             pixel->age = 0;
         } else {
-            follow_pixel(pixel, reference, luminance_at(work->pair->test, i),
+            follow_pixel(pixel, reference, neph_luminance_at(work->pair->test, i),
                          &work->state->rows[row]);
         }
     }

@@ -4,10 +4,8 @@
 #include "metrics/extractors/extractors.h"
 #include "metrics/vector_math.h"
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
-#include <stdint.h>
 
 enum { MAP_PRODUCT, MAP_NOISE, MAP_AGAINST_MEAN, MAP_COUNT };
 
@@ -16,14 +14,6 @@ static const char *obstacle(const struct neph_frame_pair *first,
 {
     (void)settings;
     return first->reference_second[0] ? NULL : "there is no second reference, of another seed";
-}
-
-NEPH_VECTOR static uint32_t count_not_finite(const float *values, size_t count)
-{
-    uint32_t bad_count = 0;
-    for (size_t i = 0; i < count; i++)
-        bad_count += fabsf(values[i]) <= FLT_MAX ? 0u : 1u;
-    return bad_count;
 }
 
 static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair,
@@ -35,7 +25,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
                          pair->frame);
     size_t bad_count = 0, count = (size_t)pair->width_px * (size_t)pair->height_px;
     for (int c = 0; c < pair->plane_count; c++)
-        bad_count += count_not_finite(pair->reference_second[c], count);
+        bad_count += neph_count_not_finite(pair->reference_second[c], count);
     if (bad_count > 0) /* nobody else looks at it */
         return neph_fail(diag, NEPH_ERR_GATE,
                          "%zu values of the second reference of frame %d are "

@@ -5,6 +5,7 @@
 #ifndef NEPH_RENDERER_POST_PLAN_H
 #define NEPH_RENDERER_POST_PLAN_H
 
+#include "base/arena.h"
 #include "base/status.h"
 #include "renderer/post/chain.h"
 #include "renderer/post/volumes.h"

@@ -6,6 +6,8 @@
  */
 #include "tests/base/scratch.h"
 
+#include <dirent.h>
+
 #include "base/child.h"
 #include "base/exr.h"
 

@@ -4,16 +4,10 @@
 import csv
 import json
 import math
-import os
-import pathlib
-import subprocess
-import tempfile
 import unittest
 import xml.etree.ElementTree
 
-NEPH = os.environ["NEPH"]
-# Each configuration has shaders of its own on a CPU, and small pictures: see tests/CMakeLists.txt.
-ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1", "GALLIVM_PERF": "nopt"}
+from neph_case import StudyCase
 
 # A wall half before a blob that fills the picture: an edge, and every ray meets the medium.
 REST = """
@@ -34,28 +28,17 @@ BACKLIT = REST.replace("rest", "backlit").replace("[0.6, 0.75, 0.3]", "[-0.3, 0.
 SIZE = ("--size", "32x16", "--steps", "3", "--frames", "16", "--seeds", "1", "-q")
 
 
-class Ablate(unittest.TestCase):
+class Ablate(StudyCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.scenes = [self.folder / f"{name}.yaml" for name in ("rest", "backlit")]
-        for path, text in zip(self.scenes, (REST, BACKLIT)):
-            path.write_text(text)
+        super().setUp()
+        self.scenes = [self.put("rest.yaml", REST), self.put("backlit.yaml", BACKLIT)]
 
-    def run_neph(self, verb, *arguments, out="out"):
-        return subprocess.run([NEPH, *verb.split(), *map(str, arguments), "-o",
-                               str(self.folder / out)],
-                              capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
-
-    def ablate(self, *arguments, out="out"):
-        done = self.run_neph("ablate", *arguments, "--only", "split", *SIZE, out=out)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout, json.loads((self.folder / out / "ablation.json").read_text())
+    def ablate(self, *arguments):
+        done = self.neph("ablate", *arguments, "--only", "split", *SIZE)
+        return done.stdout, json.loads((self.folder / "out/ablation.json").read_text())
 
     def stored(self):
-        entries = (self.folder / "out" / "store" / "frames").iterdir()
-        return {path: path.stat().st_mtime_ns for path in entries}
+        return self.stamps(self.folder / "out/store/frames")
 
     @staticmethod
     def effect(found, part, place, measure):
@@ -83,11 +66,11 @@ class Ablate(unittest.TestCase):
         entries = self.stored()
         again, _ = self.ablate(*arguments)
         self.assertEqual((again, self.stored()), (text, entries))
-        study = self.run_neph("study flicker", self.scenes[0], "--presets", "ours,ours+split=none",
-                              "--takes", "flicker", *SIZE, "--json")
+        study = self.json("study", "flicker", self.scenes[0], "--presets", "ours,ours+split=none",
+                          "--takes", "flicker", *SIZE)
         for measure, metric, mask in (("error", "rel_rmse", "all"),
                                       ("edge_flicker", "seen_contrast", "depth_edge")):
-            pair = next(p for p in json.loads(study.stdout)["pairs"]
+            pair = next(p for p in study["pairs"]
                         if (p["metric"], p["mask"], p["rate_hz"], p["pixels_per_degree"]) ==
                         (metric, mask, 30.0, 60.0))
             effect = self.effect(found, "split", "in_preset", measure)
@@ -112,32 +95,26 @@ class Ablate(unittest.TestCase):
         self.assertGreater(half_life["decades"], 0.0)  # every pixel sees new light at once
 
     def test_the_list_says_who_claims_what(self):
-        done = subprocess.run([NEPH, "ablate", "--list", "--preset", "ue"], capture_output=True,
-                              text=True, timeout=60)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("ablate", "--list", "--preset", "ue")
         self.assertIn("F. Bauer, SIGGRAPH 2019", done.stdout)
         override = done.stdout.split("\noverride ")[1]
         self.assertIn("not in this preset", override.split("\nsteady_depth")[0])
 
     def test_wrong_words(self):
-        for code, words, arguments in (
-                (64, ("best", "tuning"), ("--suite", "best")),
-                (64, ("not both",), ("--suite", "test", self.scenes[0])),
-                (64, ("nope", "off, seed"), (self.scenes[0], "--preset", "nope")),
-                (64, ("'bux'", "box"), (self.scenes[0], "--only", "box,bux")),
-                (64, ("'box' is twice",), (self.scenes[0], "--only", "box,box")),
-                (64, ("override=none", "--list"),
-                 (self.scenes[0], "--preset", "ue", "--only", "override")),
-                (64, ("'sine'", "flicker and step"), (self.scenes[0], "--takes", "sine")),
-                (64, ("multiple of 4",), (self.scenes[0], "--frames", "18")),
-                (64, ("'0'", "1..64"), (self.scenes[0], "--seeds", "0")),
-                (66, ("no_such",), ("no_such",)),
-                (2, ("multiple scattering", "--preset"), ("slab_multiple_thin",)),
-        ):
-            done = self.run_neph("ablate", *arguments, "-q")
-            self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
-            for word in words:
-                self.assertIn(word, done.stderr, arguments)
+        rest = self.scenes[0]
+        self.check_refusals(
+            (64, ("best", "tuning"), ("--suite", "best")),
+            (64, "not both", ("--suite", "test", rest)),
+            (64, ("nope", "off, seed"), (rest, "--preset", "nope")),
+            (64, ("'bux'", "box"), (rest, "--only", "box,bux")),
+            (64, "'box' is twice", (rest, "--only", "box,box")),
+            (64, ("override=none", "--list"), (rest, "--preset", "ue", "--only", "override")),
+            (64, ("'sine'", "flicker and step"), (rest, "--takes", "sine")),
+            (64, "multiple of 4", (rest, "--frames", "18")),
+            (64, ("'0'", "1..64"), (rest, "--seeds", "0")),
+            (66, "no_such", ("no_such",)),
+            (2, ("multiple scattering", "--preset"), ("slab_multiple_thin",)),
+            before=("ablate", "-q"))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """`neph bake`, run as a user would: files, the printed error, and what goes wrong."""
-import json
 import math
 import pathlib
 import shutil
@@ -50,9 +49,8 @@ class Bake(neph_case.NephCase):
         return frames.read_exr(frame)[2]["transmittance.G"]
 
     def baked_entry(self, file):
-        done = self.neph("bake", self.write_scene("block", GRID), "-o", self.folder / file,
-                         "--json")
-        entry = json.loads(done.stdout)["scene_entry"]
+        found = self.json("bake", self.write_scene("block", GRID), "-o", self.folder / file)
+        entry = found["scene_entry"]
         self.assertIn(entry, self.neph("bake", self.folder / "block.yaml", "-o",
                                        self.folder / file).stdout)
         return entry
@@ -67,9 +65,9 @@ class Bake(neph_case.NephCase):
     def test_error_falls_with_resolution_and_is_printed(self):
         errors = []
         for resolution in (32, 64):
-            done = self.neph("bake", "gaussian_blob", "--resolution", resolution, "-o",
-                             self.folder / "blob.vdb", "--json")
-            result = json.loads(done.stdout)
+            found = self.json("bake", "gaussian_blob", "--resolution", resolution, "-o",
+                              self.folder / "blob.vdb")
+            result = found
             self.assertEqual(max(result["size"]), resolution)
             errors.append(result["error"]["extinction_rms_relative"])
         self.assertAlmostEqual(errors[0] / errors[1], 4.0, delta=0.4)  # second order
@@ -80,8 +78,8 @@ class Bake(neph_case.NephCase):
 
     def test_a_grid_goes_into_df3_as_it_is(self):
         path = self.folder / "grid.df3"
-        done = self.neph("bake", "voxel_grid", "-o", path, "--json")
-        result = json.loads(done.stdout)
+        found = self.json("bake", "voxel_grid", "-o", path)
+        result = found
         self.assertEqual((result["size"], result["is_copy"]), ([4, 3, 5], True))
         self.assertEqual(result["extinction_of_density_1_per_m"], 6.0)
         data = path.read_bytes()
@@ -142,9 +140,9 @@ class Bake(neph_case.NephCase):
     def test_the_cost_of_baking_stands_beside_the_frame(self):
         request = ("validate", "gaussian_blob", "-e", "exact", "-e", "povray", "--size", "16x9",
                    "--no-charts", "-q", "-o", self.folder)
-        done = self.neph(*request, "--json")
+        found = self.json(*request)
         bakes = {frame["engine"]: frame["bake"]
-                 for frame in json.loads(done.stdout)["scenes"][0]["frames"]}
+                 for frame in found["scenes"][0]["frames"]}
         self.assertIsNone(bakes["exact"])
         self.assertEqual(bakes["povray"]["grid"], "64 x 64 x 64 nodes")
         self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)

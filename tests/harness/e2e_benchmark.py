@@ -3,46 +3,32 @@
 """`neph benchmark`: what its numbers mean to each other. No absolute times: machines differ."""
 import json
 import math
-import os
-import pathlib
-import subprocess
-import sys
-import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import night  # noqa: E402
+import frames
+import night
+from neph_case import ROOT, NephCase
 
-SCENES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "scenes/catalog"
-NEPH = os.environ["NEPH"]
-
-
-def benchmark(*arguments):
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([NEPH, "benchmark", *arguments, "-q", "-o", folder], timeout=300,
-                              capture_output=True, text=True)
-        left = os.listdir(folder)
-    return done, left
+SCENES = ROOT / "scenes/catalog"
 
 
-def error_of_black(scene, size):
-    """The relative RMSE of a black picture: the RMS of the march's over its mean."""
-    with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([NEPH, "render", scene, "-e", "march", "--size", size, "-o", folder],
-                       check=True, timeout=300, capture_output=True)
-        channels = frames.read_exr(next(pathlib.Path(folder).glob("*.exr")))[2]
-    values = [value for name in "RGB" for value in channels[name]]
-    return math.sqrt(sum(v * v for v in values) * len(values)) / sum(values)
+class Benchmark(NephCase):
+    def benchmark(self, *arguments, **expected):
+        done = self.neph("benchmark", *arguments, "-q", "-o", self.folder / "out", **expected)
+        self.assertEqual(list(self.folder.glob("out/*")), [])
+        return done
 
-
-class Benchmark(unittest.TestCase):
     def measured(self, *arguments):
-        """What it says in JSON, on stderr, and what it leaves."""
-        done, left = benchmark(*arguments, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(left, [])
+        """What it says in JSON and on stderr."""
+        done = self.benchmark(*arguments, "--json")
         return json.loads(done.stdout), done.stderr
+
+    def error_of_black(self, scene, size):
+        """The relative RMSE of a black picture: the RMS of the march's over its mean."""
+        self.neph("render", scene, "-e", "march", "--size", size, "-o", self.folder)
+        channels = frames.read_exr(self.folder / f"{scene}_march_0000.exr")[2]
+        values = [value for name in "RGB" for value in channels[name]]
+        return math.sqrt(sum(v * v for v in values) * len(values)) / sum(values)
 
     @night.of_the_night
     def test_two_unbiased_tracers(self):
@@ -97,9 +83,8 @@ class Benchmark(unittest.TestCase):
                 self.assertTrue(errors[-1][1] > time["rmse"] ** 2 or not worse)
 
     def test_the_table_says_what_it_found(self):
-        done, _ = benchmark("gaussian_blob", "--voxels", "12", "-e", "tracer,oracle", "--size",
-                            "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.benchmark("gaussian_blob", "--voxels", "12", "-e", "tracer,oracle", "--size",
+                              "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
@@ -108,7 +93,7 @@ class Benchmark(unittest.TestCase):
     def test_a_ladder_up_to_a_stated_error(self):
         """Both errors that are reported lie on it, whatever the machine's speed."""
         found, _ = self.measured("gaussian_blob", "--voxels", "12", "-e", "oracle", "--size",
-                                 "32x18", "--error", "0.01")
+                                 "16x9", "--error", "0.01")
         engine, = found["engines"]
         self.assertEqual([(t["rmse"], t["found"]) for t in engine["rmse_times"]],
                          [(0.03, "within"), (0.01, "within")])
@@ -116,9 +101,8 @@ class Benchmark(unittest.TestCase):
         self.assertTrue(all(b >= 2 * a for a, b in zip(samples, samples[1:])), samples)
 
     def test_one_thing_ends_a_ladder(self):
-        done, _ = benchmark("gaussian_blob", "--error", "0.01", "--seconds", "1")
-        self.assertEqual(done.returncode, 64)
-        self.assertIn("--seconds and --error", done.stderr)
+        self.benchmark("gaussian_blob", "--error", "0.01", "--seconds", "1", code=64,
+                       said="--seconds and --error")
 
     def passes(self, scene, *settings):
         """Of fixed, by name: their milliseconds a picture."""
@@ -202,7 +186,7 @@ class Benchmark(unittest.TestCase):
                          ("fixed", "transmittance=marched grid_sampling=texture grid_format=r8"))
         self.assertEqual(march["error"], 0.0)  # its defaults are the reference
         self.assertGreater(realtime["error"], 0.0)
-        self.assertLess(realtime["error"], error_of_black("voxel_grid", "32x18"))
+        self.assertLess(realtime["error"], self.error_of_black("voxel_grid", "32x18"))
         self.assertEqual([p["pass"] for p in march["passes"]], ["march"])
         self.assertIn("reconstruction", [p["pass"] for p in realtime["passes"]])
         for engine, samples, ceiling, chain in (
@@ -252,7 +236,7 @@ class Benchmark(unittest.TestCase):
         """The scene's own: its frames are two thirds of the size, and the eye, bloom, the table,
         FXAA, upscale and sharpening are nine stages."""
         scene = SCENES.parent / "studies/display/walk_out.yaml"
-        words = (str(scene), "-e", "march", "--size", "48x27", "--frames", "5", "--no-ceilings",
+        words = (scene, "-e", "march", "--size", "48x27", "--frames", "5", "--no-ceilings",
                  "-s", "march:steps=4")
         found, _ = self.measured(*words)
         chain = found["engines"][0]["chain"]
@@ -272,13 +256,11 @@ class Benchmark(unittest.TestCase):
     def test_evaluations_of_several_passes_are_in_the_time_of_all(self):
         ground = ("solids: [box: {min_m: [-9, -2, -9], max_m: [9, -1, 9], albedo: [1, 1, 1]}]\n"
                   "media:\n")
-        with tempfile.TemporaryDirectory() as folder:
-            scene = pathlib.Path(folder) / "grounded.yaml"
-            text = (SCENES / "voxel_grid.yaml").read_text()
-            scene.write_text(text.replace("name: voxel_grid", "name: grounded")
-                             .replace("media:\n", ground, 1))
-            found, _ = self.measured(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
-                                     "--preset", "fixed")
+        text = (SCENES / "voxel_grid.yaml").read_text()
+        scene = self.put("grounded.yaml", text.replace("name: voxel_grid", "name: grounded")
+                         .replace("media:\n", ground, 1))
+        found, _ = self.measured(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
+                                 "--preset", "fixed")
         march, scene = [[p for p in found["engines"][0]["passes"] if p["pass"] == name][0]
                         for name in ("march", "scene")]
         self.assertEqual((march["ceiling"], march["evaluations_with"]),
@@ -310,13 +292,10 @@ class Benchmark(unittest.TestCase):
                 (("voxel_grid", "-e", "march", "--chain", "no_such.yaml"), 66, "no_such.yaml"),
                 (("no_such_scene",), 66, "neph scenes")):
             with self.subTest(arguments):
-                done, _ = benchmark(*arguments)
-                self.assertEqual(done.returncode, code, done.stderr)
-                self.assertIn(word, done.stderr)
+                self.benchmark(*arguments, code=code, said=word)
 
     def test_help_teaches(self):
-        done = subprocess.run([NEPH, "benchmark", "--help"], capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0)
+        done = self.neph("benchmark", "--help")
         for word in ("Example", "noise", "cores"):
             self.assertIn(word, done.stdout)
 

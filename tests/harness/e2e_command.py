@@ -72,9 +72,9 @@ class Command(neph_case.NephCase):
                          "-o", "frames", *arguments, program=program, **expected)
 
     def compare(self, a, b, mask="all"):
-        done = self.neph("compare", a, b, "--json")
+        found = self.json("compare", a, b)
         return {(m["quantity"], m["metric"]): m["value"]
-                for m in json.loads(done.stdout)["measurements"] if m["mask"] == mask}
+                for m in found["measurements"] if m["mask"] == mask}
 
     def test_the_example_is_beers_law(self):
         self.render(EXAMPLES / "fog.py", "-s", "a=0.05")
@@ -221,10 +221,9 @@ os.chmod("frame.exr", 0o640)
 
     def exceed(self, body, words):
         """An engine that writes too much fails, and little of it is in the store."""
-        done = self.neph("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
-                         "-q", "--json", "-o", "out", "--no-charts", program=self.program(body),
-                         code=1)
-        frame = json.loads(done.stdout)["scenes"][0]["frames"][1]
+        found = self.json("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
+                          "-q", "-o", "out", "--no-charts", program=self.program(body), code=1)
+        frame = found["scenes"][0]["frames"][1]
         self.assertEqual(frame["status"], "failed")
         self.assertIn(words, frame["reason"])
         kept = [path.stat() for path in (self.folder / "out").glob("store/failed/**/*")]
@@ -349,9 +348,8 @@ light = job["sun"]["irradiance_w_per_m2"][0]
 open("{seen.name}", "a").write(f"{{light}}\\n")
 write(light * job["settings"]["b"])
 """)
-        done = self.neph("sweep", self.scene, "--plan", plan, "-o", "out", "-q", "--json",
-                         program=program)
-        mine, = json.loads(done.stdout)["points"]
+        found = self.json("sweep", self.scene, "--plan", plan, "-o", "out", "-q", program=program)
+        mine, = found["points"]
         self.assertIsNone(mine["missing"])
         self.assertIsNone(mine["shortcut"]["value"])  # nobody knows its own model
         self.assertLess(mine["flicker"]["value"], 0.01)
@@ -380,10 +378,10 @@ write(light * job["settings"]["b"])
     @night.of_the_night
     def test_it_is_held_against_presets(self):
         def pick(presets):
-            done = self.neph("pick", self.scene, "--presets", presets, "--size", "24x16",
-                             "--frames", "16", "-o", "out", "-q", "--json", "--least", "flicker",
-                             program=EXAMPLES / "fog.py", code=None)
-            return json.loads(done.stdout)
+            found = self.json("pick", self.scene, "--presets", presets, "--size", "24x16",
+                              "--frames", "16", "-o", "out", "-q", "--least", "flicker",
+                              program=EXAMPLES / "fog.py", code=None)
+            return found
         found = pick("ours,command+a=0.05")
         self.assertEqual([row["preset"] for row in found["candidates"]],
                          ["ours", "command+a=0.05"])

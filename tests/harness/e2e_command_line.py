@@ -2,26 +2,23 @@
 # SPDX-License-Identifier: MIT
 """The command line, run as a user would: results, errors, exit codes, kill -9, missing engines."""
 import json
-import os
 import pathlib
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 
 import neph_case
 import night
+from neph_case import NEPH, ROOT
 
-NEPH = neph_case.NEPH
-ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 # The truth and another, neither of them Vulkan's
 ON_THE_CPU = ["-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size"]
 
 
 class CommandLine(neph_case.NephCase):
-    surroundings = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+    surroundings = neph_case.VALIDATED
 
     def test_help_of_every_verb_has_an_example(self):
         for verb in ("validate", "render", "export", "compare", "flicker", "conform", "metrics",
@@ -35,17 +32,16 @@ class CommandLine(neph_case.NephCase):
         self.neph("render", "absorbing_slab", "-e", "magic", code=64, said="neph engines")
         self.neph("render", "absorbing_slab", "-s", "steps=0", code=64, said="1..")
         self.neph("render", "no_such_scene", code=66, said="neph scenes")
-        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump({"format": "neph-configuration-1", "engine": "march", "settings": "stepz=3",
-                       "scattering": "single"}, file)
-            file.flush()
-            self.neph("render", "absorbing_slab", "--config", file.name, code=65,
-                      said=(file.name, "hint: settings of engine march: steps, "))
+        config = self.put("a.json", json.dumps({
+            "format": "neph-configuration-1", "engine": "march", "settings": "stepz=3",
+            "scattering": "single"}))
+        self.neph("render", "absorbing_slab", "--config", config, code=65,
+                  said=(str(config), "hint: settings of engine march: steps, "))
 
     def test_wrong_value_names_file_line_column_and_range(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
-        scene = self.folder / "scattering_slab_above.yaml"
-        scene.write_text(text.replace("extinction_per_m: 1", "extinction_per_m: -1"))
+        scene = self.put("scattering_slab_above.yaml",
+                         text.replace("extinction_per_m: 1", "extinction_per_m: -1"))
         line = next(i for i, row in enumerate(scene.read_text().splitlines(), 1) if ": -1" in row)
         self.neph("scenes", scene, code=65, said=(f"{scene}:{line}:", "-1", "0"))
 
@@ -81,22 +77,22 @@ media:
         scene.write_text(done.stdout)
         done = self.neph("scenes", scene, "--json")
         self.assertEqual(json.loads(done.stdout)["frames"], 9)
-        for arguments, code, words in ((("sun_step", "--variant", "sun_step"), 2, "moves already"),
-                                       (("height_fog_level", "--variant", "sun"), 64, "sun_sine"),
-                                       (("height_fog_level", "--variant", "camera_cut", "--at", "9",
-                                         "--frames", "9"), 64, "1..8"),
-                                       (("--variant", "sun_step"), 64, "one scene"),
-                                       (("height_fog_level", "--at", "3"), 64, "--variant")):
-            self.neph("scenes", *arguments, code=code, said=words, silent=True)
+        self.check_refusals(
+            (2, "moves already", ("sun_step", "--variant", "sun_step")),
+            (64, "sun_sine", ("height_fog_level", "--variant", "sun")),
+            (64, "1..8", ("height_fog_level", "--variant", "camera_cut", "--at", "9", "--frames",
+                          "9")),
+            (64, "one scene", ("--variant", "sun_step")),
+            (64, "--variant", ("height_fog_level", "--at", "3")), before=("scenes",))
 
     def test_march_agrees_with_exact_where_the_form_is_closed(self):
         for engine in ("exact", "march"):
             self.neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o",
                       self.folder)
         pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
-        done = self.neph("compare", *pair, "--json", "--fail-above", "transmittance:max_rel=1e-5")
+        found = self.json("compare", *pair, "--fail-above", "transmittance:max_rel=1e-5")
         values = {(m["quantity"], m["metric"], m["mask"]): m["value"]
-                  for m in json.loads(done.stdout)["measurements"]}
+                  for m in found["measurements"]}
         self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
         self.neph("compare", *pair, "--fail-above", "radiance:max_abs=0", code=1)
 
@@ -109,8 +105,8 @@ media:
         in_two = self.folder / "in_two.exr"
         (self.folder / "voxel_grid_oracle_0000.exr").rename(in_two)
         self.neph("render", "voxel_grid", *options, "-s", "samples=24")
-        done = self.neph("compare", in_two, self.folder / "voxel_grid_oracle_0000.exr", "--json")
-        worst = [row["value"] for row in json.loads(done.stdout)["measurements"]
+        found = self.json("compare", in_two, self.folder / "voxel_grid_oracle_0000.exr")
+        worst = [row["value"] for row in found["measurements"]
                  if row["metric"] == "max_abs" and row["quantity"] == "radiance"]
         self.assertEqual(set(worst), {0.0})
         sums.write_bytes(sums.read_bytes()[:-9])
@@ -127,10 +123,9 @@ media:
         self.neph("scenes", "disney_cloud", **environment, code=66, said="export NEPH_DISNEY_CLOUD")
 
     def test_validate_reuses_finished_frames(self):
-        runs = [self.neph("validate", "scattering_slab_above", *ON_THE_CPU, "32x18", "-o",
-                          self.folder, "--json") for _ in range(2)]
-        reused = [[f["reused"] for f in json.loads(run.stdout)["scenes"][0]["frames"]]
-                  for run in runs]
+        runs = [self.json("validate", "scattering_slab_above", *ON_THE_CPU, "32x18", "-o",
+                          self.folder) for _ in range(2)]
+        reused = [[f["reused"] for f in run["scenes"][0]["frames"]] for run in runs]
         self.assertEqual(reused, [[False, False], [True, True]])
         report = self.folder / "report"
         self.assertTrue((report / "index.html").exists())
@@ -138,19 +133,17 @@ media:
 
     def test_failing_gate_exits_with_1_and_is_named(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
-        scene = self.folder / "scattering_slab_above.yaml"
-        scene.write_text(text.replace("engine: march", "engine: oracle").replace("maximum: 1.0e-3",
-                                                                                 "maximum: 0"))
-        done = self.neph("validate", scene, *ON_THE_CPU, "32x18", "-o", self.folder, "--json",
-                         code=1)
-        verdicts = [g["verdict"] for g in json.loads(done.stdout)["scenes"][0]["gates"]]
+        scene = self.put("scattering_slab_above.yaml", text.replace(
+            "engine: march", "engine: oracle").replace("maximum: 1.0e-3", "maximum: 0"))
+        found = self.json("validate", scene, *ON_THE_CPU, "32x18", "-o", self.folder, code=1)
+        verdicts = [g["verdict"] for g in found["scenes"][0]["gates"]]
         self.assertIn("fail", verdicts)
 
     def test_missing_engines_are_reported_and_the_others_go_on(self):
-        done = self.neph("validate", "scattering_slab_above", "--no-charts", "--size", "32x18",
-                         "-q", "-o", self.folder, "--json", PATH="/nonexistent",
-                         VK_ICD_FILENAMES="/nonexistent.json")
-        frames = {f["engine"]: f for f in json.loads(done.stdout)["scenes"][0]["frames"]}
+        found = self.json("validate", "scattering_slab_above", "--no-charts", "--size", "32x18",
+                          "-q", "-o", self.folder, PATH="/nonexistent",
+                          VK_ICD_FILENAMES="/nonexistent.json")
+        frames = {f["engine"]: f for f in found["scenes"][0]["frames"]}
         self.assertEqual(frames["exact"]["status"], "rendered")
         for engine in ("march", "cycles", "povray"):
             self.assertEqual(frames[engine]["status"], "missing")

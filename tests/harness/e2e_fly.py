@@ -3,24 +3,17 @@
 """`neph fly` on a display of its own: what is on the screen, what keys do, what it writes and how
 it ends."""
 import collections
-import json
 import math
 import os
 import pathlib
 import shutil
-import signal
 import struct
 import subprocess
-import sys
-import tempfile
-import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import neph_case  # noqa: E402
+import frames
+import neph_case
 
-NEPH = neph_case.NEPH
 HAS_WINDOW = os.environ["NEPH_HAS_WINDOW"] == "1"
 WIDTH, HEIGHT = 32, 18
 SIZE = f"{WIDTH}x{HEIGHT}"
@@ -90,10 +83,8 @@ class Refusals(neph_case.NephCase):
     surroundings = OUTSIDE
 
     def refuse(self, code, *words, scene=TOWER, arguments=(), **environment):
-        path = self.folder / "tower.yaml"
-        path.write_text(scene)
-        self.neph("fly", path, "--size", SIZE, "-o", self.folder, *arguments, **environment,
-                  code=code, said=words, silent=True)
+        self.neph("fly", self.put("tower.yaml", scene), "--size", SIZE, "-o", self.folder,
+                  *arguments, **environment, code=code, said=words, silent=True)
 
     @unittest.skipIf(HAS_WINDOW, "this neph has windows")
     def test_without_sdl_it_says_how_to_get_it(self):
@@ -119,26 +110,19 @@ class Flight(neph_case.NephCase):
     def setUpClass(cls):
         if not shutil.which("Xvfb"):
             raise unittest.SkipTest("no Xvfb: apt-get install xvfb")
-        cls.screen_folder = tempfile.TemporaryDirectory()
-        cls.screen = Screen(pathlib.Path(cls.screen_folder.name))
+        cls.screen = Screen(neph_case.scratch(cls.addClassCleanup))
+        cls.addClassCleanup(cls.screen.close)
         cls.environment = {"DISPLAY": cls.screen.name, "SDL_RENDER_DRIVER": "software",
                            "SDL_VIDEODRIVER": "x11"}
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.screen.close()
-        cls.screen_folder.cleanup()
-
     def setUp(self):
         super().setUp()
-        self.scene = self.folder / "tower.yaml"
-        self.scene.write_text(TOWER)
+        self.scene = self.put("tower.yaml", TOWER)
 
     def fly(self, keys, frame_count, *arguments):
-        done = self.neph("fly", self.scene, "--size", SIZE, "--seed", 1, "-o", self.folder,
-                         "--json", "-s", "steps=16", "--keys", keys, "--frames", frame_count,
-                         *arguments, **self.environment)
-        return json.loads(done.stdout)
+        return self.json("fly", self.scene, "--size", SIZE, "--seed", 1, "-o", self.folder, "-s",
+                         "steps=16", "--keys", keys, "--frames", frame_count, *arguments,
+                         **self.environment)
 
     def channels(self, name):
         width, height, channels, _ = frames.read_exr(self.folder / name)
@@ -200,26 +184,16 @@ class Flight(neph_case.NephCase):
     def test_a_time_is_between_two_frames(self):
         self.assertIsNone(self.fly(".", 1)["frame_median_s"])
 
-    def start(self, *arguments):
-        flight = subprocess.Popen(
-            [NEPH, "fly", self.scene, "--size", SIZE, "-o", self.folder, *arguments],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-            env={**OUTSIDE, **self.environment})
-        while flight.poll() is None and self.screen.is_black():
-            time.sleep(0.1)
-        return flight
-
     def test_the_screen_shows_it_and_ctrl_c_loses_nothing(self):
-        flight = self.start("--keys", "k w h")
+        flight = self.start("fly", self.scene, "--size", SIZE, "-o", self.folder, "--keys", "k w h",
+                            **self.environment)
+        self.wait_until(lambda: not self.screen.is_black(), flight)
         colours = self.screen.colours()
         shown = 800 * 600 - colours[0]
         self.assertGreater(shown, 0.7 * WIDTH * HEIGHT * ZOOM**2)  # the tower is black, text dark
         self.assertGreater(len(colours), 20)
         self.assertGreater(colours.get(0xffffff, 0), 100)  # letters
-        flight.send_signal(signal.SIGINT)
-        out, err = flight.communicate(timeout=120)
-        self.assertEqual(flight.returncode, 130, err)
+        out, _ = self.interrupt(flight)
         self.assertIn("tower_path.yaml", out)
         self.neph("scenes", self.folder / "tower_path.yaml")
 

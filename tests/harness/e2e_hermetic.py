@@ -4,15 +4,11 @@
 POV-Ray, Blender, Python, OpenColorIO, Mesa and Vulkan as among none."""
 import os
 import pathlib
-import signal
-import subprocess
-import tempfile
-import time
 import unittest
 
 import frames
+import neph_case
 
-NEPH = os.environ["NEPH"]
 CLEAN = {name: os.environ[name] for name in ("PATH", "NEPH_DATA_DIR", "MESA_SHADER_CACHE_DIR")
          if name in os.environ}
 
@@ -33,18 +29,13 @@ except ImportError:
 """
 
 
-class Hermetic(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.trace = self.folder / "trace"
+class Hermetic(neph_case.NephCase):
+    surroundings = CLEAN
+    in_folder = True
 
-    def put(self, path, text):
-        path = self.folder / path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        return str(path)
+    def setUp(self):
+        super().setUp()
+        self.trace = self.folder / "trace"
 
     def hostile(self):
         """An environment in which everything asks for something else; the working folder as
@@ -70,7 +61,7 @@ class Hermetic(unittest.TestCase):
                 "PYTHONPATH": str(self.folder / "python"), "PYTHONHOME": "/nonexistent",
                 "PYTHONSTARTUP": "/nonexistent", "CYCLES_CPU_NO_AVX2": "1",
                 "CYCLES_BVH_LAYOUT": "BVH2", "OMP_NUM_THREADS": "1", "LC_ALL": "de_DE.UTF-8",
-                "OCIO": self.put("broken.ocio", "not a configuration"),
+                "OCIO": str(self.put("broken.ocio", "not a configuration")),
                 "OCIO_OPTIMIZATION_FLAGS": "0", "LD_LIBRARY_PATH": "/nonexistent",
                 "LP_NATIVE_VECTOR_WIDTH": "128", "GALLIVM_PERF": "nopt", "GALLIUM_NOSSE": "1",
                 "MESA_SPIRV_FORCE_UNSTRUCTURED": "1", "VK_INSTANCE_LAYERS": "VK_LAYER_evil",
@@ -78,10 +69,8 @@ class Hermetic(unittest.TestCase):
 
     def render(self, scene, engine, output, environment, *settings):
         """The channels of a frame with what decides them, and what was said."""
-        done = subprocess.run([NEPH, "render", scene, "-e", engine, "--size", "8x8", "-q", "-o",
-                               output, *settings], capture_output=True, text=True, timeout=300,
-                              env=environment, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph("render", scene, "-e", engine, "--size", "8x8", "-q", "-o", output,
+                         *settings, surroundings=environment)
         *picture, texts = frames.read_exr(self.folder / output / f"{scene}_{engine}_0000.exr")
         named = {f"neph.{name}": texts[f"neph.{name}"]
                  for name in ("engine_version", "engine_build", "device")}
@@ -117,27 +106,20 @@ class Hermetic(unittest.TestCase):
     def test_an_engine_behind_a_wrapper_dies_with_neph(self):
         """kill -9 of neph, while a script in front of the engine waits for it in another
         session."""
-        self.put("bin/povray",
-                 '#!/bin/sh\ncase "$1" in --version) exec /usr/bin/povray --version;; esac\n'
-                 f'echo $$ >{self.folder}/wrapper; setsid sh -c \'echo $$ >{self.folder}/engine; '
-                 f'exec sleep 300\'\n')
-        (self.folder / "bin/povray").chmod(0o755)
-        neph = subprocess.Popen([NEPH, "render", "fence_backlit", "-e", "povray", "--size", "8x8",
-                                 "-q"], cwd=self.folder,
-                                env={**CLEAN, "PATH": f"{self.folder}/bin:{CLEAN['PATH']}"})
+        bin_first = self.put_program(
+            "povray",
+            '#!/bin/sh\ncase "$1" in --version) exec /usr/bin/povray --version;; esac\n'
+            f'echo $$ >{self.folder}/wrapper; setsid sh -c \'echo $$ >{self.folder}/engine; '
+            f'exec sleep 300\'\n')
+        child = self.start("render", "fence_backlit", "-e", "povray", "--size", "8x8", "-q",
+                           **bin_first)
         pids = [self.folder / name for name in ("wrapper", "engine")]
         self.wait_until(
             lambda: all(path.exists() and path.read_text().endswith("\n") for path in pids))
-        neph.send_signal(signal.SIGKILL)
-        neph.wait()
+        child.kill()
+        child.wait()
         self.wait_until(
             lambda: not any(map(self.is_alive, (path.read_text().strip() for path in pids))))
-
-    def wait_until(self, condition):
-        deadline = time.monotonic() + 60
-        while not condition():
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.02)
 
     @staticmethod
     def is_alive(pid):

@@ -5,28 +5,25 @@ them."""
 import csv
 import json
 import math
-import pathlib
 import random
 import signal
 import struct
 import subprocess
-import sys
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import neph_case  # noqa: E402
-import night  # noqa: E402
+import frames
+import neph_case
+import night
 
 NEPH = neph_case.NEPH
 WIDTH, HEIGHT = 64, 48
 INF = math.inf
 
 
-def values_of(done, **only):
+def values_of(document, **only):
     """{(metric, mask): value} of the numbers of all frames, or of the only frame."""
-    rows = json.loads(done.stdout)["measurements"]
+    rows = document["measurements"]
     overall = [row for row in rows if "frame" not in row] or rows
     return {(row["metric"], row["mask"]): row["value"] for row in overall
             if all(row[key] == value for key, value in only.items())}
@@ -46,9 +43,9 @@ class Metrics(neph_case.NephCase):
     def test_error_by_hand_in_json_csv_and_maps(self):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25 if x < 16 else 1.0)
-        done = self.neph("compare", reference, test, "--json", "--csv", self.folder / "out.csv",
-                         "--maps", self.folder / "maps", "--metric", "error")
-        values = values_of(done, quantity="radiance")
+        found = self.json("compare", reference, test, "--csv", self.folder / "out.csv", "--maps",
+                          self.folder / "maps", "--metric", "error")
+        values = values_of(found, quantity="radiance")
         self.assertAlmostEqual(values["mae", "all"], 0.0625, delta=1e-15)
         self.assertAlmostEqual(values["rmse", "all"], 0.125, delta=1e-15)
         # 1 + (0.01)^2
@@ -68,9 +65,8 @@ class Metrics(neph_case.NephCase):
                                lambda x, y: 2.0 if x < 20 else INF)
         test = self.write("test.exr", lambda x, y: 1 + x / WIDTH + 0.01 * (y % 3),
                           lambda x, y: 2.0 if x < 20 else INF)
-        done = self.neph("compare", reference, test, "--json", "--fps", 30, "--ppd", 40,
-                         "--exposure", -1)
-        rows = json.loads(done.stdout)["measurements"]
+        found = self.json("compare", reference, test, "--fps", 30, "--ppd", 40, "--exposure", -1)
+        rows = found["measurements"]
         self.assertGreater(len(rows), 50)
         for row in rows:
             self.assertEqual(row["viewing"], {"frame_rate_hz": 30.0, "pixels_per_degree": 40.0,
@@ -108,7 +104,7 @@ class Metrics(neph_case.NephCase):
                             ("flicker", ("2 / N", "d: luma")),
                             ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):
             text = self.neph("metrics", name).stdout
-            document = json.loads(self.neph("metrics", name, "--json").stdout)
+            document = self.json("metrics", name)
             for word in words:
                 self.assertIn(word, text)
                 self.assertIn(word, json.dumps(document))
@@ -139,9 +135,8 @@ class Metrics(neph_case.NephCase):
                 self.write(f"{name}/f.{frame:02}.exr", lambda x, y: 0.5 + height *
                            (frame % 4 == 0) + 0.001 * (frame % 3) + draw.gauss(0, 1e-3))
         run = ("flicker", "-r", reference, self.folder / "strong", "-m", "a4_p95", "--mask", "all",
-               "--json", "--versus")
-        done = self.neph(*run, self.folder / "weak")
-        row, = json.loads(done.stdout)["versus"]
+               "--versus")
+        row, = self.json(*run, self.folder / "weak")["versus"]
         self.assertEqual((row["metric"], row["interval_kind"], row["n"]),
                          ("a4_p95", "bootstrap over tiles", 192))
         self.assertLess(row["interval"][0], row["difference"])
@@ -149,7 +144,7 @@ class Metrics(neph_case.NephCase):
         self.assertLess(row["p_holm"], 1e-6)
         encoded = [1.055 * v ** (1 / 2.4) - 0.055 for v in (0.7, 0.6)]
         self.assertAlmostEqual(row["difference"], (encoded[0] - encoded[1]) / 2, delta=2e-3)
-        row, = json.loads(self.neph(*run, self.folder / "twin").stdout)["versus"]
+        row, = self.json(*run, self.folder / "twin")["versus"]
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
         text = self.neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
                          self.folder / "weak").stdout
@@ -173,8 +168,8 @@ class Metrics(neph_case.NephCase):
         self.assertIn("176 px", rows["ms_ssim", "all"]["undefined_because"])
         picture = self.folder / "a.png"
         picture.write_bytes(frames.png_bytes(4, 4, [100] * 48))
-        done = self.neph("compare", picture, picture, "-m", "mae", "--json")
-        units = {row["unit"] for row in json.loads(done.stdout)["measurements"]}
+        found = self.json("compare", picture, picture, "-m", "mae")
+        units = {row["unit"] for row in found["measurements"]}
         self.assertEqual(units, {"display value"})
 
     def test_no_error_at_all_keeps_a_limit_on_psnr(self):
@@ -190,12 +185,12 @@ class Metrics(neph_case.NephCase):
         self.assertIn(
             "50 % of the pixels of the reference and 25 % of the test's are above display white",
             done.stdout)
-        done = self.neph("compare", half, quarter, "-m", "flip", "-m", "mae", "--json")
-        found, = (row for row in json.loads(done.stdout)["findings"] if row["finding"] == "clipped")
+        document = self.json("compare", half, quarter, "-m", "flip", "-m", "mae")
+        found, = (row for row in document["findings"] if row["finding"] == "clipped")
         self.assertEqual(found["clipped"],
                          {"above": "display white", "reference": 0.5, "test": 0.25})
         clipped = {row["metric"]: row.get("clipped")
-                   for row in json.loads(done.stdout)["measurements"]}
+                   for row in document["measurements"]}
         self.assertEqual((clipped["flip_p95"], clipped["mae"]), (found["clipped"], None))
         self.assertNotIn("clipped",
                          self.neph("compare", half, quarter, "-m", "flip", "--exposure", -2).stdout)
@@ -238,8 +233,8 @@ class Metrics(neph_case.NephCase):
                                  "B"), write("grey.exr", "Y"), write("other.exr", "left.R", "u")
         for first, second in ((rgb, other), (other, rgb), (other, other)):
             self.neph("compare", first, second, code=65, said="left.R u", silent=True)
-        done = self.neph("compare", rgb, grey, "--metric", "mae", "--json")
-        self.assertEqual(values_of(done), {("mae", "all"): 0.0})
+        found = self.json("compare", rgb, grey, "--metric", "mae")
+        self.assertEqual(values_of(found), {("mae", "all"): 0.0})
         dark = self.folder / "dark.exr"
         dark.write_bytes(frames.exr_bytes(4, 4, {"Y": [-0.5] * 16}))
         self.neph("compare", dark, dark, code=1, said="--negative-ok", silent=True)
@@ -251,10 +246,10 @@ class Metrics(neph_case.NephCase):
     def test_pictures_are_decoded_from_srgb(self):
         for name, code in (("a.png", 0), ("b.png", 188)):
             (self.folder / name).write_bytes(frames.png_bytes(8, 8, [code] * 192))
-        done = self.neph("compare", self.folder / "a.png", self.folder / "b.png", "--json",
-                         "--metric", "mae")
+        found = self.json("compare", self.folder / "a.png", self.folder / "b.png", "--metric",
+                          "mae")
         linear = ((188 / 255 + 0.055) / 1.055) ** 2.4
-        self.assertAlmostEqual(values_of(done)["mae", "all"], linear, delta=1e-7)
+        self.assertAlmostEqual(values_of(found)["mae", "all"], linear, delta=1e-7)
         self.neph("compare", self.folder / "a.png",
                   self.write("a.exr", lambda x, y: 1.0, width=8, height=8), code=65)
         self.neph("compare", self.folder / "a.png", self.folder / "b.png", "--exposure", 1, code=65)
@@ -263,9 +258,9 @@ class Metrics(neph_case.NephCase):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 2.0 if x < 8 else 1.0)
         mask = self.write("mask.exr", lambda x, y: 1.0 if x < 16 else 0.0)
-        done = self.neph("compare", reference, test, "--mask", mask, "--metric", "mae", "--json")
-        self.assertEqual(values_of(done), {("mae", "file"): 0.5})
-        self.assertEqual(json.loads(done.stdout)["measurements"][0]["pixel_count"], 16 * HEIGHT)
+        found = self.json("compare", reference, test, "--mask", mask, "--metric", "mae")
+        self.assertEqual(values_of(found), {("mae", "file"): 0.5})
+        self.assertEqual(found["measurements"][0]["pixel_count"], 16 * HEIGHT)
 
     def test_a_layer_of_a_multilayer_file(self):
         def multilayer(name, value):
@@ -275,8 +270,8 @@ class Metrics(neph_case.NephCase):
                 **{f"ViewLayer.Combined.{c}": [value] * count for c in "RGBA"}}))
             return path
         pair = multilayer("a.exr", 1.0), multilayer("b.exr", 1.5)
-        done = self.neph("compare", *pair, "--layer", "ViewLayer.Combined", "-m", "mae", "--json")
-        self.assertEqual(values_of(done)["mae", "all"], 0.5)
+        found = self.json("compare", *pair, "--layer", "ViewLayer.Combined", "-m", "mae")
+        self.assertEqual(values_of(found)["mae", "all"], 0.5)
         self.neph("compare", *pair, "--layer", "Combined", code=65, said="ViewLayer.Combined")
 
     def test_what_a_file_says_of_its_colours_and_pixels_is_heeded(self):
@@ -349,10 +344,9 @@ class Metrics(neph_case.NephCase):
             return self.write(name, lambda x, y: 0.5, lambda x, y: near if x < 16 else far,
                               width=32, height=8)
         for far in (0.0, 65504.0, 65535.0, 1e9, 1e10, INF):
-            done = self.neph("compare", write("reference.exr", 5.0, far),
-                             write("test.exr", 5.5, INF), "-m", "mae", "--json")
-            rows = {(row["quantity"], row["mask"]): row
-                    for row in json.loads(done.stdout)["measurements"]}
+            found = self.json("compare", write("reference.exr", 5.0, far),
+                              write("test.exr", 5.5, INF), "-m", "mae")
+            rows = {(row["quantity"], row["mask"]): row for row in found["measurements"]}
             depth, sky = rows["depth", "all"], rows["radiance", "sky"]
             self.assertEqual((depth["value"], depth["pixel_count"], sky["pixel_count"]),
                              (0.5, 128, 128), far)
@@ -423,8 +417,8 @@ class Metrics(neph_case.NephCase):
         path = self.folder / "crypto.exr"
         path.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {**{c: [1.0] * count for c in "RGB"},
                                                           "crypto00.r": [math.nan] * count}))
-        done = self.neph("compare", path, path, "-m", "mae", "--json")
-        self.assertEqual(values_of(done)["mae", "all"], 0.0)
+        found = self.json("compare", path, path, "-m", "mae")
+        self.assertEqual(values_of(found)["mae", "all"], 0.0)
 
     def test_what_only_one_image_has_is_named(self):
         with_depth = self.write("depth.exr", lambda x, y: 1.0, self.depth)
@@ -451,10 +445,10 @@ class Metrics(neph_case.NephCase):
 
     def flicker(self, test, *options):
         reference = self.write("reference.exr", self.still, self.depth)
-        done = self.neph("flicker", "--reference", reference, test, "--json", *options)
+        found = self.json("flicker", "--reference", reference, test, *options)
         verdicts = {(row["finding"], row["mask"]): row["verdict"]
-                    for row in json.loads(done.stdout)["findings"]}
-        return values_of(done), verdicts
+                    for row in found["findings"]}
+        return values_of(found), verdicts
 
     def noise(self, sigma):
         """A little noise, drawn anew for every pixel of every frame."""
@@ -498,8 +492,8 @@ class Metrics(neph_case.NephCase):
             test = self.sequence("test", lambda x, y, t: self.still(x, y) * (1 + scale * (
                 2e-4 if self.depth(x, y) < INF else 1e-4) * math.cos(math.pi * t / 2)) + noise(),
                                  32)
-            done = self.neph("flicker", "--reference", still, test, "-m", "flicker", "--json")
-            found = next(row for row in json.loads(done.stdout)["findings"]
+            document = self.json("flicker", "--reference", still, test, "-m", "flicker")
+            found = next(row for row in document["findings"]
                          if row["finding"] == "edge_ratio")
             self.assertEqual(("quarter of a step" in found["text"],
                               "times as strong" in found["text"]), (floored, not floored), found)
@@ -529,9 +523,9 @@ class Metrics(neph_case.NephCase):
         (test / "frame.0000.exr").write_bytes(
             frames.exr_bytes(WIDTH, HEIGHT, declared,
                              attributes=[("neph.cycles", "string", b"slot 4, TAA jitter 7")]))
-        done = self.neph("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m",
-                         "cycles", "--mask", "all", "--fps", 30, "--json")
-        values, document = values_of(done), json.loads(done.stdout)
+        document = self.json("flicker", "-r", self.write("still.exr", lambda x, y: 0.5), test, "-m",
+                             "cycles", "--mask", "all", "--fps", 30)
+        values = values_of(document)
         self.assertAlmostEqual(values["cycle_7", "all"], pulse * math.sqrt(6) / 7, delta=1e-7)
         texts = [row["text"] for row in document["findings"] if row["finding"] == "cycle"]
         self.assertEqual([text.split(":")[0] for text in texts],
@@ -565,10 +559,9 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence("taa",
                             lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(),
                             64)
-        done = self.neph("flicker", "--reference", lights, taa, "-s", "follow.period_2=32",
-                         "--json")
-        values, findings = values_of(done), {row["finding"]: row
-                                             for row in json.loads(done.stdout)["findings"]}
+        found = self.json("flicker", "--reference", lights, taa, "-s", "follow.period_2=32")
+        values = values_of(found)
+        findings = {row["finding"]: row for row in found["findings"]}
         self.assertAlmostEqual(values["follow_gain_2_p50", "all"], gain, delta=1e-5)
         self.assertAlmostEqual(values["follow_lag_2_p95", "all"], lag, delta=1e-3)
         self.assertIsNone(values["follow_gain_1_p50", "all"])
@@ -587,10 +580,10 @@ class Metrics(neph_case.NephCase):
         lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 44)
         taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step
                             or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
-        done = self.neph("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                         f"lag.step_frame={step}", "--json", "--frozen-ok")
-        values, findings = values_of(done), {row["finding"]: row
-                                             for row in json.loads(done.stdout)["findings"]}
+        found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
+                          f"lag.step_frame={step}", "--frozen-ok")
+        values = values_of(found)
+        findings = {row["finding"]: row for row in found["findings"]}
         expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25,
                     "share_never_settled": 0.25, "step_share": 1,
                     "ghost_area_frames": 0.25 * 32 + 0.75 * 10}
@@ -613,11 +606,12 @@ class Metrics(neph_case.NephCase):
                                 **{"Z": [1.0 if c else 10.0 for c in card] * 4,
                                    "motion.y": [0.0] * 4 * WIDTH,
                                    "motion.x": [-2.0 if c else 0.0 for c in card] * 4})
-        done = self.neph("flicker", "-r", self.folder / "cards", self.folder / "taa", "-m", "ghost",
-                         "--json", "--frozen-ok")
+        document = self.json("flicker", "-r", self.folder / "cards", self.folder / "taa", "-m",
+                             "ghost", "--frozen-ok")
         left = (1 - 0.8 ** 5) * 0.8 ** 4
-        self.assertAlmostEqual(values_of(done)["edge_ghost_residual_4", "all"], left, delta=1e-6)
-        found = next(row for row in json.loads(done.stdout)["findings"]
+        values = values_of(document)
+        self.assertAlmostEqual(values["edge_ghost_residual_4", "all"], left, delta=1e-6)
+        found = next(row for row in document["findings"]
                      if row["finding"] == "edge_ghost")
         self.assertEqual((found["verdict"],
                           "27.5 % of what was in front is left after 4 frames" in found["text"]),
@@ -630,9 +624,9 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence(
             "taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1),
             80)
-        done = self.neph("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                         f"lag.step_frame={step}", "--json", "--frozen-ok")
-        values = values_of(done)
+        found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
+                          f"lag.step_frame={step}", "--frozen-ok")
+        values = values_of(found)
         for mask in ("all", "depth_edge"):
             self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9),
                                    delta=1e-6)
@@ -697,9 +691,9 @@ class Metrics(neph_case.NephCase):
             return f"f.{'-' if number < 0 else ''}{abs(number):04d}.exr"
 
         def numbers(reference, test, *options):
-            done = self.neph("flicker", "-r", reference, test, "-m", "lag", "-s",
-                             "lag.step_frame=8", "--json", *options)
-            return json.loads(done.stdout)["measurements"], values_of(done)
+            found = self.json("flicker", "-r", reference, test, "-m", "lag", "-s",
+                              "lag.step_frame=8", *options)
+            return found["measurements"], values_of(found)
         names = {
             "plain": lambda t: f"f.{t + 1:04d}.exr",
             "negative": lambda t: signed(t - 32),
@@ -733,13 +727,11 @@ class Metrics(neph_case.NephCase):
         good = self.sequence("good", lambda x, y, t: self.still(x, y) + shared(x, y, t), 64)
         bad = self.sequence("bad", lambda x, y, t: self.still(x, y) + 1.05 * shared(x, y, t), 64)
         reference = self.write("reference.exr", self.still, self.depth)
-        done = self.neph("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask",
-                         "all", "--json")
-        row = next(row
-                   for row in json.loads(done.stdout)["versus"] if row["quantity"] == "radiance")
+        rows = self.json("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask",
+                         "all")["versus"]  # of radiance and of depth: corrected for two
+        row = next(row for row in rows if row["quantity"] == "radiance")
         self.assertAlmostEqual(row["difference"], 0.001, delta=5e-5)
         self.assertLess(row["p_holm"], 1e-6)
-        rows = json.loads(done.stdout)["versus"]  # of radiance and of depth: corrected for two
         self.assertEqual({(row["metric"], row["mask"]) for row in rows}, {("rmse", "all")})
         self.assertAlmostEqual(row["p_holm"] / row["p"], len(rows), delta=1e-9)
 

@@ -10,15 +10,14 @@ import pathlib
 import re
 import shutil
 import sqlite3
-import subprocess
 import sys
 import tempfile
 import unittest
 
+import neph_case
+from neph_case import ROOT as SOURCES
 from night import of_the_night
 
-NEPH = os.environ["NEPH"]
-SOURCES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCES / "docs/examples"))
 import fog  # noqa: E402, the renderer that a user may begin with: it writes a frame
@@ -111,10 +110,8 @@ class Attacks(unittest.TestCase):
         none = {} if device else {"VK_DRIVER_FILES": "/nonexistent",
                                   "VK_ICD_FILENAMES": "/nonexistent"}
         nothing = {"PATH": "/nonexistent", **none}
-        done = subprocess.run([NEPH, *map(str, arguments), "-o", str(cls.out)], text=True,
-                              capture_output=True, timeout=120,
-                              env={**os.environ, **nothing, "NEPH_DATA_DIR": str(cls.data),
-                                   "NEPH_COMMAND": str(cls.root / "program")})
+        done = neph_case.run(*arguments, "-o", cls.out, **nothing, NEPH_DATA_DIR=str(cls.data),
+                             NEPH_COMMAND=str(cls.root / "program"))
         assert done.returncode == code, f"{arguments}: {done.returncode}\n{done.stdout}" \
                                         f"{done.stderr}"
         return done

@@ -7,33 +7,26 @@ import pathlib
 import random
 import signal
 import sqlite3
-import subprocess
-import tempfile
 import time
 import unittest
 import xml.etree.ElementTree
 
+import neph_case
 import night
 
-NEPH = os.environ["NEPH"]
 # Two scenarios of the stress tests, a second or two each; and a fog without other people's
 # renderers, which are not in this PATH.
 QUICK = ["nightly", "--only", "failure ridge_far", "--only", "failure fog_none", "-q", "--once"]
 FOG = ["nightly", "--only", "catalog height_fog_down", "--size", "32x18", "-q", "--once"]
-LONELY = {**os.environ, "PATH": "/nonexistent"}
+LONELY = {"PATH": "/nonexistent"}
 
 
-class Nightly(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+class Nightly(neph_case.NephCase):
+    def neph(self, *arguments, **expected):
+        return super().neph(*arguments, "-o", self.folder, **expected)
 
-    def neph(self, *arguments, code=0, **options):
-        done = subprocess.run([NEPH, *map(str, arguments), "-o", str(self.folder)],
-                              capture_output=True, text=True, timeout=300, **options)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
+    def start(self, *arguments, **environment):
+        return super().start(*arguments, "-o", self.folder, **environment)
 
     def data(self):
         return json.loads((self.folder / "nightly/nightly.json").read_text())
@@ -42,31 +35,22 @@ class Nightly(unittest.TestCase):
         return self.neph("baseline", "accept", "--why", "looked at", *arguments)
 
     def kill_a_night(self):
-        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
-                                 stderr=subprocess.DEVNULL)
-        until = time.monotonic() + 120
-        logs = self.folder / "nightly/logs"
-        while len(list(logs.glob("*.log"))) < 2 and time.monotonic() < until:
-            time.sleep(0.01)  # the second step has begun
-        again = subprocess.run([NEPH, *QUICK, "-o", str(self.folder)], capture_output=True,
-                               text=True, timeout=60)
-        self.assertEqual(again.returncode, 69, again.stderr)  # one at a time
-        self.assertIn("another night is at work", again.stderr)
+        child = self.start(*QUICK)
+        logs = self.folder / "nightly/logs"  # the second step has begun
+        self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
+        self.neph(*QUICK, code=69, said="another night is at work")  # one at a time
         page = json.loads((self.folder / "nightly/report/data.json").read_text())
         self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
                          ("running", 1))
-        child.send_signal(signal.SIGKILL)
+        child.kill()
         child.wait()
 
     @night.of_the_night
     def test_an_interrupted_night_says_so(self):
-        child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)], stdout=subprocess.DEVNULL,
-                                 stderr=subprocess.DEVNULL)
+        child = self.start(*QUICK)
         logs = self.folder / "nightly/logs"
-        while child.poll() is None and len(list(logs.glob("*.log"))) < 2:
-            time.sleep(0.01)
-        child.send_signal(signal.SIGINT)
-        self.assertEqual(child.wait(timeout=120), 130)
+        self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
+        self.interrupt(child)
         page = json.loads((self.folder / "nightly/report/data.json").read_text())
         self.assertEqual(page["state"], "interrupted")
 
@@ -146,10 +130,7 @@ class Nightly(unittest.TestCase):
         return False
 
     def kill_the_second_run(self):
-        child = subprocess.Popen([NEPH, *FOG[:-1], "-o", str(self.folder)], env=LONELY, text=True,
-                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        while child.poll() is None and not self.kill_what_works_in(self.folder / "nightly/again"):
-            time.sleep(0.002)
+        child = self.start(*FOG[:-1], **LONELY)
         said, _ = child.communicate(timeout=120)
         self.assertEqual(child.returncode, 1, said)
         self.assertIn("0 once more", said)
@@ -160,7 +141,7 @@ class Nightly(unittest.TestCase):
     def test_a_planted_change_is_found_and_named(self):
         self.kill_the_second_run()
         self.accept()
-        done = self.neph(*FOG, "-s", "march:steps=56", code=1, env=LONELY)
+        done = self.neph(*FOG, "-s", "march:steps=56", code=1, **LONELY)
         worst = self.data()["findings"][0]
         self.assertEqual((worst["found"], worst["step"]), ("worse", "catalog height_fog_down"))
         self.assertIn("/march/", worst["series"])
@@ -189,14 +170,14 @@ class Nightly(unittest.TestCase):
     def test_other_seeds_are_no_alarm_and_a_fresh_store_gives_the_same(self):
         slab = ["nightly", "--only", "catalog height_fog_down", "--only",
                 "catalog scattering_slab_above", "--size", "32x18", "-q", "--once"]
-        self.neph(*slab, code=1, env=LONELY)
+        self.neph(*slab, code=1, **LONELY)
         first = self.values()
         self.setUp()
-        self.neph(*slab, code=1, env=LONELY)
+        self.neph(*slab, code=1, **LONELY)
         self.assertEqual(self.values(), first)  # tracers, too: the seed is the same
         self.accept()
         for seed in (2, 3, 4):
-            self.neph(*slab, "--seed", seed, env=LONELY)
+            self.neph(*slab, "--seed", seed, **LONELY)
             self.assertEqual(self.data()["findings"], [])
             self.assertEqual(self.data()["compared"], len(first) - self.count("contrast"))
             other = {name for name, value in self.values().items() if value != first[name]}
@@ -211,15 +192,15 @@ class Nightly(unittest.TestCase):
 
     @night.of_the_night
     def test_a_change_that_was_meant_is_accepted(self):
-        self.neph(*FOG, code=1, env=LONELY)
+        self.neph(*FOG, code=1, **LONELY)
         self.accept()
-        self.neph(*FOG, "-s", "march:steps=56", code=1, env=LONELY)
+        self.neph(*FOG, "-s", "march:steps=56", code=1, **LONELY)
         series = self.data()["findings"][0]["series"]
         self.accept(series)
-        self.neph(*FOG, "-s", "march:steps=56", env=LONELY, code=1)  # others are worse still
+        self.neph(*FOG, "-s", "march:steps=56", **LONELY, code=1)  # others are worse still
         self.assertNotIn(series, [row["series"] for row in self.data()["findings"]])
         self.accept()
-        self.neph(*FOG, "-s", "march:steps=56", env=LONELY)
+        self.neph(*FOG, "-s", "march:steps=56", **LONELY)
 
     @night.of_the_night
     def test_kills_at_twenty_moments_end_in_the_same_store(self):
@@ -232,11 +213,10 @@ class Nightly(unittest.TestCase):
         self.setUp()
         moments, killed = random.Random(seed), 0
         for _ in range(20):
-            child = subprocess.Popen([NEPH, *QUICK, "-o", str(self.folder)],
-                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            child = self.start(*QUICK)
             time.sleep(moments.uniform(0.0, 0.8 * takes))
             killed += child.poll() is None
-            child.send_signal(signal.SIGKILL)
+            child.kill()
             child.wait()
         self.neph(*QUICK, code=1)
         self.assertGreater(killed, 3, f"seed {seed}")  # some nights end before their moment

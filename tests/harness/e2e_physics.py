@@ -3,23 +3,17 @@
 """The physics suite and the step study, run as a user would, with few samples: results, exit codes,
 pictures, the page in a browser, and what a wrong command is told."""
 import json
-import os
 import pathlib
 import shutil
 import struct
 import subprocess
-import tempfile
 import unittest
 
-NEPH = os.environ["NEPH"]
-ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+import neph_case
+from neph_case import ROOT, VALIDATED, StudyCase
+
 OURS = ["-e", "exact", "-e", "oracle", "-e", "tracer", "-e", "march"]
 SUITE = ["validate", "--suite", "physics", "-q", "--samples", "4"]
-
-
-def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", **environment})
 
 
 def png_size_px(path):
@@ -31,16 +25,11 @@ class Furnace(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
-        cls.done = neph(*SUITE, *OURS, "-e", "povray", "--check", "furnace_box_4", "-o",
-                        cls.folder, "--json", PATH="/nonexistent")
+        cls.folder = neph_case.scratch(cls.addClassCleanup)
+        cls.done = neph_case.run(*SUITE, *OURS, "-e", "povray", "--check", "furnace_box_4", "-o",
+                                 cls.folder, "--json", surroundings=VALIDATED, PATH="/nonexistent")
         has_run = cls.done.returncode in (0, 1)
         cls.physics = json.loads(cls.done.stdout)["physics"] if has_run else None
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def rows(self, participant):
         return [row for row in self.physics["rows"] if row["participant"] == participant]
@@ -96,16 +85,13 @@ class Furnace(unittest.TestCase):
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
 
-class OtherRuns(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+class OtherRuns(StudyCase):
+    def suite(self, *arguments, code=0):
+        document = self.json(*SUITE, *arguments, code=code)
+        return document["physics"]
 
     def test_a_check_of_several_views_shows_them_all(self):
-        done = neph(*SUITE, "-e", "oracle", "--check", "reciprocity", "-o", self.folder, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        physics = json.loads(done.stdout)["physics"]
+        physics = self.suite("-e", "oracle", "--check", "reciprocity")
         self.assertEqual([len(check["views"]) for check in physics["checks"]], [2])
         self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
@@ -115,11 +101,9 @@ class OtherRuns(unittest.TestCase):
         documents = []
         for jobs in ("1", "2"):
             folder = self.folder / jobs
-            words = [*SUITE, "-e", "march", "-e", "oracle", "--check", "furnace_box", "--jobs",
-                     jobs, "--json", "-o", folder]
-            done = neph(*words)
-            self.assertEqual(done.returncode, 0, done.stderr)
-            physics = json.loads(done.stdout)["physics"]
+            words = ("-e", "march", "-e", "oracle", "--check", "furnace_box", "--jobs", jobs, "-o",
+                     folder)
+            physics = self.suite(*words)
             del physics["seconds"]
             for row in physics["rows"]:
                 del row["wall_s"]
@@ -129,28 +113,23 @@ class OtherRuns(unittest.TestCase):
             self.assertEqual(len(frames), 2 * 2 * 2)  # checks, engines, passes
         self.assertEqual(documents[0], documents[1])
         kept = {path: path.stat().st_mtime_ns for path in frames}
-        self.assertEqual(neph(*words).returncode, 0)
+        self.suite(*words)
         self.assertEqual({path: path.stat().st_mtime_ns
                           for path in (folder / "store/frames").rglob("frame.exr")}, kept)
 
     def test_the_table_for_people_names_check_participant_and_verdict(self):
-        done = neph(*SUITE, "-e", "exact", "--check", "furnace_box_4", "-o", self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.neph(*SUITE, "-e", "exact", "--check", "furnace_box_4")
         line = next(line for line in done.stdout.splitlines() if line.startswith("furnace_box_4"))
         self.assertEqual([line.split()[k] for k in (1, 2, -1)], ["exact", "rendered", "agrees"])
         self.assertIn("verdict: pass", done.stdout)
 
     def test_what_exact_leaves_to_the_tracers_is_not_measured_and_no_pass(self):
-        done = neph(*SUITE, "-e", "exact", "--check", "furnace_clouds", "-o", self.folder, "--json")
-        row, = json.loads(done.stdout)["physics"]["rows"]
-        self.assertEqual((done.returncode, row["verdict"]), (1, "not_measured"), done.stderr)
+        row, = self.suite("-e", "exact", "--check", "furnace_clouds", code=1)["rows"]
+        self.assertEqual(row["verdict"], "not_measured")
         self.assertIn("cannot: clouds", row["reason"])
 
     def test_a_study_of_march_finds_its_second_order(self):
-        done = neph("study", "march", "height_fog_up", "--size", "16x9", "--json", "-o",
-                    self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        study = json.loads(done.stdout)
+        study = self.json("study", "march", "height_fog_up", "--size", "16x9")
         # 5 % of the order: the levels are far from the limit of small steps by no more than that.
         self.assertAlmostEqual(study["observed_order"], 2.0, delta=0.1)
         biases = [abs(level["bias"]) for level in study["levels"]]
@@ -160,30 +139,22 @@ class OtherRuns(unittest.TestCase):
         self.assertLessEqual(abs(chosen["bias"]) + 2 * chosen["bias_noise"], study["tolerance"])
 
     def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
-        suite = ["validate", "--suite", "physics", "-e", "exact", "-q", "-o", self.folder]
-        for arguments, told in [
-            ([*suite, "--check", "perpetuum"], ["perpetuum", "furnace"]),
-            ([*suite, "--check", ""], ["--check"]),
-            ([*suite, "-e", "magic"], ["magic", "neph engines"]),
-            ([*suite, "--samples", "-4"], ["-4", "2"]),
-            ([*suite, "--samples", "1"], ["samples", "2"]),
-            ([*suite, "--samples", "many"], ["many"]),
-            ([*suite, "height_fog_up"], ["height_fog_up", "--check"]),
-            (["validate", "--suite", "metaphysics"], ["metaphysics", "catalog", "physics"]),
-            (["validate", "--check", "furnace", "-o", self.folder], ["--suite physics"]),
-            (["validate", "--samples", "4", "-o", self.folder], ["--suite physics"]),
-            (["study", "magic", "height_fog_up", "-o", self.folder], ["magic", "cycles"]),
-            (["study", "exact", "height_fog_up", "-o", self.folder], ["exact", "no step"]),
-            (["study", "march"], ["scene"]),
-        ]:
-            with self.subTest(arguments=[str(a) for a in arguments]):
-                done = neph(*arguments)
-                self.assertEqual(done.returncode, 64, done.stdout + done.stderr)
-                self.assertEqual(done.stdout, "")
-                for word in told:
-                    self.assertIn(word, done.stderr)
-        done = neph("study", "march", "no_such_scene", "-o", self.folder)
-        self.assertEqual((done.returncode, "neph scenes" in done.stderr), (66, True), done.stderr)
+        suite = ("validate", "--suite", "physics", "-e", "exact", "-q")
+        self.check_refusals(
+            (64, ("perpetuum", "furnace"), (*suite, "--check", "perpetuum")),
+            (64, "--check", (*suite, "--check", "")),
+            (64, ("magic", "neph engines"), (*suite, "-e", "magic")),
+            (64, ("-4", "2"), (*suite, "--samples", "-4")),
+            (64, ("samples", "2"), (*suite, "--samples", "1")),
+            (64, "many", (*suite, "--samples", "many")),
+            (64, ("height_fog_up", "--check"), (*suite, "height_fog_up")),
+            (64, ("metaphysics", "catalog", "physics"), ("validate", "--suite", "metaphysics")),
+            (64, "--suite physics", ("validate", "--check", "furnace")),
+            (64, "--suite physics", ("validate", "--samples", "4")),
+            (64, ("magic", "cycles"), ("study", "magic", "height_fog_up")),
+            (64, ("exact", "no step"), ("study", "exact", "height_fog_up")),
+            (64, "scene", ("study", "march")),
+            (66, "neph scenes", ("study", "march", "no_such_scene")))
 
 
 if __name__ == "__main__":

@@ -3,17 +3,14 @@
 """`neph post`: pictures of frames, what they are called, and what is refused."""
 import json
 import math
-import os
 import pathlib
 import struct
-import sys
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import neph_case  # noqa: E402
+import frames
+import neph_case
+from neph_case import ROOT
 
-ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 WIDTH, HEIGHT = 8, 4
 
 
@@ -26,11 +23,12 @@ def srgb(linear):
 
 
 class Post(neph_case.NephCase):
+    in_folder = True
+
     def setUp(self):
         super().setUp()
-        self.root = self.folder
         self.values = [i / (WIDTH * HEIGHT) for i in range(WIDTH * HEIGHT)]
-        self.frame = self.root / "in" / "frame.0003.exr"
+        self.frame = self.folder / "in" / "frame.0003.exr"
         self.frame.parent.mkdir()
         self.write(self.frame, self.values)
 
@@ -49,7 +47,7 @@ class Post(neph_case.NephCase):
             self.assertIn(word, text)
 
     def test_a_picture_is_what_the_display_shows(self):
-        out = self.root / "out"
+        out = self.folder / "out"
         self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "--png", "-q", "-o",
                   out)
         shown = reds(out / self.frame.name)
@@ -62,27 +60,26 @@ class Post(neph_case.NephCase):
         self.assertEqual(list(frames.read_exr(out / self.frame.name)[2]["Z"]),
                          [100.0] * WIDTH * HEIGHT)
         # It is a display's picture: it cannot be mapped twice, nor held against radiance.
-        self.neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", self.root / "2",
+        self.neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", "2",
                   code=65, said="display")
         self.neph("compare", self.frame, out / self.frame.name, code=65)
 
     def test_sizes_and_times_are_told(self):
-        done = self.neph("post", self.frame, "-s", "upscale=bilinear", "-s", "screen_percent=50",
-                         "--json", "-o", self.root / "out")
-        [result] = json.loads(done.stdout)
+        [result] = self.json("post", self.frame, "-s", "upscale=bilinear", "-s",
+                             "screen_percent=50", "-o", "out")
         self.assertEqual((result["width_px"], result["height_px"]), (2 * WIDTH, 2 * HEIGHT))
         self.assertEqual([stage["name"] for stage in result["stages"]], ["upscale"])
-        self.assertEqual(len(reds(self.root / "out" / self.frame.name)),
+        self.assertEqual(len(reds(self.folder / "out" / self.frame.name)),
                          4 * WIDTH * HEIGHT)
 
     def test_grain_follows_frame_and_seed_alone(self):
-        self.write(self.root / "in" / "frame.0004.exr", self.values)
+        self.write(self.folder / "in" / "frame.0004.exr", self.values)
         words = ["-p", "plain", "-s", "grain=16", "-q"]
         for name, seed in (("a", 1), ("b", 1), ("c", 2)):
-            self.neph("post", self.root / "in", *words, "--seed", seed, "-o", self.root / name)
-        first, same, other = (reds(self.root / name / "frame.0003.exr")
+            self.neph("post", self.folder / "in", *words, "--seed", seed, "-o", self.folder / name)
+        first, same, other = (reds(self.folder / name / "frame.0003.exr")
                               for name in "abc")
-        later = reds(self.root / "a" / "frame.0004.exr")
+        later = reds(self.folder / "a" / "frame.0004.exr")
         self.assertEqual(first, same)
         self.assertNotEqual(first, other)
         self.assertNotEqual(first, later)
@@ -90,15 +87,14 @@ class Post(neph_case.NephCase):
     def test_the_eye_adapts_from_frame_to_frame(self):
         """A frame 4 EV brighter than the one before: 3 EV in a second, and no further."""
         for number, ev in ((3, 0), (4, 4), (5, 4)):
-            self.write(self.root / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
+            self.write(self.folder / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
         words = ["-p", "plain", "-s", "auto_exposure=on", "-s", "adapt_near_ev=0.5", "-s",
                  "exposure_ev=-1", "--repeat", "3"]  # of which none counts for the next frame
-        done = self.neph("post", self.root / "in", *words, "--fps", "2", "--json", "-o",
-                         self.root / "out")
-        evs = [result["adapted_ev"] for result in json.loads(done.stdout)]
+        found = self.json("post", self.folder / "in", *words, "--fps", "2", "-o", "out")
+        evs = [result["adapted_ev"] for result in found]
         for seen, expected in zip(evs, (0.0, 1.5, 3.0)):
             self.assertAlmostEqual(seen, expected, places=5)
-        shown = [reds(self.root / "out" / f"frame.000{n}.exr")[0] for n in (3, 4, 5)]
+        shown = [reds(self.folder / "out" / f"frame.000{n}.exr")[0] for n in (3, 4, 5)]
         for seen, expected in zip(shown, (0.09, 0.09 * 2 ** 2.5, 0.18)):
             self.assertAlmostEqual(seen, expected, places=4)
 
@@ -106,8 +102,8 @@ class Post(neph_case.NephCase):
         values = [0.0] * (WIDTH * HEIGHT)
         values[5] = 32.0
         self.write(self.frame, values)
-        self.neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", self.root / "out")
-        spread = reds(self.root / "out" / self.frame.name)
+        self.neph("post", self.frame, "-s", "bloom=conserving", "-q", "-o", "out")
+        spread = reds(self.folder / "out" / self.frame.name)
         self.assertAlmostEqual(sum(spread), 32.0, places=4)
         self.assertGreater(min(spread), 0.0)
 
@@ -115,34 +111,34 @@ class Post(neph_case.NephCase):
         values = [8.0 * v for v in self.values]  # up to 1573 cd/m^2, of which 1000 are shown
         self.write(self.frame, values)
         self.neph("post", self.frame, "-s", "tone=on", "-s", "tone_map=none", "-s", "encode=pq",
-                  "--png", "-q", "-o", self.root / "out")
-        for value, seen in zip(values, reds(self.root / "out" / self.frame.name)):
+                  "--png", "-q", "-o", "out")
+        for value, seen in zip(values, reds(self.folder / "out" / self.frame.name)):
             self.assertAlmostEqual(seen, min(203 * value / 1000, 1.0), delta=2e-4)
-        packed = (self.root / "out" / "frame.0003.png").read_bytes()
+        packed = (self.folder / "out" / "frame.0003.png").read_bytes()
         self.assertEqual(packed[24], 16)
         self.assertIn(b"sBIT\x0a\x0a\x0a", packed)
         self.assertIn(b"cICP\x09\x10\x00\x01", packed)
         # With the curve that HDR displays want nothing ends in a plateau.
-        self.neph("post", self.frame, "-p", "hdr", "-q", "-o", self.root / "hdr")
-        rolled = reds(self.root / "hdr" / self.frame.name)
+        self.neph("post", self.frame, "-p", "hdr", "-q", "-o", "hdr")
+        rolled = reds(self.folder / "hdr" / self.frame.name)
         self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
 
     def test_a_png_has_the_bits_asked_for(self):
         for bits in (8, 10, 16):
             self.neph("post", self.frame, "-p", "plain", "--png", "--bits", bits, "-q", "-o",
-                      self.root / str(bits))
-            packed = (self.root / str(bits) / "frame.0003.png").read_bytes()
+                      self.folder / str(bits))
+            packed = (self.folder / str(bits) / "frame.0003.png").read_bytes()
             self.assertEqual(packed[24], 8 if bits == 8 else 16)
             self.assertIn(b"sRGB", packed)
 
     def chain(self, text):
-        path = self.root / "chain.yaml"
+        path = self.folder / "chain.yaml"
         path.write_text(text)
         return path
 
     def test_a_chain_is_run_where_the_camera_is(self):
         """A camera that walks out of a box with -1 EV, a metre a frame, over 10 m of blending."""
-        scene = self.root / "walk.yaml"
+        scene = self.folder / "walk.yaml"
         scene.write_text("""
 name: walk
 title: a walk
@@ -170,14 +166,14 @@ volumes:
 """)
         self.neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
         for number, ev in ((0, -1), (5, -1), (10, -0.5), (15, 0), (20, 0)):
-            frame = self.root / "walking" / f"frame.{number:04}.exr"
+            frame = self.folder / "walking" / f"frame.{number:04}.exr"
             frame.parent.mkdir(exist_ok=True)
             self.write(frame, [0.5] * WIDTH * HEIGHT)
-            other = self.root / "walking" / f"frame.{number + 1:04}.exr"
+            other = self.folder / "walking" / f"frame.{number + 1:04}.exr"
             self.write(other, [0.5] * WIDTH * HEIGHT)
             self.neph("post", frame, other, "--chain", chain, "--scene", scene, "-q", "-o",
-                      self.root / "out")
-            seen = reds(self.root / "out" / frame.name)[0]
+                      "out")
+            seen = reds(self.folder / "out" / frame.name)[0]
             self.assertAlmostEqual(seen, 0.5 * 2 ** ev, places=5, msg=str(number))
 
     WALK = """
@@ -210,49 +206,49 @@ volumes:
     def test_a_scene_is_shown_by_its_chain(self):
         """Beside each frame what `neph post` makes of it, camera, grain and eye included."""
         self.chain(self.TUNNEL % ("", ""))
-        scene = self.root / "walk.yaml"
+        scene = self.folder / "walk.yaml"
         scene.write_text(self.WALK + "display: {chain: chain.yaml}\n")
         words = ["-e", "march", "-s", "steps=2", "--size", "16x8", "--frames", "3", "--seed", "5"]
-        done = self.neph("render", scene, *words, "--json", "-o", self.root / "shown")
-        self.neph("render", scene, *words, "-q", "--chain", "off", "-o", self.root / "plain")
-        self.assertFalse((self.root / "plain" / "shown").exists())
-        self.neph("post", self.root / "plain", "--chain", self.root / "chain.yaml", "--scene",
-                  scene, "--seed", "5", "--png", "-q", "-o", self.root / "posted")
+        found = self.json("render", scene, *words, "-o", self.folder / "shown")
+        self.neph("render", scene, *words, "-q", "--chain", "off", "-o", "plain")
+        self.assertFalse((self.folder / "plain" / "shown").exists())
+        self.neph("post", self.folder / "plain", "--chain", self.folder / "chain.yaml", "--scene",
+                  scene, "--seed", "5", "--png", "-q", "-o", "posted")
         levels = set()
-        for result in json.loads(done.stdout):
+        for result in found:
             picture = pathlib.Path(result["shown"])
-            frame = self.root / "plain" / picture.name
-            self.assertEqual(reds(self.root / "shown" / picture.name), reds(frame))
-            self.assertEqual(reds(picture), reds(self.root / "posted" / picture.name))
+            frame = self.folder / "plain" / picture.name
+            self.assertEqual(reds(self.folder / "shown" / picture.name), reds(frame))
+            posted = self.folder / "posted" / picture.name
+            self.assertEqual(reds(picture), reds(posted))
             self.assertEqual(picture.with_suffix(".png").read_bytes(),
-                             (self.root / "posted" / picture.name).with_suffix(".png").read_bytes())
+                             posted.with_suffix(".png").read_bytes())
             self.assertIn("shown_tone_mapping_gpu_ms", result["stats"])
             levels.add(round(max(reds(picture)), 3))
         self.assertEqual(len(levels), 3)  # inside, half way, outside
 
     def test_a_chain_that_enlarges_makes_frames_smaller(self):
-        scene = self.root / "walk.yaml"
+        scene = self.folder / "walk.yaml"
         scene.write_text(self.WALK)
         enlarging = ", upscale: bilinear, screen_percent: 67"
         words = ["render", scene, "-s", "steps=2", "--size", "17x9", "-q", "--chain",
-                 self.chain(self.TUNNEL % (enlarging, "")), "-o", self.root / "out"]
+                 self.chain(self.TUNNEL % (enlarging, "")), "-o", "out"]
         self.neph(*words)
         name = "walk_march_0000.exr"
-        self.assertEqual(frames.read_exr(self.root / "out" / name)[:2], (12, 7))
-        self.assertEqual(frames.read_exr(self.root / "out" / "shown" / name)[:2], (17, 9))
+        self.assertEqual(frames.read_exr(self.folder / "out" / name)[:2], (12, 7))
+        self.assertEqual(frames.read_exr(self.folder / "out" / "shown" / name)[:2], (17, 9))
         self.chain(self.TUNNEL % ("", enlarging))
         self.assertIn("volume 'tunnel'", self.neph(*words, code=64).stderr)
         self.chain("passes: [{pass: fxaa}]")
         self.assertIn("are off", self.neph(*words, code=64).stderr)
         scene.write_text(self.WALK + "display: {chain: none.yaml}\n")
-        self.neph("render", scene, "-o", self.root / "out", code=66,
-                  said=str(self.root / "none.yaml"))
+        self.neph("render", scene, "-o", "out", code=66,
+                  said=str(self.folder / "none.yaml"))
 
     def test_the_scene_of_the_manual(self):
         scene = ROOT / "scenes" / "studies" / "display" / "walk_out.yaml"
-        done = self.neph("render", scene, "-s", "steps=2", "--size", "25x15", "--frame", "60",
-                         "--json", "-o", self.root / "out")
-        [result] = json.loads(done.stdout)
+        [result] = self.json("render", scene, "-s", "steps=2", "--size", "25x15", "--frame", "60",
+                             "-o", self.folder / "out")
         self.assertEqual(result["size_px"], [17, 11])
         self.assertEqual(frames.read_exr(pathlib.Path(result["shown"]))[:2], (25, 15))
         stages = [name for name in result["stats"] if name.startswith("shown_")]
@@ -288,7 +284,7 @@ volumes:
                    ("a_name_of_more_than_31_characters", "v3f", struct.pack("<3f", 1, 2, 3))]
 
         def write(left):
-            path = self.root / f"at_{left}.exr"
+            path = self.folder / f"at_{left}.exr"
             half = WIDTH * HEIGHT // 2
             channels = {c: self.values for c in "RGB"} | {
                 "Z": [0.0, 1e10] * half, "A": [0.25, 0.75] * half, "id.r": [math.nan, 3.0] * half}
@@ -303,7 +299,7 @@ volumes:
             return data[at + 4:at + 4 + size]
         for settings, scale in ((["tone=on"], 1), (["exposure_ev=1", "upscale=bilinear",
                                                     "screen_percent=50"], 2)):
-            out = self.root / f"out{scale}"
+            out = self.folder / f"out{scale}"
             options = [word for setting in settings for word in ("-s", setting)]
             for left in (4, 5):
                 self.neph("post", write(left), *options, "-q", "-o", out)
@@ -319,15 +315,15 @@ volumes:
             self.assertNotIn(b"crop\0string", made.read_bytes())
             self.neph("compare", made, out / "at_5.exr", code=65, said="not of the same place")
             self.neph("compare", made, made, "-m", "mae")
-        kept = frames.read_exr(self.root / "out1/at_4.exr")[2]
+        kept = frames.read_exr(self.folder / "out1/at_4.exr")[2]
         self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],
                          [0.0, 1e10, 0.25, 0.75, 3.0])
         self.assertTrue(math.isnan(kept["id.r"][0]))
-        self.assertEqual(set(frames.read_exr(self.root / "out2/at_4.exr")[2]), set("RGB"))
-        named = self.root / "ap1.exr"
+        self.assertEqual(set(frames.read_exr(self.folder / "out2/at_4.exr")[2]), set("RGB"))
+        named = self.folder / "ap1.exr"
         named.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {c: self.values for c in "RGB"},
                                            [("colorInteropID", "string", b"lin_ap1_scene")]))
-        self.neph("post", named, "-s", "tone=on", "-o", self.root / "no", code=65,
+        self.neph("post", named, "-s", "tone=on", "-o", "no", code=65,
                   said="lin_ap1_scene")
 
     def test_what_makes_no_sense_is_refused(self):
@@ -345,12 +341,12 @@ volumes:
                 (["post", self.frame, "-p", "plain", "-o", self.frame.parent], "over itself"),
                 (["post", "--list", self.frame], "takes no frames")):
             self.neph(*words, code=64, said=said)
-        other = self.root / "other" / self.frame.name
+        other = self.folder / "other" / self.frame.name
         other.parent.mkdir()
         self.write(other, self.values)
-        self.neph("post", self.frame, other, "-p", "plain", "-o", self.root / "out", code=64,
+        self.neph("post", self.frame, other, "-p", "plain", "-o", "out", code=64,
                   said="both be")
-        self.assertFalse((self.root / "out").exists())
+        self.assertFalse((self.folder / "out").exists())
 
 
 if __name__ == "__main__":

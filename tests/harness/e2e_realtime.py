@@ -4,20 +4,13 @@
 costs."""
 import json
 import math
-import os
 import pathlib
-import signal
-import subprocess
-import sys
-import tempfile
-import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import night  # noqa: E402
+import frames
+import neph_case
+import night
 
-NEPH = os.environ["NEPH"]
 INF = math.inf
 
 # Fog before a tower that is black, under a sky that is not: what is behind the media is known.
@@ -70,11 +63,6 @@ def with_cloud(scene):
         "1]}\n")
 
 
-def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True, timeout=300,
-                          env={**os.environ, **environment})
-
-
 def divided_up(size, divisor):
     return math.prod(-(-side // divisor) for side in size)
 
@@ -85,24 +73,19 @@ def differing(a, b, channels=None):
             or a[name].tobytes() != b[name].tobytes()}
 
 
-class Realtime(unittest.TestCase):
+class Realtime(neph_case.NephCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.moving, self.box, self.broken = (self.folder / f"{name}.yaml"
-                                              for name in ("moving", "box", "broken"))
-        for path, text in ((self.moving, MOVING), (self.box, BOX),
-                           (self.broken, BROKEN)):
-            path.write_text(text)
+        super().setUp()
+        self.moving, self.box, self.broken = (
+            self.put(f"{name}.yaml", text)
+            for name, text in (("moving", MOVING), ("box", BOX), ("broken", BROKEN)))
 
     def render(self, name, scene, *options, engine="realtime", size=(48, 36), layers="1"):
         """Results of the frames, in a folder of that name; `channels` and `texts` are those of the
         files. The validation layers watch each way through the pipeline once."""
-        done = neph("render", scene, "-e", engine, "-s", "steps=4", "--size", "%dx%d" % size,
-                    "--json", "-o", self.folder / name, *options, NEPH_VULKAN_VALIDATION=layers)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        results = json.loads(done.stdout)
+        results = self.json("render", scene, "-e", engine, "-s", "steps=4", "--size",
+                            "%dx%d" % size, "-o", self.folder / name, *options,
+                            NEPH_VULKAN_VALIDATION=layers)
         for result in results:
             *size_px, result["channels"], result["texts"] = frames.read_exr(
                 pathlib.Path(result["exr"]))
@@ -110,11 +93,8 @@ class Realtime(unittest.TestCase):
         return results
 
     def refuse(self, code, *words, scene=None, options=()):
-        done = neph("render", scene or self.moving, "--size", "16x12", "-q", "-o",
-                    self.folder / "refused", *options)
-        self.assertEqual((done.returncode, done.stdout), (code, ""), (options, done.stderr))
-        for word in words:
-            self.assertIn(word, done.stderr, options)
+        self.neph("render", scene or self.moving, "--size", "16x12", "-q", "-o",
+                  self.folder / "refused", *options, code=code, said=words, silent=True)
 
     def given(self, name, size=(48, 36), **channels):
         path = self.folder / name
@@ -158,7 +138,7 @@ class Realtime(unittest.TestCase):
     def check_device_times(self, result):
         """There is one for each pass, and they add up to all."""
         stats, settings = result["stats"], result["texts"]["neph.settings"].split()
-        engine, = json.loads(neph("engines", "realtime", "--json").stdout)
+        engine, = self.json("engines", "realtime")
         names = [entry["name"].replace(" ", "_").replace("-", "_")
                  for entry in engine["passes"] if entry["condition"] in settings]
         names.remove("motion")  # nothing moves here
@@ -206,21 +186,20 @@ class Realtime(unittest.TestCase):
                          tiles + ray + distance + volume + volume_distance)
 
     def test_stats_as_a_table(self):
-        done = neph("render", self.moving, "-e", "realtime", "-s", "steps=65536", "-s", "warm_up=0",
-                    "--size", "32x24", "--stats", "-q", "-o", self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        words = ("render", self.moving, "--stats", "-q", "-o", self.folder)
+        done = self.neph(*words, "-e", "realtime", "-s", "steps=65536", "-s", "warm_up=1",
+                         "--size", "32x24")
         table = {line.split()[0]: line.split()[1:]
                  for line in done.stdout.splitlines() if len(line.split()) == 4}
         self.assertEqual(table["density_evaluations"], [str(8 * 6 * 65536)] * 3)  # all digits
-        none = neph("render", self.moving, "-e", "exact", "--size", "4x3", "--stats", "-q", "-o",
-                    self.folder)
+        none = self.neph(*words, "-e", "exact", "--size", "4x3")
         self.assertIn("counts nothing", none.stdout)
 
     # ---- presets and settings ----------------------------------------------------------------
 
     @night.of_the_night
     def test_every_preset_renders_and_is_another(self):
-        engine, = json.loads(neph("engines", "realtime", "--json").stdout)
+        engine, = self.json("engines", "realtime")
         defaults = {option["name"]: option["default"] for option in engine["options"]}
         plain = self.render("plain", self.moving, "--frames", 3, "-s", "warm_up=2", size=(41, 30))
         seen = {}
@@ -269,16 +248,14 @@ class Realtime(unittest.TestCase):
             self.assertNotIn(unknown, " ".join(result["stats"]))
 
     def test_the_list_of_settings_can_be_read(self):
-        done = neph("engines", "realtime")
-        self.assertEqual(done.returncode, 0)
-        rows = [line
-                for line in done.stdout.splitlines() if line.startswith("    reject_within_m ")]
+        lines = self.neph("engines", "realtime").stdout.splitlines()
+        rows = [line for line in lines if line.startswith("    reject_within_m ")]
         self.assertEqual(len(rows), 1)
         column = rows[0].index(rows[0].split()[1])
-        for line in done.stdout.splitlines():
+        for line in lines:
             if "one of:" in line or ", default " in line:
                 self.assertEqual(len(line) - len(line.lstrip()), column, line)
-        self.assertFalse([line for line in done.stdout.splitlines() if line and not line.strip()])
+        self.assertFalse([line for line in lines if line and not line.strip()])
 
     def test_wrong_words(self):
         real = ("-e", "realtime")
@@ -297,8 +274,8 @@ class Realtime(unittest.TestCase):
         ):
             self.refuse(code, *words, options=options)
         self.refuse(2, "channels", scene="coloured_fog", options=real)
-        multiple = self.folder / "multiple.yaml"
-        multiple.write_text(MOVING.replace("moving", "multiple").replace("single", "multiple"))
+        multiple = self.put("multiple.yaml",
+                            MOVING.replace("moving", "multiple").replace("single", "multiple"))
         self.refuse(2, "multiple", "lighting=octaves", scene=multiple, options=real)
         self.assertFalse((self.folder / "refused").exists()
                          and list((self.folder / "refused").iterdir()))
@@ -306,25 +283,20 @@ class Realtime(unittest.TestCase):
     def test_faults_that_are_asked_for_end_in_words(self):
         """Without its guard anti-aliasing makes NaN of black under black; no such frame is
         written."""
-        dark = self.folder / "dark.yaml"
-        dark.write_text(MOVING.replace("moving", "dark").replace("[0.5, 0.25, 0.125]",
-                                                                 "[0, 0, 0]").replace("[1, 1, 1]",
-                                                                                      "[0, 0, 0]"))
+        dark = self.put("dark.yaml", MOVING.replace("moving", "dark")
+                        .replace("[0.5, 0.25, 0.125]", "[0, 0, 0]")
+                        .replace("[1, 1, 1]", "[0, 0, 0]"))
         out = self.folder / "dark"
-        done = neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12",
-                    "-q", "-o", out)
-        self.assertEqual((done.returncode, "non-finite" in done.stderr, "logs" in done.stderr),
-                         (3, True, False), done.stderr)
+        done = self.neph("render", dark, "-e", "realtime", "-s", "taa_guard=off", "--size", "16x12",
+                         "-q", "-o", out, code=3, said="non-finite")
+        self.assertNotIn("logs", done.stderr)
         self.assertEqual(list(out.iterdir()), [])
 
     def test_noise_is_made_where_a_dither_needs_it(self):
         command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o",
                    self.folder)
-        done = neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        done = neph(*command, XDG_CACHE_HOME="/dev/null/there")
-        self.assertEqual((done.returncode, "XDG_CACHE_HOME" in done.stderr), (74, True),
-                         done.stderr)
+        self.neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
+        self.neph(*command, XDG_CACHE_HOME="/dev/null/there", code=74, said="XDG_CACHE_HOME")
 
     # ---- given depths ------------------------------------------------------------------------
 
@@ -332,7 +304,7 @@ class Realtime(unittest.TestCase):
         """The march's depth and what is known to be behind the media, in place of rays into the
         scene."""
         # rays that are given do not move
-        options = ("--frames", 5, "-s", "taa_jitter=none", "-s", "warm_up=0")
+        options = ("--frames", 5, "-s", "taa_jitter=none")
         for result in self.render("march", self.moving, "--frames", 5, engine="march"):
             depth_m = result["channels"]["Z"]
             self.given(f"depth.{result['frame']}.exr", Z=depth_m,
@@ -382,16 +354,15 @@ class Realtime(unittest.TestCase):
         self.refuse(64, "2 files", options=("-e", "realtime", "--depth", both))
         self.refuse(64, "realtime", "march", options=("-e", "march", "--depth", good))
         self.refuse(2, "split=four", options=("-e", "realtime", "-p", "off", "--depth", good))
-        junk = self.folder / "junk.exr"
-        junk.write_bytes(b"no picture")
+        junk = self.put("junk.exr", "no picture")
         self.refuse(65, "junk.exr", options=("-e", "realtime", "--depth", junk))
 
     def test_a_wrong_depth_in_the_middle_is_named_and_what_is_finished_stays(self):
         for frame, depth_m in enumerate((5.0, 5.0, -5.0, 5.0)):
             self.given(f"depth.{frame}.exr", (16, 12), Z=depth_m)
-        done = neph("render", self.moving, "-e", "realtime", "--size", "16x12", "--frames", 4, "-q",
-                    "--depth", self.folder / "depth.%d.exr", "-o", self.folder / "out")
-        self.assertEqual((done.returncode, "depth.2.exr" in done.stderr), (65, True), done.stderr)
+        self.neph("render", self.moving, "-e", "realtime", "--size", "16x12", "--frames", 4, "-q",
+                  "--depth", self.folder / "depth.%d.exr", "-o", self.folder / "out", code=65,
+                  said="depth.2.exr")
         self.assertEqual(sorted(path.name for path in (self.folder / "out").iterdir()),
                          ["moving_realtime_0000.exr", "moving_realtime_0001.exr"])
 
@@ -434,7 +405,7 @@ class Realtime(unittest.TestCase):
 
     def test_a_cut_voids_the_past_and_nothing_else_does(self):
         kept, reset = (self.render(word, self.broken, "--frame", 6, "--frames", 4, "-s",
-                                   f"cut_reset={word}", "-s", "warm_up=0", layers="0")
+                                   f"cut_reset={word}", layers="0")
                        for word in ("off", "on"))
         differences = [differing(a["channels"], b["channels"], "RGB") for a,
                        b in zip(kept, reset, strict=True)]
@@ -443,9 +414,9 @@ class Realtime(unittest.TestCase):
     def test_the_past_is_used(self):
         """Pictures differ from the first one of a sequence that begins there. A sequence goes on
         beyond the scene."""
-        alone, = self.render("alone", self.moving, "--frame", 4, "-s", "warm_up=0", layers="0")
-        warm = self.render("warm", self.moving, "--frame", 4, "--frames", 5, "-s", "warm_up=4")
-        sequence = self.render("sequence", self.moving, "--frames", 5, "-s", "warm_up=0",
+        alone, = self.render("alone", self.moving, "--frame", 4, "-s", "warm_up=1", layers="0")
+        warm = self.render("warm", self.moving, "--frame", 4, "--frames", 5, "-s", "warm_up=5")
+        sequence = self.render("sequence", self.moving, "--frames", 5, "-s", "warm_up=1",
                                layers="0")
         self.assertEqual(differing(sequence[4]["channels"], warm[0]["channels"]), set())
         self.assertEqual(differing(alone["channels"], warm[0]["channels"]) & {"R", "volume.R"},
@@ -455,16 +426,10 @@ class Realtime(unittest.TestCase):
 
     def test_interrupted_sequences_keep_what_is_finished(self):
         folder = self.folder / "out"
-        run = subprocess.Popen([NEPH, "render", str(self.moving), "-e", "realtime", "--frames",
-                                "100000", "--size", "96x54", "--json",
-                                "-q", "-o", str(folder)], stdout=subprocess.PIPE,
-                               env=os.environ)
-        deadline = time.monotonic() + 60
-        while len(list(folder.glob("*.exr"))) < 3 and time.monotonic() < deadline:
-            time.sleep(0.05)
-        run.send_signal(signal.SIGINT)
-        out, _ = run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 130)
+        child = self.start("render", self.moving, "-e", "realtime", "--frames", "100000", "--size",
+                           "96x54", "--json", "-q", "-o", folder)
+        self.wait_until(lambda: len(list(folder.glob("*.exr"))) >= 3, child)
+        out, _ = self.interrupt(child)
         listed = [pathlib.Path(result["exr"]) for result in json.loads(out)]
         self.assertGreaterEqual(len(listed), 3)
         self.assertEqual(sorted(folder.iterdir()), listed)  # nothing half done, no scratch
@@ -474,15 +439,13 @@ class Realtime(unittest.TestCase):
     # ---- beside the others -------------------------------------------------------------------
 
     def test_validate_runs_it_only_when_it_is_named(self):
-        options = ("--size", "16x12", "--no-charts", "-q", "--json", "-o", self.folder / "out")
-        named = neph("validate", self.moving, *options, "-e", "exact", "-e", "realtime")
-        self.assertEqual(named.returncode, 0, named.stderr)
-        scene, = json.loads(named.stdout)["scenes"]
+        options = ("validate", self.moving, "--size", "16x12", "--no-charts", "-q", "-o",
+                   self.folder / "out")
+        scene, = self.json(*options, "-e", "exact", "-e", "realtime")["scenes"]
         self.assertEqual([(f["engine"], f["status"]) for f in scene["frames"]],
                          [("exact", "rendered"), ("realtime", "rendered")])
-        everything = neph("validate", self.moving, *options, PATH="/nonexistent",
-                          VK_ICD_FILENAMES="/nonexistent.json")
-        scene, = json.loads(everything.stdout)["scenes"]
+        scene, = self.json(*options, PATH="/nonexistent",
+                           VK_ICD_FILENAMES="/nonexistent.json")["scenes"]
         engines = [frame["engine"] for frame in scene["frames"]]
         self.assertIn("march", engines)
         self.assertNotIn("realtime", engines)

@@ -7,13 +7,11 @@ import io
 import pathlib
 import sqlite3
 import struct
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import same_measurements as same  # noqa: E402
+import frames
+import same_measurements as same
 
 CASE = "pick"
 DATA = '{"scene": "fog", "rows": [{"error": 0.25, "wall_s": 1.5, "unit": "1"}], "none": null}'

@@ -3,32 +3,20 @@
 """`neph scaling`: what is counted grows as it ought to, on any device. No absolute times: machines
 differ."""
 import json
-import os
-import pathlib
-import subprocess
-import tempfile
 import unittest
 
 import night
-
-NEPH = os.environ["NEPH"]
-
-
-def run(*arguments):
-    return subprocess.run([NEPH, *arguments], capture_output=True, text=True, timeout=600)
+from neph_case import NephCase
 
 
-class Scaling(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.out = folder.name
+
+class Scaling(NephCase):
+    in_folder = True
+    words = ("scaling",)
 
     @night.of_the_night
     def test_a_cloud(self):
-        done = run("scaling", "voxel_grid", "--size", "32x18", "-o", self.out, "-q", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        document = json.loads(done.stdout)
+        document = self.json("voxel_grid", "--size", "32x18", "-q")
         self.assertEqual(document["format"], "neph-scaling-1")
         self.assertFalse(document["has_closed_form"])
         lines = {(line["series"], line["axis"]): line for line in document["lines"]}
@@ -46,47 +34,36 @@ class Scaling(unittest.TestCase):
 
     def check_against(self, here):
         """Another device, twice as slow in everything; and what is none."""
-        there = pathlib.Path(self.out, "there.json")
         other = json.loads(json.dumps(here))
         other["device"] = "a slow one"
         for line in other["lines"]:
             for point in line["points"]:
                 point["seconds"] *= 2.0
-        there.write_text(json.dumps(other))
-        words = ("scaling", "voxel_grid", "--size", "32x18", "-o", self.out, "-q", "--against",
-                 str(there))
-        done = run(*words)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.put("there.json", json.dumps(other))
+        words = ("voxel_grid", "--size", "32x18", "-q", "--against", "there.json")
+        done = self.neph(*words)
         table = done.stdout.split("there/here\n")[1].splitlines()
         self.assertEqual(len(table), sum(len(line["points"]) for line in here["lines"]))
         stored = [row for row in table if " pictures " not in row]  # those are timed each time
         for row in stored:
             self.assertAlmostEqual(float(row.split()[-1]), 2.0, places=2, msg=row)
         other["scene"] = "another"
-        there.write_text(json.dumps(other))
-        done = run(*words)
-        self.assertEqual(done.returncode, 65, done.stderr)
-        self.assertIn("of scene another", done.stderr)
+        self.put("there.json", json.dumps(other))
+        self.neph(*words, code=65, said="of scene another")
 
     @night.of_the_night
     def test_fog_has_no_voxels(self):
-        done = run("scaling", "height_fog_level", "--size", "32x18", "-o", self.out, "-q",
-                   "--untimed")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        words = ("height_fog_level", "--size", "32x18", "-q", "--untimed")
+        done = self.neph(*words)
         self.assertIn("none: height_fog_level has fog alone, which has no voxels", done.stdout)
         self.assertIn("engine exact marches no ray", done.stdout)
         self.assertNotIn("not as expected", done.stdout)
-        several = run("scaling", "height_fog_level", "--size", "32x18", "-o", self.out + "/other",
-                      "-q", "--untimed", "--jobs", "2")
-        self.assertEqual((several.returncode, several.stdout), (0, done.stdout), several.stderr)
+        several = self.neph(*words, "-o", "other", "--jobs", "2")
+        self.assertEqual(several.stdout, done.stdout)
 
     def test_what_is_refused(self):
-        self.assertEqual(run("scaling").returncode, 64)
-        done = run("scaling", "no_such_scene", "-o", self.out)
-        self.assertEqual(done.returncode, 66, done.stderr)
-        done = run("scaling", "voxel_grid", "--preset", "mine", "-o", self.out)
-        self.assertEqual(done.returncode, 64, done.stderr)
-        self.assertIn("mine", done.stderr)
+        self.check_refusals((64, "", ()), (66, "", ("no_such_scene",)),
+                            (64, "mine", ("voxel_grid", "--preset", "mine")))
 
 
 if __name__ == "__main__":

@@ -11,13 +11,12 @@ import shutil
 import signal
 import socket
 import subprocess
-import tempfile
 import time
 import unittest
 
 import night
+from neph_case import NephCase
 
-NEPH = os.environ["NEPH"]
 # sbatch queues, each squeue runs one job of the queue; all note what they were told. With HOLD set
 # nothing begins; with LOSE the jobs of arrays end without having run.
 SLURM = r"""#!/bin/sh
@@ -53,19 +52,21 @@ esac
 """
 
 
-class Nights(unittest.TestCase):
+class Nights(NephCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="neph-slurm-")
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        super().setUp()
         self.environment = {**os.environ, "NEPH_STORE_INDEX": str(self.folder / "index")}
 
     def neph(self, *arguments, code=0, output="out", **variables):
-        done = subprocess.run([NEPH, *map(str, arguments), "-o", str(self.folder / output)],
-                              capture_output=True, text=True, timeout=120,
-                              env={**self.environment, **variables})
+        done = super().neph(*arguments, "-o", self.folder / output, code=None,
+                            surroundings=self.environment, **variables)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr + self.logs(output))
         return done
+
+    def send(self, **variables):
+        """The command, which goes on beside the test."""
+        return self.start(*self.SENT, "-o", self.folder / "out",
+                          **{**self.environment, **variables})
 
     def logs(self, output):
         logs = sorted((self.folder / output / "nightly/logs").glob("slurm-*.log"))
@@ -73,7 +74,7 @@ class Nights(unittest.TestCase):
 
     def numbers(self, output):
         """All of a store but times, hosts and dates."""
-        document = json.loads(self.neph("store", "export", output=output).stdout)
+        document = self.json("store", "export", output=output)
         nights = [{key: night[key] for key in ("night", "plan", "revision", "program", "verdict",
                                                "measurements", "frames")}
                   | {"steps": [(step["name"], step["outcome"], step["size"])
@@ -130,10 +131,7 @@ class Queue(Nights):
 
     def send_and_leave_waiting(self, asked):
         """The command, after it has asked for its jobs so often."""
-        child = subprocess.Popen([NEPH, *self.SENT, "-o", str(self.folder / "out")],
-                                 env={**self.environment, "HOLD": "1"}, stderr=subprocess.PIPE,
-                                 text=True)
-        self.addCleanup(child.stderr.close)
+        child = self.send(HOLD="1")
         while not (self.queue / "told").exists() or len(self.told("squeue")) < asked:
             self.assertIsNone(child.poll())
             time.sleep(0.02)
@@ -151,8 +149,7 @@ class Queue(Nights):
         refused = self.neph("nightly", "--only", "ridge_far", "--once", "--executor", "slurm",
                             code=69, HOLD="1")
         self.assertIn("another night", refused.stderr)
-        child.send_signal(signal.SIGINT)
-        self.assertEqual(child.wait(timeout=60), 130, child.stderr.read())
+        self.interrupt(child)
         self.assertEqual(len(self.told("scancel")), 1)
         self.assertEqual([job.name for job in self.queue.glob("[0-9]*")], [])
         # The step's job is lost, and the report says so.
@@ -331,10 +328,7 @@ class Loopback(Nights):
 
     def lose_a_node(self):
         """n1 in the middle of a step, with all that runs on it."""
-        child = subprocess.Popen([NEPH, *self.SENT, "-o", str(self.folder / "out")],
-                                 env=self.environment, stdout=subprocess.DEVNULL,
-                                 stderr=subprocess.PIPE, text=True)
-        self.addCleanup(child.stderr.close)
+        child = self.send()
         self.addCleanup(child.kill)
         self.wait(lambda: self.processes("SLURMD_NODENAME=n1", "NEPH_STORE_INDEX=none",
                                          f"SLURM_CONF={self.environment['SLURM_CONF']}"))
@@ -342,8 +336,7 @@ class Loopback(Nights):
         self.wait(lambda: self.ask("sinfo", "-h", "-n", "n1", "-o", "%T").startswith("down"))
         # Slurm keeps the step for later, and the report waits for it.
         self.wait(lambda: "PENDING BeginTime" in self.ask("squeue", "-h", "-o", "%T %r"))
-        child.send_signal(signal.SIGINT)
-        self.assertEqual(child.wait(timeout=60), 130, self.logs("out"))
+        self.interrupt(child)
         return self.done()
 
     def test_a_night_survives_the_loss_of_a_node(self):

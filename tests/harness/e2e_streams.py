@@ -4,16 +4,13 @@
 acts on the terminal."""
 import json
 import os
-import pathlib
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import neph_case  # noqa: E402
+import frames
+import neph_case
 
 NEPH = neph_case.NEPH
 VERBS = ("validate", "render", "export", "compare", "flicker", "metrics", "bake", "study",
@@ -123,11 +120,7 @@ class Output(neph_case.NephCase):
                 self.assertNotIn(byte, done.stdout + done.stderr, command)
 
     def blender(self, body):
-        program = self.folder / "bin/blender"
-        program.parent.mkdir(exist_ok=True)
-        program.write_text(BLENDER.format(body=body))
-        program.chmod(0o755)
-        return {"PATH": f"{program.parent}:/usr/bin:/bin"}
+        return self.put_program("blender", BLENDER.format(body=body))
 
     def test_a_full_disk_in_an_engines_words_is_named(self):
         words = "OSError: [Errno 28] No space left on device: timing.json"

@@ -6,25 +6,22 @@ import json
 import os
 import pathlib
 import re
-import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
+import neph_case
 import night
+from neph_case import ROOT, VALIDATED, NephCase
 
-NEPH = os.environ["NEPH"]
-ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 FULL = os.environ.get("NEPH_STRESS_TIER", os.environ.get("NEPH_FAILURE_TIER")) == "full"
 MUTATIONS = json.loads((ROOT / "tests/harness/stress_mutations.json").read_text())
 FAULT = "fixed+override=parallel"
 
 
 def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True,
-                          timeout=None if FULL else 300,
-                          env={**os.environ, "NEPH_VULKAN_VALIDATION": "1", **environment})
+    return neph_case.run(*arguments, surroundings=VALIDATED, timeout_s=None if FULL else 300,
+                         **environment)
 
 
 def suite(folder, *arguments, **environment):
@@ -373,75 +370,61 @@ class OldNames(unittest.TestCase):
         self.assertIn("0 verdicts differ, 0 numbers", same.stdout)
 
 
-class Interrupted(unittest.TestCase):
-    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", "ours", "--size", "32x18"]
-    TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--preset", "seed", "--jobs", "2"]
+class Interrupted(NephCase):
+    ONE = ["--only", "fog_none", "--preset", "fixed", "--preset", FAULT, "--size", "32x18"]
+    TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--jobs", "2"]
 
-    def interrupt(self, folder, words, when):
+    def interrupted(self, words, when):
         """A run that is interrupted as soon as there is something of it. It has a lower priority:
         on a busy machine it would end before this process sees its page."""
-        command = ["nice", "-n", "10", NEPH, "validate", "--suite", "stress", "-q", "-o", folder,
-                   *words]
-        run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        deadline = time.monotonic() + 120
-        while not when() and time.monotonic() < deadline:
-            time.sleep(0.02)
-        run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
-        self.assertEqual((run.returncode, out), (130, ""), err)
-        self.assertEqual(page_of(folder)["state"], "interrupted")
+        child = self.start("validate", "--suite", "stress", "-q", "-o", self.folder, *words,
+                           niceness=10)
+        self.wait_until(when)
+        out, err = self.interrupt(child)
+        self.assertEqual(out, "")
+        self.assertEqual(page_of(self.folder)["state"], "interrupted")
         self.assertIn("report so far", err)
 
     def test_what_is_finished_is_not_rendered_again(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            store = folder / "store/frames"
-            self.interrupt(folder, self.ONE, lambda: store.exists() and any(store.iterdir()))
-            kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
-            done = suite(folder, *self.ONE, "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertGreaterEqual(len(kept), 1)
-            self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
+        store = self.folder / "store/frames"
+        self.interrupted(self.ONE, lambda: store.exists() and any(store.iterdir()))
+        kept = self.stamps(store)
+        done = suite(self.folder, *self.ONE, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreaterEqual(len(kept), 1)
+        self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
 
     def test_the_page_is_of_all_processes(self):
         """While they run: the process that shows it renders nothing itself."""
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            data = folder / "report/data.json"
-            self.interrupt(folder, self.TWO,
-                           lambda: data.exists() and page_of(folder)["compared"] > 0)
-            told = [r for r in page_of(folder)["results"] if r["verdict"] != "not_yet"]
-            done = suite(folder, *self.TWO, "--json")
-            whole = json.loads(done.stdout)["results"]
-            self.assertGreater(len(whole), len(told))
-            for result in told:
-                self.assertIn(result, whole)
+        data = self.folder / "report/data.json"
+        self.interrupted(self.TWO, lambda: data.exists() and page_of(self.folder)["compared"] > 0)
+        told = [r for r in page_of(self.folder)["results"] if r["verdict"] != "not_yet"]
+        whole = json.loads(suite(self.folder, *self.TWO, "--json").stdout)["results"]
+        self.assertGreater(len(whole), len(told))
+        for result in told:
+            self.assertIn(result, whole)
 
 
-class Words(unittest.TestCase):
+class Words(NephCase):
     def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
-        with tempfile.TemporaryDirectory() as folder:
-            for told, arguments in (
-                    (("nobody", "neph scenes"), ("--suite", "stress", "--only", "nobody")),
-                    (("nope", "off, seed"), ("--suite", "stress", "--preset", "nope")),
-                    (("zzz",), ("--suite", "stress", "--preset", "ours+zzz=1")),
-                    (("--only",), ("--suite", "stress", "fence_tiles")),
-                    (("--preset",), ("--suite", "stress", "-e", "realtime")),
-                    (("held against",), ("--suite", "stress", "-e", "exact")),
-                    (("nobody", "neph engines"), ("--suite", "stress", "-e", "nobody")),
-                    (("NAME+KEY=VALUE",), ("--suite", "stress", "--set", "march:steps=4")),
-                    (("of engines", "fog_seam"),
-                     ("--suite", "stress", "--only", "fence_tiles", "-e", "march")),
-                    (("failed, changed, all",), ("--suite", "stress", "--pictures", "some")),
-                    (("page-limit",), ("--suite", "stress", "--page-limit", "0")),
-                    (("--suite stress",), ("--page-limit", "3")),
-                    (("--suite stress",), ("--only", "fence_tiles")),
-                    (("--suite stress",), ("--on-device",)),
-                    (("jobs",), ("--suite", "stress", "--jobs", "0"))):
-                done = neph("validate", "-q", "-o", folder, *arguments)
-                self.assertEqual((done.returncode, done.stdout), (64, ""), done.stderr)
-                for word in told:
-                    self.assertIn(word, done.stderr)
+        self.check_refusals(
+            (64, ("nobody", "neph scenes"), ("--suite", "stress", "--only", "nobody")),
+            (64, ("nope", "off, seed"), ("--suite", "stress", "--preset", "nope")),
+            (64, "zzz", ("--suite", "stress", "--preset", "ours+zzz=1")),
+            (64, "--only", ("--suite", "stress", "fence_tiles")),
+            (64, "--preset", ("--suite", "stress", "-e", "realtime")),
+            (64, "held against", ("--suite", "stress", "-e", "exact")),
+            (64, ("nobody", "neph engines"), ("--suite", "stress", "-e", "nobody")),
+            (64, "NAME+KEY=VALUE", ("--suite", "stress", "--set", "march:steps=4")),
+            (64, ("of engines", "fog_seam"),
+             ("--suite", "stress", "--only", "fence_tiles", "-e", "march")),
+            (64, "failed, changed, all", ("--suite", "stress", "--pictures", "some")),
+            (64, "page-limit", ("--suite", "stress", "--page-limit", "0")),
+            (64, "--suite stress", ("--page-limit", "3")),
+            (64, "--suite stress", ("--only", "fence_tiles")),
+            (64, "--suite stress", ("--on-device",)),
+            (64, "jobs", ("--suite", "stress", "--jobs", "0")),
+            before=("validate", "-q", "-o", self.folder))
 
     def test_a_scene_shows_what_fails_in_it(self):
         done = neph("scenes", "fence_tiles")

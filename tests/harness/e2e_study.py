@@ -4,17 +4,10 @@
 reuse, refusals, Ctrl-C, several processes."""
 import csv
 import json
-import os
-import pathlib
-import signal
-import subprocess
-import tempfile
-import time
 import unittest
 import xml.etree.ElementTree
 
-NEPH = os.environ["NEPH"]
-ENVIRONMENT = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+from neph_case import StudyCase
 
 # A wall half before a blob: an edge that a pixel's 16 rays see otherwise than its centre does.
 REST = """
@@ -43,29 +36,19 @@ def without_times(document):
     return list(map(without_times, document)) if isinstance(document, list) else document
 
 
-class Study(unittest.TestCase):
+class Study(StudyCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.rest, self.moves, self.multiple = (self.folder / f"{name}.yaml"
-                                                for name in ("rest", "moves", "multiple"))
-        for path, text in ((self.rest, REST), (self.moves, MOVES), (self.multiple, MULTIPLE)):
-            path.write_text(text)
+        super().setUp()
+        self.rest, self.moves, self.multiple = (
+            self.put(f"{name}.yaml", text)
+            for name, text in (("rest", REST), ("moves", MOVES), ("multiple", MULTIPLE)))
 
-    def command(self, *arguments, frames=16, seeds=1):
-        return [NEPH, "study", "flicker", *map(str, arguments), "--size", "32x18", "--steps", "3",
-                "--frames", str(frames),
-                "--seeds", str(seeds), "-q", "-o", str(self.folder / "out")]
-
-    def run_neph(self, *arguments, **options):
-        return subprocess.run(self.command(*arguments, **options), capture_output=True, text=True,
-                              timeout=300, env=ENVIRONMENT)
+    def command(self, *arguments, frames=16):
+        return ("study", "flicker", *arguments, "--size", "32x18", "--steps", "3", "--frames",
+                frames, "--seeds", 1, "-q")
 
     def study(self, *arguments, **options):
-        done = self.run_neph("--json", *arguments, **options)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout)
+        return self.json(*self.command(*arguments, **options))
 
     def test_rest_and_motion_have_the_same_policy(self):
         """`off` is the march through centres: against these it has no error, against the reference
@@ -91,29 +74,22 @@ class Study(unittest.TestCase):
         views = {(p["rate_hz"], p["pixels_per_degree"]) for p in found["pairs"]}
         self.assertEqual(views, {(f, ppd) for f in (24, 30, 60) for ppd in (30, 60)})
 
-    def interrupt(self, *arguments):
-        """Start, end by Ctrl-C after three finished takes or pictures: when each was written."""
-        store = self.folder / "out" / "store" / "frames"
-        run = subprocess.Popen(self.command(*arguments), stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
-        deadline = time.monotonic() + 60
-        while (not store.exists()
-               or len(list(store.iterdir())) < 3) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
-        self.assertEqual((run.returncode, out), (130, ""), err)
+    def interrupted(self, *arguments):
+        """Ended by Ctrl-C after three finished takes or pictures: when each was written."""
+        store = self.folder / "out/store/frames"
+        child = self.start(*self.command(*arguments))
+        self.wait_until(lambda: store.exists() and len(list(store.iterdir())) >= 3, child)
+        out, err = self.interrupt(child)
+        self.assertEqual(out, "")
         self.assertIn("goes on from there", err)
-        kept = {path: path.stat().st_mtime_ns for path in store.iterdir()}
+        kept = self.stamps(store)
         self.assertGreaterEqual(len(kept), 3)
         return kept
 
     def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
         arguments = (self.rest, "--presets", "fixed,fixed+taa=off", "--takes", "flicker,step")
-        kept = self.interrupt(*arguments)
-        done = self.run_neph(*arguments, "--csv", self.folder / "all.csv", "--markdown",
-                             self.folder / "all.md")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        kept = self.interrupted(*arguments)
+        done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
         for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by",
                      "16 frames tell periods of 2 to 4"):
@@ -126,57 +102,45 @@ class Study(unittest.TestCase):
             self.assertEqual(row["counts"] == "0", bool(row["because"]), row)
         xml.etree.ElementTree.parse(self.folder / "out" / "flicker_lag.svg")
         store = self.folder / "out" / "store" / "frames"
-        entries = {path: path.stat().st_mtime_ns for path in store.iterdir()}
+        entries = self.stamps(store)
         # a picture of the rest, two of the step, averaged and not; takes
         self.assertEqual(len(entries), 2 + 4 + 4)
         self.assertEqual({path: entries[path] for path in kept}, kept)
         again = self.study(*arguments)
         self.assertIn("taa=off", again["presets"][1]["settings"])
         self.assertEqual(len(again["results"]), len(rows))
-        self.assertEqual({path: path.stat().st_mtime_ns for path in store.iterdir()}, entries)
-        by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", self.folder / folder,
-                                     "--jobs", jobs) for folder, jobs in (("out", 1), ("two", 2)))
+        self.assertEqual(self.stamps(store), entries)
+        by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs)
+                           for folder, jobs in (("out", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
 
     def test_steps_do_not_depend_on_how_many_processes_render_them(self):
         found = []
         for jobs in "12":
-            done = subprocess.run([NEPH, "study", "steps", "march", self.rest, "--size", "8x4",
-                                   "--json", "--jobs", jobs, "-o", self.folder / jobs],
-                                  capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.neph("study", "steps", "march", self.rest, "--size", "8x4", "--json",
+                             "--jobs", jobs, "-o", jobs)
             self.assertEqual("part 5: done" in done.stderr, jobs == "2", done.stderr)
             found.append(without_times(json.loads(done.stdout)))
         self.assertEqual(found[0], found[1])
         self.assertEqual(len(found[0]["levels"]), 5)
 
     def test_wrong_words(self):
-        for code, words, arguments in (
-                (64, ("best", "tuning"), ("--suite", "best")),
-                (64, ("not both",), ("--suite", "test", self.rest)),
-                (64, ("nope", "off, seed"), (self.rest, "--presets", "nope")),
-                (64, ("'ours' is twice",), (self.rest, "--presets", "ours,fixed,ours")),
-                (64, ("'zzz'",), (self.rest, "--presets", "ours+zzz=1")),
-                (64, ("'turn'", "sine"), (self.rest, "--takes", "turn")),
-                (64, ("multiple of 4",), (self.rest, "--frames", "18")),
-                (66, ("no_such",), ("no_such",)),
-        ):
-            done = subprocess.run([NEPH, "study", "flicker", *map(str, arguments), "-q", "-o",
-                                   str(self.folder / "out")],
-                                  capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
-            self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
-            for word in words:
-                self.assertIn(word, done.stderr, arguments)
+        rest = self.rest
+        self.check_refusals(
+            (64, ("best", "tuning"), ("--suite", "best")),
+            (64, "not both", ("--suite", "test", rest)),
+            (64, ("nope", "off, seed"), (rest, "--presets", "nope")),
+            (64, "'ours' is twice", (rest, "--presets", "ours,fixed,ours")),
+            (64, "'zzz'", (rest, "--presets", "ours+zzz=1")),
+            (64, ("'turn'", "sine"), (rest, "--takes", "turn")),
+            (64, "multiple of 4", (rest, "--frames", "18")),
+            (66, "no_such", ("no_such",)), before=("study", "flicker", "-q"))
 
     def test_kinds_are_listed(self):
-        done = subprocess.run([NEPH, "study", "--help"], capture_output=True, text=True, timeout=60)
-        self.assertEqual(done.returncode, 0)
-        self.assertIn("flicker", done.stdout)
-        self.assertIn("steps", done.stdout)
-        done = subprocess.run([NEPH, "study", "flickers"], capture_output=True, text=True,
-                              timeout=60)
-        self.assertEqual((done.returncode, "steps, flicker" in done.stderr), (64, True),
-                         done.stderr)
+        text = self.neph("study", "--help").stdout
+        self.assertIn("flicker", text)
+        self.assertIn("steps", text)
+        self.neph("study", "flickers", code=64, said="steps, flicker")
 
 
 if __name__ == "__main__":

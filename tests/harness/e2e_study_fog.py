@@ -5,15 +5,15 @@ import csv
 import unittest
 
 from frames import read_exr
-from study_case import StudyCase
+from neph_case import StudyCase
 
 LITTLE = ("--size", "12x8", "--directions", "64")
 
 
 class StudyFog(StudyCase):
     def test_a_table_and_its_files(self):
-        found = self.measure("study", "fog", "fog_look_evening", *LITTLE, "--csv", "a.csv",
-                             "--markdown", "a.md")
+        found = self.json("study", "fog", "fog_look_evening", *LITTLE, "--csv", "a.csv",
+                          "--markdown", "a.md")
         rows = {row["controls"]: row for row in found["rows"]}
         self.assertEqual({row["model"] for row in found["rows"]}, {"unreal"})  # it has two layers
         self.assertAlmostEqual(rows["cutoff_distance"]["transmittance_jump_m"], 5000, 3)
@@ -40,8 +40,8 @@ class StudyFog(StudyCase):
     def test_a_control_alone_is_what_it_says(self):
         pictures = {}
         for controls in ("none", "max_opacity", "cutoff_distance"):
-            self.succeed("render", "fog_look_evening", "-e", "fog_look", "-s",
-                         f"controls={controls}", "--size", "12x8", "-o", controls)
+            self.neph("render", "fog_look_evening", "-e", "fog_look", "-s",
+                      f"controls={controls}", "--size", "12x8", "-o", controls)
             path, = (self.folder / controls).glob("*.exr")
             pictures[controls] = read_exr(path)[2]
         through = {name: channels["transmittance.G"] for name, channels in pictures.items()}
@@ -51,11 +51,11 @@ class StudyFog(StudyCase):
                 self.assertAlmostEqual(cut, 1 if depth_m > 5500 else plain, 6)
 
     def test_a_scene_is_told_in_three_worlds(self):
-        done = self.succeed("scenes", "fog_look_ridge")
+        done = self.neph("scenes", "fog_look_ridge")
         for words in ("physical               Unreal                 Filament", "655.36",
                       "of the look no medium has:", "of the medium no look has:"):
             self.assertIn(words, done.stdout)
-        fog = self.measure("scenes", "fog_look_ridge")["fog"]
+        fog = self.json("scenes", "fog_look_ridge")["fog"]
         on = [control["name"] for control in fog["look"]["controls"] if control["on"]]
         self.assertEqual(on, ["sky_light", "max_opacity", "volumetric_fog_distance",
                               "observer_height_max"])

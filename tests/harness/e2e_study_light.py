@@ -7,7 +7,7 @@ import unittest
 import xml.etree.ElementTree
 
 import night
-from study_case import StudyCase
+from neph_case import StudyCase
 
 # Optical depth 6 straight down: half of the view is dense.
 SLAB = """
@@ -33,8 +33,8 @@ class StudyLight(StudyCase):
 
     def setUp(self):
         super().setUp()
-        (self.folder / "slab.yaml").write_text(SLAB)
-        (self.folder / "dark.yaml").write_text(DARK)
+        self.put("slab.yaml", SLAB)
+        self.put("dark.yaml", DARK)
 
     def test_models_files_and_reuse(self):
         table, lines = self.folder / "light.md", self.folder / "light.csv"
@@ -42,7 +42,7 @@ class StudyLight(StudyCase):
         models = "march,march_horizon"
         arguments = ("slab.yaml", "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
                      "--csv", lines, "--markdown", table, "--fit", fit)
-        found = self.measure(*arguments)
+        found = self.json(*arguments)
         self.assertEqual([c["albedo"] for c in found["cells"]], [1, 0.9])
         bias = {}
         for cell in found["cells"]:
@@ -71,14 +71,14 @@ class StudyLight(StudyCase):
         xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
         store = self.folder / "out" / "store" / "frames"
-        before = sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir())
-        self.assertEqual(self.measure(*arguments), found)
-        self.assertEqual(sorted((p.name, p.stat().st_mtime_ns) for p in store.iterdir()), before)
+        before = self.stamps(store)
+        self.assertEqual(self.json(*arguments), found)
+        self.assertEqual(self.stamps(store), before)
 
     def test_results_do_not_depend_on_the_number_of_jobs(self):
         def results(jobs):
-            found = self.measure("slab.yaml", "--models", "march", "--albedo", "1,0.9", "--jobs",
-                                 jobs, "-o", f"out{jobs}")
+            found = self.json("slab.yaml", "--models", "march", "--albedo", "1,0.9", "--jobs",
+                              jobs, "-o", f"out{jobs}")
             for cell in found["cells"]:
                 del cell["tracer_s"], cell["models"][0]["render_s"]
             return found, (self.folder / f"out{jobs}" / "light.svg").read_bytes()
@@ -88,8 +88,8 @@ class StudyLight(StudyCase):
     def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
         bias = {}
         for speed in (0, 50):
-            found = self.measure("slab.yaml", "--models", "realtime+lighting=octaves,march_octaves",
-                                 "--suns", "8:0", "--sun-speed", speed)
+            found = self.json("slab.yaml", "--models", "realtime+lighting=octaves,march_octaves",
+                              "--suns", "8:0", "--sun-speed", speed)
             self.assertEqual(found["sun_speed_deg_per_s"], speed)
             bias[speed] = [m["all"]["bias"] for m in found["cells"][0]["models"]]
         self.assertEqual(bias[0][1], bias[50][1])
@@ -111,8 +111,8 @@ class StudyLight(StudyCase):
 
     def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
         table = self.folder / "laws.md"
-        done = self.succeed("dark.yaml", "--models", "march_octaves_fitted,march_horizon", "--laws",
-                            "--markdown", table, "--json", "--jobs", 2)
+        done = self.neph("dark.yaml", "--models", "march_octaves_fitted,march_horizon", "--laws",
+                         "--markdown", table, "--json", "--jobs", 2)
         self.assertIn("[2/2] part", done.stderr)  # the laws are a part, too
         found = json.loads(done.stdout)
         cell, = found["cells"]

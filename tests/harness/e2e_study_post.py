@@ -7,7 +7,7 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 import night
-from study_case import StudyCase
+from neph_case import StudyCase
 
 LITTLE = ("--size", "32x18", "--frames", "16", "--warm-up", "4", "--steps", "4")
 
@@ -17,8 +17,8 @@ class StudyPost(StudyCase):
 
     @night.of_the_night
     def test_a_table_and_its_files(self):
-        [scene] = self.measure("railings", *LITTLE, "-q", "--csv", "a.csv", "--markdown",
-                               "a.md")["scenes"]
+        [scene] = self.json("railings", *LITTLE, "-q", "--csv", "a.csv", "--markdown",
+                            "a.md")["scenes"]
         chains = {chain["name"]: chain for chain in scene["chains"]}
         curve, additive = chains["Unreal's curve"], chains["bloom, additive"]
         self.assertGreater(curve["scene_error"], 0)
@@ -46,8 +46,8 @@ class StudyPost(StudyCase):
     def test_a_few_chains_of_another_seed(self):
         """The curve is always there; the frames are those of the seed."""
         def curve_and_grain(seed):
-            found = self.measure("railings", *LITTLE, "--chains", "grain", "--seed", seed, "-q",
-                                 "-o", f"out{seed}")
+            found = self.json("railings", *LITTLE, "--chains", "grain", "--seed", seed, "-q",
+                              "-o", f"out{seed}")
             chains = found["scenes"][0]["chains"]
             self.assertEqual([chain["name"] for chain in chains],
                              ["Unreal's curve", "grain", "without grain"])

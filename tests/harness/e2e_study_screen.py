@@ -2,16 +2,12 @@
 # SPDX-License-Identifier: MIT
 """`neph study screen` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
 import json
-import pathlib
-import sys
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import night  # noqa: E402
-from study_case import StudyCase  # noqa: E402
-
+import frames
+import night
+from neph_case import StudyCase
 
 
 class StudyScreen(StudyCase):
@@ -22,7 +18,7 @@ class StudyScreen(StudyCase):
         words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--models",
                  "screen+gi=off+warm_up=0+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+warm_up=0",
                  "--markdown", "a.md", "--quiet")
-        found = self.measure(*words)["scenes"]
+        found = self.json(*words)["scenes"]
         step = found["surface_step"]["ambient occlusion"]
         few, many = step["models"].values()
         self.assertLess(many["error"], 0.03)
@@ -39,7 +35,7 @@ class StudyScreen(StudyCase):
         table = (self.folder / "a.md").read_text()
         self.assertIn("**ambient occlusion** [% of the hemisphere]", table)
         self.assertIn("| surface_rough | *no model can* |", table)
-        again = self.run_neph(*words)
+        again = self.neph(*words)
         self.assertEqual((self.folder / "a.md").read_text(), table)
         self.assertIn(table, again.stdout)
 
@@ -77,8 +73,8 @@ class StudyScreen(StudyCase):
     def test_turned_solids_hide_as_they_stand(self):
         """The blocks of the room are turned: where what a ray meets is on no screen, a ray says
         why."""
-        found = self.measure("surface_room", "--size", "32x18", "--samples", "64", "--models",
-                             "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet")
+        found = self.json("surface_room", "--size", "32x18", "--samples", "64", "--models",
+                          "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet")
         truth = found["scenes"]["surface_room"]["ambient occlusion"]
         self.assertGreater(truth["lost"], 40)
         self.assertLess(truth["lost_by"]["else"], 0.02 * truth["lost"])
@@ -86,8 +82,8 @@ class StudyScreen(StudyCase):
     def test_pictures_flicker_by_what_rays_leave(self):
         """One ray and no memory is another picture each frame; what stands still has one truth."""
         calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
-        found = self.measure("surface_rough", "--size", "24x14", "--samples", "32", "--models",
-                             f"{calm},{raw}", "--frames", "16", "--quiet")
+        found = self.json("surface_rough", "--size", "24x14", "--samples", "32", "--models",
+                          f"{calm},{raw}", "--frames", "16", "--quiet")
         over = found["scenes"]["surface_rough"]["over_frames"]
         self.assertEqual(over["frames"], 16)
         for number, times in (("change", 2.0), ("seen", 1.2), ("luma_change", 2.0)):
@@ -105,13 +101,13 @@ class StudyScreen(StudyCase):
         self.assertIn("screen.svg", (self.folder / "out/screen/index.html").read_text())
 
     def test_a_scene_that_moves_has_a_truth_a_frame(self):
-        self.succeed("surface_ground", "--size", "8x5", "--samples", "2", "--models",
-                     "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
+        self.neph("surface_ground", "--size", "8x5", "--samples", "2", "--models",
+                  "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
         self.assertIn("| surface_ground | screen+gi=off | 32 |", (self.folder / "a.md").read_text())
 
     def test_a_scene_of_one_frame_has_one_truth_for_all(self):
-        found = self.measure("surface_room", "--size", "8x5", "--samples", "2", "--models",
-                             "screen+gi=off", "--frames", "16", "--quiet")
+        found = self.json("surface_room", "--size", "8x5", "--samples", "2", "--models",
+                          "screen+gi=off", "--frames", "16", "--quiet")
         over = found["scenes"]["surface_room"]["over_frames"]
         self.assertEqual(over["frames"], 16)
         self.assertGreater(over["models"]["screen+gi=off"]["error"], 0.0)
@@ -120,8 +116,8 @@ class StudyScreen(StudyCase):
     def test_cycles_is_a_witness(self):
         """Another program says the same, of the truth and so of a screen: within 4.5 standard
         errors, which docs/surfaces.md has for four times as many pixels."""
-        found = self.measure("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
-                             "1024", "--cycles", "1024", "--models", "screen", "--quiet")["scenes"]
+        found = self.json("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
+                          "1024", "--cycles", "1024", "--models", "screen", "--quiet")["scenes"]
         for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),
                             ("reflections", 0.042)):
             against = found["surface_rough"]["against_cycles"][part]
@@ -134,9 +130,9 @@ class StudyScreen(StudyCase):
     def test_results_do_not_depend_on_the_number_of_jobs(self):
         results = []
         for jobs in ("1", "2"):
-            done = self.succeed("surface_step", "surface_rough", "--size", "8x5", "--samples", "2",
-                                "--rays", "4", "--models", "screen+gi=off+warm_up=0", "--jobs",
-                                jobs, "-o", f"out{jobs}", "--json")
+            done = self.neph("surface_step", "surface_rough", "--size", "8x5", "--samples", "2",
+                             "--rays", "4", "--models", "screen+gi=off+warm_up=0", "--jobs",
+                             jobs, "-o", f"out{jobs}", "--json")
             pages = sorted((self.folder / f"out{jobs}/screen").iterdir())
             results.append((json.loads(done.stdout),
                             [(page.name, page.read_bytes()) for page in pages]))
@@ -151,12 +147,9 @@ class StudyScreen(StudyCase):
                             (66, "nowhere", (*little, "nowhere")))
 
     def test_a_folder_with_other_files_is_left_alone(self):
-        page = self.folder / "out/screen/index.html"
-        page.parent.mkdir(parents=True)
-        page.write_text("mine")
-        done = self.run_neph("surface_step", "--size", "4x4", "--samples", "2")
-        self.assertEqual(done.returncode, 64, done.stderr)
-        self.assertIn("name another folder with -o", done.stderr)
+        page = self.put("out/screen/index.html")
+        self.neph("surface_step", "--size", "4x4", "--samples", "2", code=64,
+                  said="name another folder with -o")
         self.assertEqual(page.read_text(), "mine")
 
 

@@ -4,7 +4,7 @@
 import json
 import unittest
 
-from study_case import StudyCase
+from neph_case import StudyCase
 
 TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
 
@@ -19,7 +19,7 @@ class StudySky(StudyCase):
         table = self.folder / "sky.md"
         arguments = ("--suns", "30,-30", "--altitudes", "2", "--models", models, "--markdown",
                      table, "--json")
-        done = self.succeed(*arguments)
+        done = self.neph(*arguments)
         found = json.loads(done.stdout)
         day, night = found["cells"]
         self.assertEqual([day["held"], night["held"]], [True, False])
@@ -36,14 +36,13 @@ class StudySky(StudyCase):
         self.assertIn("| 30 | 0.002 |", text)
         self.assertIn("cannot: multiple scattering", text)
         self.assertIn("no light", text)
-        again = self.run_neph(*arguments)
-        self.assertEqual(again.stdout, done.stdout)
+        self.assertEqual(self.neph(*arguments).stdout, done.stdout)
 
     def test_results_do_not_depend_on_the_number_of_jobs(self):
         def results(jobs):
-            done = self.succeed("--suns", "30,5", "--altitudes", "2", "--samples", 2, "--models",
-                                f"sky+degree=0+{TABLES}", "--jobs", jobs, "-o", f"out{jobs}",
-                                "--json")
+            done = self.neph("--suns", "30,5", "--altitudes", "2", "--samples", 2, "--models",
+                             f"sky+degree=0+{TABLES}", "--jobs", jobs, "-o", f"out{jobs}",
+                             "--json")
             found = json.loads(done.stdout)
             for cell in found["cells"]:
                 for model in cell["models"].values():
@@ -54,8 +53,8 @@ class StudySky(StudyCase):
         self.assertIn("[2/2] part", two[1])
 
     def test_finer_tables_are_a_truth(self):
-        cell, = self.measure("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
-                             f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
+        cell, = self.json("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
+                          f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
         same, coarser = cell["models"].values()
         self.assertEqual([cell["noise"], same["mean"], same["worst"]], [0, 0, 0])
         self.assertGreater(coarser["mean"], 0.001)

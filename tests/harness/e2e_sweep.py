@@ -6,16 +6,12 @@ import csv
 import io
 import json
 import math
-import os
-import pathlib
 import re
 import shlex
-import subprocess
-import tempfile
 import unittest
 
-NEPH = os.environ["NEPH"]
-SOURCE = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+from neph_case import ROOT, NephCase
+
 PLAN = """title: a small one
 light: octaves
 width_px: 32
@@ -32,26 +28,18 @@ series:
 """
 
 
-def run(*arguments, **more):
-    return subprocess.run([NEPH, *arguments], capture_output=True, text=True, timeout=600, **more)
+class Sweep(NephCase):
+    in_folder = True
 
-
-class Sweep(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.out = pathlib.Path(folder.name)
-        self.plan = self.out / "plan.yaml"
-        self.plan.write_text(PLAN)
+        super().setUp()
+        self.put("plan.yaml", PLAN)
 
-    def sweep(self, *arguments):
-        return run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", str(self.out / "out"),
-                   "-q", *arguments)
+    def sweep(self, *arguments, scene="voxel_grid", **expected):
+        return self.neph("sweep", scene, "--plan", "plan.yaml", "-q", *arguments, **expected)
 
     def test_a_sweep(self):
-        done = self.sweep("--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        document = json.loads(done.stdout)
+        document = json.loads(self.sweep("--json").stdout)
         self.assertEqual(document["format"], "neph-sweep-1")
         self.assertEqual((document["measured"], document["expected"]), (4, 5))
         self.assertEqual(document["seeds"], 2)
@@ -92,19 +80,17 @@ class Sweep(unittest.TestCase):
     def check_command(self, point):
         """The command of a point renders it: its error against `exact` is the point's."""
         command = shlex.split(point["command"])[1:]
-        frames = self.out / "frames"
         for arguments in (command, ["render", "voxel_grid", "-e", "exact", "--size", "32x18"]):
-            done = run(*arguments, "-o", str(frames), "-q")
-            self.assertEqual(done.returncode, 0, done.stderr)
-        done = run("compare", str(frames / "voxel_grid_exact_0000.exr"),
-                   str(frames / "voxel_grid_march_0000.exr"), "-m", "error", "--json")
-        numbers = [entry for entry in json.loads(done.stdout)["measurements"]
+            self.neph(*arguments, "-o", "frames", "-q")
+        found = self.json("compare", *(f"frames/voxel_grid_{engine}_0000.exr"
+                                       for engine in ("exact", "march")), "-m", "error")
+        numbers = [entry for entry in found["measurements"]
                    if entry["metric"] == "rel_rmse" and entry["mask"] == "all"
                    and entry["quantity"] == "radiance"]
         self.assertAlmostEqual(numbers[-1]["value"], point["error"]["value"], places=9)
 
     def check_page(self, document):
-        page = self.out / "out" / "sweep"
+        page = self.folder / "out/sweep"
         self.assertTrue((page / "index.html").exists())
         shown = json.loads((page / "data.json").read_text())
         self.assertEqual(shown["points"], document["points"])
@@ -121,7 +107,6 @@ class Sweep(unittest.TestCase):
     def check_again(self, before):
         """Nothing is rendered twice, and what is measured of frames is the same."""
         done = self.sweep("--untimed", "--csv", "-")
-        self.assertEqual(done.returncode, 0, done.stderr)
         rows = list(csv.DictReader(io.StringIO(done.stdout)))
         self.assertEqual(len(rows), 5)
         for row, point in zip(rows[:4], before["points"]):
@@ -132,20 +117,17 @@ class Sweep(unittest.TestCase):
 
     def test_a_scene_that_moves(self):
         """The truth is of the last picture, and so is every error."""
-        self.plan.write_text(PLAN.replace("4 16, flicker", "16, flicker")
-                             .replace(", lag_at: 16", ""))
-        scene = self.out / "dolly.yaml"
-        text = (SOURCE / "scenes" / "catalog" / "gaussian_blob.yaml").read_text()
-        scene.write_text(re.sub("name: .*", "name: dolly", text, count=1).replace(
+        self.put("plan.yaml", PLAN.replace("4 16, flicker", "16, flicker")
+                 .replace(", lag_at: 16", ""))
+        text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
+        self.put("dolly.yaml", re.sub("name: .*", "name: dolly", text, count=1).replace(
             "camera: {position_m: [0, 2, 6], look_at_m: [0, 1, 0], vertical_fov_deg: 36}",
             "camera: {keys: [{frame: 0, position_m: [0, 2, 6], look_at_m: [-2, 1, 0]}, {frame: 31, "
             "position_m: [0, 2, 6], look_at_m: [1, 1, 0]}], vertical_fov_deg: 36}\n"
             "frames: {count: 32, rate_hz: 30}"))
         def sweep(jobs):
-            done = run("sweep", str(scene), "--plan", str(self.plan), "-o",
-                       str(self.out / f"out_{jobs}"), "-q", "--json", "--untimed", "--only",
-                       "march,ours", "--jobs", str(jobs))
-            self.assertEqual(done.returncode, 0, done.stderr)
+            done = self.sweep("-o", f"out_{jobs}", "--json", "--untimed", "--only", "march,ours",
+                              "--jobs", jobs, scene="dolly.yaml")
             found = json.loads(done.stdout)
             found.pop("load")  # of the machine
             return found
@@ -160,40 +142,29 @@ class Sweep(unittest.TestCase):
         self.assertIn("--frames 32", ours["command"])
 
     def test_fronts_of_several_seeds(self):
-        done = self.sweep("--seeds", "2", "--untimed", "--only", "march", "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        document = json.loads(done.stdout)
+        document = json.loads(
+            self.sweep("--seeds", "2", "--untimed", "--only", "march", "--json").stdout)
         self.assertEqual((document["format"], document["sweeps"], document["moved"]),
                          ("neph-stability-1", 2, 0))
         # Nothing is random in a march against an exact truth.
         self.assertEqual([(p["label"], p["outcome"]) for p in document["points"]],
                          [("steps=4", "on all"), ("steps=16", "on all")])
-        self.assertTrue((self.out / "out" / "seed_2" / "sweep" / "index.html").exists())
+        self.assertTrue((self.folder / "out/seed_2/sweep/index.html").exists())
 
     def test_what_is_refused(self):
-        self.plan.write_text(PLAN.replace("engine: march,", "engine: marsh,"))
-        done = self.sweep()
-        self.assertEqual(done.returncode, 65, done.stderr)
-        self.assertRegex(done.stderr, r"plan\.yaml:11:\d+: .*no engine 'marsh'")
-        self.plan.write_text(PLAN)
-        done = self.sweep("--only", "nothing")
-        self.assertEqual(done.returncode, 64, done.stderr)
-        self.assertIn("march, ours, fitted", done.stderr)
-        done = run("sweep", "voxel_grid", "--plan", "no_such", "-o", str(self.out / "out"))
-        self.assertEqual(done.returncode, 66, done.stderr)
-        done = run("sweep", "voxel_grid", "--plan", str(self.plan), "-o", "")
-        self.assertEqual(done.returncode, 64)
-        done = run("sweep", "camera_dolly", "--plan", str(self.plan), "-o", str(self.out / "out"))
-        self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn("moves for 8 pictures", done.stderr)
+        self.put("plan.yaml", PLAN.replace("engine: march,", "engine: marsh,"))
+        self.assertRegex(self.sweep(code=65).stderr, r"plan\.yaml:11:\d+: .*no engine 'marsh'")
+        self.put("plan.yaml", PLAN)
+        self.sweep("--only", "nothing", code=64, said="march, ours, fitted")
+        self.sweep("--plan", "no_such", code=66)
+        self.sweep("-o", "", code=64)
+        self.sweep(scene="camera_dolly", code=2, said="moves for 8 pictures")
         # Somebody's folder is left alone, and before anything is rendered.
-        (self.out / "out" / "sweep").mkdir(parents=True)
-        (self.out / "out" / "sweep" / "mine.txt").write_text("mine")
-        done = self.sweep("--only", "march")
-        self.assertEqual(done.returncode, 64, done.stderr)
-        self.assertEqual((self.out / "out" / "sweep" / "mine.txt").read_text(), "mine")
-        self.assertFalse((self.out / "out" / "store" / "frames").exists() and
-                         any((self.out / "out" / "store" / "frames").iterdir()))
+        mine = self.put("out/sweep/mine.txt")
+        self.sweep("--only", "march", code=64)
+        self.assertEqual(mine.read_text(), "mine")
+        frames = self.folder / "out/store/frames"
+        self.assertFalse(frames.exists() and any(frames.iterdir()))
 
 
 if __name__ == "__main__":

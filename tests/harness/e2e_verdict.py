@@ -4,15 +4,12 @@
 compare."""
 import json
 import os
-import pathlib
 import re
 import shutil
-import subprocess
-import tempfile
 import unittest
 
-NEPH = os.environ["NEPH"]
-ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+from neph_case import ROOT, NephCase
+
 POVRAY = """#!/bin/sh
 case "$1" in --version) echo "POV-Ray 3.7.0.10.unofficial"; exit 0;; esac
 printf 'Datei f\\374r Men\\374 fehlt \\302\\233\\342\\200\\256' >&2
@@ -20,52 +17,36 @@ exit 1
 """
 
 
-def neph(*arguments, **environment):
-    return subprocess.run([NEPH, *arguments], capture_output=True, timeout=600,
-                          env={**os.environ, **environment})
-
-
-class Verdict(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def program(self, name, text):
-        path = self.folder / "bin" / name
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-        return {"PATH": f"{path.parent}:/usr/bin:/bin"}
-
-    def validate(self, *engines, scene="scattering_slab_above", output=None, **environment):
+class Verdict(NephCase):
+    def validate(self, *engines, scene="scattering_slab_above", output="out", code=1,
+                 **environment):
         wanted = [word for engine in engines for word in ("-e", engine)]
-        done = neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q", "--json",
-                    "-o", output or self.folder / "out", **environment)
+        done = self.neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q",
+                         "--json", "-o", self.folder / output, code=code, **environment)
         frames = {f["engine"]: f for s in json.loads(done.stdout or "{}").get("scenes", [])
                   for f in s["frames"]}
         return done, frames
 
     def test_an_engine_that_breaks_with_bytes_of_latin_1_is_in_the_report_and_fails_it(self):
-        done, frames = self.validate("exact", "oracle", "povray", **self.program("povray", POVRAY))
-        self.assertEqual(done.returncode, 1, done.stderr)
+        done, frames = self.validate("exact", "oracle", "povray",
+                                     **self.put_program("povray", POVRAY))
         self.assertEqual(frames["povray"]["status"], "failed")
         self.assertIn(r"f\xfcr Men\xfc fehlt \u009b\u202e", frames["povray"]["reason"])
-        self.assertIn(b"frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
+        self.assertIn("frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
         document = json.loads(done.stdout)
         self.assertEqual(document["counts"], {"expected": 3, "reported": 3, "compared": 1})
         logs = re.findall(r"its whole log is '([^']+)'", frames["povray"]["reason"])
         self.assertEqual([os.path.getsize(path) for path in logs], [26], frames["povray"])
         shutil.rmtree(self.folder / "out/store/index")
-        done = neph("store", "check", "-o", self.folder / "out")
-        self.assertIn(b"had no database (it was removed, or ", done.stderr)
-        self.assertIn(b"a new one is made of its 2 frames", done.stderr)
+        done = self.neph("store", "check", "-o", self.folder / "out", code=None)
+        self.assertIn("had no database (it was removed, or ", done.stderr)
+        self.assertIn("a new one is made of its 2 frames", done.stderr)
 
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
-        done = neph("validate", "--suite", "physics", "--check", "slab_iso", "-e", "exact", "-e",
-                    "povray", "-q", "--json", "-o", self.folder, **self.program("povray", POVRAY))
-        document = json.loads(done.stdout)
-        self.assertEqual((done.returncode, document["verdict"]), (1, "fail"), done.stderr)
+        document = self.json("validate", "--suite", "physics", "--check", "slab_iso", "-e",
+                             "exact", "-e", "povray", "-q", "-o", self.folder, code=1,
+                             **self.put_program("povray", POVRAY))
+        self.assertEqual(document["verdict"], "fail")
         broken = [row for row in document["physics"]["rows"] if row["engine"] == "povray"
                   and row["status"] == "failed"]
         self.assertGreater(len(broken), 0)
@@ -87,9 +68,8 @@ class Verdict(unittest.TestCase):
             ("cycles", "blender", script("exit 1"), {"TMPDIR": nowhere}, "TMPDIR"),
         ]
         for engine, program, text, environment, words in cases:
-            done, frames = self.validate("exact", "oracle", engine, **self.program(program, text),
-                                         **environment)
-            self.assertEqual(done.returncode, 1, (engine, words, done.stderr))
+            _, frames = self.validate("exact", "oracle", engine,
+                                      **self.put_program(program, text), **environment)
             self.assertEqual(frames[engine]["status"], "failed", words)
             self.assertIn(words, frames[engine]["reason"])
 
@@ -101,32 +81,29 @@ class Verdict(unittest.TestCase):
                             ("mkdir radiance.exr", "'radiance.exr' is a folder"),
                             ("mkfifo radiance.exr", "'radiance.exr' is a pipe")):
             body = "echo '{\"radiance\": 1}' > timing.json; " + body
-            out = self.folder / words[-6:]
-            done, frames = self.validate("exact", "oracle", "cycles", output=out, **self.program(
-                "blender", f"#!/bin/sh\n{version}{body}\n"))
-            self.assertEqual(done.returncode, 1, done.stderr)
+            _, frames = self.validate("exact", "oracle", "cycles", output=words[-6:], **(
+                self.put_program("blender", f"#!/bin/sh\n{version}{body}\n")))
             self.assertEqual(frames["cycles"]["status"], "failed", frames["cycles"])
             self.assertIn(words, frames["cycles"]["reason"])
-            kept = [path.stat().st_size for path in out.glob("store/failed/**/*")]
+            kept = [path.stat().st_size
+                    for path in self.folder.glob(f"{words[-6:]}/store/failed/**/*")]
             self.assertLess(sum(kept), 80 * 2 ** 20)
 
     def test_doctor_and_engines_say_broken(self):
-        environment = self.program("povray", "#!/bin/sh\nexit 1\n")
-        done = neph("doctor", **environment)
-        self.assertEqual(done.returncode, 3, done.stdout)
-        self.assertRegex(done.stdout.decode(), r"(?m)^broken +povray +.*exit code 1")
-        done = neph("engines", "povray", "--json", **environment)
-        entry, = json.loads(done.stdout)
+        environment = self.put_program("povray", "#!/bin/sh\nexit 1\n")
+        done = self.neph("doctor", code=3, **environment)
+        self.assertRegex(done.stdout, r"(?m)^broken +povray +.*exit code 1")
+        entry, = self.json("engines", "povray", **environment)
         self.assertEqual((entry["available"], entry["broken"]), (False, True))
-        self.assertIn(b"broken: ", neph("engines", "povray", **environment).stdout)
+        self.assertIn("broken: ", self.neph("engines", "povray", **environment).stdout)
 
     def test_a_folder_that_json_cannot_name_is_refused_before_anything_is_done(self):
         folder = os.fsencode(self.folder) + b"/caf\xe9"
         for words in (["validate", "scattering_slab_above", "-e", "exact"],
                       ["render", "scattering_slab_above"], ["export", "scattering_slab_above"],
                       ["study", "cycles", "voxel_grid"], ["benchmark", "voxel_grid"]):
-            done = neph(*words, "-o", folder)
-            self.assertEqual((done.returncode, done.stdout), (64, b""), words)
+            done = self.neph(*words, "-o", folder, code=64, text=False)
+            self.assertEqual(done.stdout, b"", words)
             self.assertIn(b"--output '" + os.fsencode(self.folder) + rb"/caf\xe9' is not UTF-8",
                           done.stderr)
             self.assertFalse(os.path.exists(folder))
@@ -134,29 +111,26 @@ class Verdict(unittest.TestCase):
     def test_nothing_compared_is_no_pass(self):
         for engines in (["exact"], ["march_horizon", "exact"], ["povray"]):
             done, frames = self.validate(*engines, PATH="/nonexistent")
-            self.assertEqual((done.returncode, len(frames)), (1, len(engines)), engines)
-            self.assertIn(b"nothing was compared", done.stderr)
+            self.assertEqual(len(frames), len(engines), engines)
+            self.assertIn("nothing was compared", done.stderr)
             self.assertEqual(json.loads(done.stdout)["verdict"], "fail")
 
     def test_a_gate_on_what_no_metric_is_called_is_refused_with_its_place(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
-        scene = self.folder / "scattering_slab_above.yaml"
         for metric, words in (("sparkle", "'sparkle' is no metric"),
                               ("seen_share", "not among the numbers of every picture")):
-            scene.write_text(text.replace("metric: rel_bias", f"metric: {metric}", 1))
-            done, _ = self.validate("exact", scene=scene)
-            self.assertEqual(done.returncode, 65, done.stderr)
-            self.assertRegex(done.stderr.decode(),
+            scene = self.put("scattering_slab_above.yaml",
+                             text.replace("metric: rel_bias", f"metric: {metric}", 1))
+            done, _ = self.validate("exact", scene=scene, code=65)
+            self.assertRegex(done.stderr,
                              rf"scattering_slab_above\.yaml:\d+:1: gates\[\d\]\.metric: .*{words}")
 
     def test_a_gate_that_cannot_be_measured_is_not_kept(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()
-        dark = self.folder / "scattering_slab_above.yaml"
-        dark.write_text(text.replace("irradiance_w_per_m2: [3, 3, 3]",
-                                     "irradiance_w_per_m2: [0, 0, 0]") .replace("engine: march",
-                                                                                "engine: oracle"))
-        done, frames = self.validate("exact", "oracle", scene=dark)
-        self.assertEqual(done.returncode, 1, done.stderr)
+        dark = self.put("scattering_slab_above.yaml", text.replace(
+            "irradiance_w_per_m2: [3, 3, 3]", "irradiance_w_per_m2: [0, 0, 0]").replace(
+                "engine: march", "engine: oracle"))
+        done, _ = self.validate("exact", "oracle", scene=dark)
         gates = {(g["engine"], g["metric"]): g
                  for g in json.loads(done.stdout)["scenes"][0]["gates"]}
         self.assertEqual((gates["oracle", "rel_bias"]["value"],

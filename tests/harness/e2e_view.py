@@ -6,23 +6,17 @@ import array
 import base64
 import json
 import math
-import os
-import pathlib
 import random
 import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 import zlib
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-import frames  # noqa: E402
-import night  # noqa: E402
+import frames
+import neph_case
+import night
+import pages
 
-NEPH = os.environ["NEPH"]
-PAGE = pathlib.Path(os.environ["NEPH_SOURCE_DIR"], "scripts/report")
-CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+PAGE = pages.PAGE
 WIDTH, HEIGHT, COUNT = 24, 16, 20
 PIXELS = WIDTH * HEIGHT
 # Where the page is read, and what is planted there: floats that a shorter text would lose.
@@ -92,16 +86,15 @@ def opened(page, key):
     return floats
 
 
-def neph(*arguments):
-    return subprocess.run([NEPH, "view", *map(str, arguments)], capture_output=True, text=True,
-                          check=False)
+class View(neph_case.NephCase):
+    words = ("view",)
 
+    def setUp(self):
+        pass  # all in the folder of the class
 
-class View(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory(prefix="neph_view_")
-        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.folder = neph_case.scratch(cls.addClassCleanup)
         cls.reference = layers("reference", 0, PLANTED)
         write(cls.folder / "reference.exr", cls.reference)
         cls.tests = []
@@ -112,12 +105,8 @@ class View(unittest.TestCase):
             write(cls.folder / "test" / f"frame.{frame:04d}.exr", cls.tests[-1])
         cls.page = cls.folder / "page"
         (cls.folder / "config.ocio").write_text(OCIO)
-        cls.done = neph(cls.folder / "reference.exr", cls.folder / "test", "-o", cls.page,
-                        "--ocio", cls.folder / "config.ocio")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
+        cls.done = neph_case.run("view", cls.folder / "reference.exr", cls.folder / "test", "-o",
+                                 cls.page, "--ocio", cls.folder / "config.ocio")
 
     def test_every_float_of_the_files_is_in_the_page(self):
         self.assertEqual(self.done.returncode, 0, self.done.stderr)
@@ -137,11 +126,9 @@ class View(unittest.TestCase):
 
     def test_maps_are_those_of_compare(self):
         maps = self.folder / "maps"
-        done = subprocess.run(
-            [NEPH, "compare", self.folder / "reference.exr", self.folder / "test", "-m", "flip",
-             "-m", "error", "--maps", maps, "-q", "--csv", self.folder / "x.csv", "--by-position"],
-            capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        neph_case.run("compare", self.folder / "reference.exr", self.folder / "test", "-m", "flip",
+                      "-m", "error", "--maps", maps, "-q", "--csv", self.folder / "x.csv",
+                      "--by-position").check_returncode()
         for key, name, channels in (("1_3_map_flip", "flip_radiance_0003", "Y"),
                                     ("1_19_map_relative", "relative_radiance_0019", "RGB")):
             planes = frames.read_exr(maps / f"{name}.exr")[2]
@@ -153,9 +140,7 @@ class View(unittest.TestCase):
 
     def refused(self, code, told, *arguments):
         place = self.folder / "refused"
-        done = neph(*arguments, "-o", place)
-        self.assertEqual(done.returncode, code, done.stderr)
-        self.assertIn(told, done.stderr)
+        self.neph(*arguments, "-o", place, code=code, said=told)
         self.assertFalse(place.exists())
         self.assertEqual([path.name for path in self.folder.iterdir()
                           if path.name.startswith(".neph")], [])
@@ -183,30 +168,25 @@ class View(unittest.TestCase):
         self.refused(65, "has no view 'film'", self.folder / "depth.exr", "--ocio",
                      self.folder / "config.ocio", "--view", "film")
         self.refused(64, "24 sets", *[reference] * 25)
-        mine = self.folder / "mine"
-        mine.mkdir()
-        (mine / "letter").write_text("dear")
-        self.assertEqual(neph(reference, "-o", mine).returncode, 64)
+        mine = self.put("mine/letter").parent
+        self.neph(reference, "-o", mine, code=64)
         self.assertEqual([path.name for path in mine.iterdir()], ["letter"])
 
     def test_a_table_with_a_hole_is_told(self):
-        (self.folder / "torn.cube").write_text("LUT_3D_SIZE 2\n" + "0 1 0\n" * 7 + "nan 0 0\n")
-        (self.folder / "torn.ocio").write_text(OCIO.replace(
+        self.put("torn.cube", "LUT_3D_SIZE 2\n" + "0 1 0\n" * 7 + "nan 0 0\n")
+        self.put("torn.ocio", OCIO.replace(
             "!<MatrixTransform> {matrix: [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]}",
             "!<FileTransform> {src: torn.cube, interpolation: best}"))
         page = self.folder / "torn"
-        done = neph(self.folder / "reference.exr", "-o", page, "--ocio", self.folder / "torn.ocio")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("has 1 colours that are no numbers", done.stderr)
+        self.neph(self.folder / "reference.exr", "-o", page, "--ocio", self.folder / "torn.ocio",
+                  said="has 1 colours that are no numbers")
         self.assertEqual(json.loads((page / "data.json").read_text())["cube"]["not_numbers"], 1)
 
     def test_pictures_for_a_display_are_linear_values_of_their_codes(self):
         codes = [(7 * i) % 256 for i in range(3 * PIXELS)]
         (self.folder / "codes.png").write_bytes(frames.png_bytes(WIDTH, HEIGHT, codes))
         page = self.folder / "png"
-        done = neph(self.folder / "codes.png", "-o", page, "--json")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        told = json.loads(done.stdout)
+        told = self.json(self.folder / "codes.png", "-o", page)
         self.assertEqual((told["width_px"], told["sets"], told["frames"]), (WIDTH, 1, 1))
         least = [-math.inf] + json.loads((page / "data.json").read_text())["display_codes"]
         values = opened(page, "0_0_radiance")
@@ -240,12 +220,9 @@ class View(unittest.TestCase):
         return {"pixels": pixels, "maps": maps, "views": views}
 
     def in_the_browser(self, page, expected, *options):
-        if not os.path.exists(CHROMIUM):
-            self.skipTest(f"{CHROMIUM} is not installed: the page was NOT tested")
-        path = self.folder / "expected.json"
-        path.write_text(json.dumps(expected, allow_nan=False))
-        return subprocess.run(["node", PAGE / "check_view.mjs", *options, page, path],
-                              capture_output=True, text=True, timeout=300, check=False)
+        pages.skip_without_a_browser("the page of neph view")
+        path = self.put("expected.json", json.dumps(expected, allow_nan=False))
+        return pages.node(PAGE / "check_view.mjs", *options, page, path)
 
     def test_values_and_colours_in_a_browser(self):
         some = {"pixels": self.expectations()["pixels"][::5]}

@@ -3,23 +3,13 @@
 """The main job while it runs: a page from the first scene on, one that says so when it was cut
 short, several processes at a time, and tiers by name."""
 import json
-import os
-import pathlib
 import re
-import signal
-import subprocess
-import tempfile
-import time
 import unittest
 
-NEPH = os.environ["NEPH"]
+from neph_case import NephCase
+
 SCENES = ["scattering_slab_above", "absorbing_slab", "height_fog_level"]
 PATIENCE_S = 300  # of a machine that is busy with other things; nothing here takes seconds
-
-
-def neph(*arguments):
-    return subprocess.run([NEPH, *map(str, arguments)], capture_output=True, text=True,
-                          timeout=PATIENCE_S)
 
 
 def without_times(value, folder):
@@ -33,36 +23,29 @@ def without_times(value, folder):
     return value.replace(str(folder), "") if isinstance(value, str) else value
 
 
-class Watch(unittest.TestCase):
+class Watch(NephCase):
     def setUp(self):
-        self.scratch = tempfile.TemporaryDirectory(prefix="neph-watch-")
-        self.folder = pathlib.Path(self.scratch.name) / "out"
-
-    def tearDown(self):
-        self.scratch.cleanup()
+        super().setUp()
+        self.out = self.folder / "out"
 
     def data(self):
         """What the page shows; each look sees a whole file, whatever the run is doing."""
-        path = self.folder / "report" / "data.json"
+        path = self.out / "report/data.json"
         try:
             return json.loads(path.read_text())
         except FileNotFoundError:  # not yet, or being exchanged
             return None
 
     def wait_for_page(self, child):
-        end = time.monotonic() + PATIENCE_S
-        while time.monotonic() < end and child.poll() is None:
-            data = self.data()
-            if data:
-                return data
-            time.sleep(0.01)
-        self.fail("no page while the run went on")
+        self.wait_until(self.data, child, PATIENCE_S)
+        page = self.data()
+        self.assertTrue(page, "no page while the run went on")
+        return page
 
     def test_a_page_is_there_from_the_first_scene_on_and_after_an_interruption(self):
         # The last scene is large enough to be still at work when the page of the first is read.
-        child = subprocess.Popen([NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle",
-                                  "--size", "192x108", "-q", "-o", self.folder],
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        child = self.start("validate", *SCENES, "-e", "exact", "-e", "oracle", "--size", "192x108",
+                           "-q", "-o", self.out)
         page = self.wait_for_page(child)
         self.assertEqual(page["verdict"], "running")
         self.assertGreaterEqual(len(page["scenes"]), 1)
@@ -70,19 +53,15 @@ class Watch(unittest.TestCase):
         self.assertLess(page["progress"]["done"], page["progress"]["total"])
         self.assertGreater(page["progress"]["left_s"], 0)
         self.assertTrue(
-            (self.folder / "report" / page["scenes"][0]["frames"][0]["picture"]).is_file())
-
-        child.send_signal(signal.SIGINT)
-        errors = child.communicate(timeout=PATIENCE_S)[1].decode()
-        self.assertEqual(child.returncode, 130, errors)
+            (self.out / "report" / page["scenes"][0]["frames"][0]["picture"]).is_file())
+        self.interrupt(child)
         page = self.data()
         self.assertEqual(page["verdict"], "interrupted")
         self.assertGreaterEqual(len(page["scenes"]), 1)
 
     def test_a_finished_page_is_no_longer_running(self):
-        done = neph("validate", SCENES[0], "-e", "exact", "-e", "oracle", "--size", "32x18", "-q",
-                    "-o", self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph("validate", SCENES[0], "-e", "exact", "-e", "oracle", "--size", "32x18", "-q",
+                  "-o", self.out)
         self.assertNotIn("progress", self.data())
         self.assertEqual(self.data()["verdict"], "pass")
 
@@ -91,42 +70,35 @@ class Watch(unittest.TestCase):
                    "16x9"]
         made = []
         for jobs in (1, 3):
-            self.folder = pathlib.Path(self.scratch.name) / f"jobs_{jobs}"
-            done = neph(*command, "--jobs", jobs, "-o", self.folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.out = self.folder / f"jobs_{jobs}"
+            done = self.neph(*command, "--jobs", jobs, "-o", self.out)
             steps = re.findall(r"^\[(\d+)/(\d+)\] (.*): (\w+),", done.stderr, re.MULTILINE)
-            made.append((without_times(self.data(), self.folder),
+            made.append((without_times(self.data(), self.out),
                          sorted((what, outcome) for *_, what, outcome in steps),
                          [(int(step), int(count)) for step, count, *_ in steps]))
         self.assertEqual(made[0], made[1])
         self.assertEqual(made[1][2], [(n + 1, len(made[1][2])) for n in range(len(made[1][2]))])
-        again = neph(*command, "--jobs", 2, "-q", "-o", self.folder)
-        self.assertEqual(again.returncode, 0, again.stderr)
+        self.neph(*command, "--jobs", 2, "-q", "-o", self.out)
         frames = [frame for scene in self.data()["scenes"] for frame in scene["frames"]]
         self.assertEqual({frame["reused"] for frame in frames
                           if frame["status"] == "rendered"}, {True})
 
     def test_an_interrupted_run_of_several_jobs_has_a_page_and_goes_on(self):
-        command = [NEPH, "validate", *SCENES, "-e", "exact", "-e", "oracle", "--jobs", "2", "-q",
-                   "-o", self.folder, "--size", "96x54"]
-        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        command = ("validate", *SCENES, "-e", "exact", "-e", "oracle", "--jobs", "2", "-q", "-o",
+                   self.out, "--size", "96x54")
+        child = self.start(*command)
         self.wait_for_page(child)
-        child.send_signal(signal.SIGINT)
-        errors = child.communicate(timeout=PATIENCE_S)[1].decode()
-        self.assertEqual(child.returncode, 130, errors)
+        self.interrupt(child)
         self.assertEqual(self.data()["verdict"], "interrupted")
-        done = neph(*command[1:])
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.neph(*command)
         self.assertEqual(len(self.data()["scenes"]), len(SCENES))
 
     def test_tiers_have_names(self):
-        for wrong, said in ((["--tier", "sloth"], "quick and full"),
-                            (["--tier", "full", "--suite", "catalog"], "either"),
-                            (["--budget", "0"], "budget '0'"),
-                            (["--budget", "soon"], "budget 'soon'")):
-            done = neph("validate", *wrong, "-o", self.folder)
-            self.assertEqual(done.returncode, 64, wrong)
-            self.assertIn(said, done.stderr)
+        self.check_refusals(
+            (64, "quick and full", ("--tier", "sloth")),
+            (64, "either", ("--tier", "full", "--suite", "catalog")),
+            (64, "budget '0'", ("--budget", "0")), (64, "budget 'soon'", ("--budget", "soon")),
+            before=("validate", "-o", self.out))
 
 
 if __name__ == "__main__":

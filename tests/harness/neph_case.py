@@ -1,34 +1,118 @@
 # SPDX-License-Identifier: MIT
 """What tests of whole commands have in common: a folder of their own, and neph run."""
+import json
 import os
 import pathlib
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
 NEPH = os.environ["NEPH"]
+ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
+VALIDATED = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
+
+
+def scratch(at_the_end):
+    """A folder; `at_the_end`, a test's addCleanup or its class's addClassCleanup, removes it."""
+    folder = tempfile.TemporaryDirectory(prefix="neph-test-")
+    at_the_end(folder.cleanup)
+    return pathlib.Path(folder.name)
+
+
+def words_of(arguments):
+    return [word if isinstance(word, bytes) else str(word) for word in arguments]
+
+
+def run(*arguments, program=NEPH, surroundings=os.environ, timeout_s=600, cwd=None, text=True,
+        **environment):
+    """neph, with these variables changed."""
+    return subprocess.run([program, *words_of(arguments)], capture_output=True, text=text,
+                          timeout=timeout_s, cwd=cwd, env={**surroundings, **environment})
 
 
 class NephCase(unittest.TestCase):
     surroundings = os.environ  # of neph, before those of a call
-    timeout_s = 600
+    words = ()  # of each command, before the arguments of a call
+    in_folder = False  # whether neph runs in the test's folder
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        self.folder = scratch(self.addCleanup)
 
-    def neph(self, *arguments, code=0, said=(), silent=False, program=NEPH, cwd=None,
-             **environment):
+    def put(self, name, text="mine"):
+        """A file of the test's folder."""
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        return path
+
+    def put_program(self, name, text):
+        """A script in place of a program: the environment in which it is found first."""
+        path = self.put(f"bin/{name}", text)
+        path.chmod(0o755)
+        return {"PATH": f"{path.parent}:/usr/bin:/bin"}
+
+    def where(self, cwd=None):
+        return cwd or (self.folder if self.in_folder else None)
+
+    def neph(self, *arguments, code=0, said=(), silent=False, cwd=None, **options):
         """Run neph: it ends with that code (None: any) and says all of `said` on stderr; `silent`:
-        and nothing on stdout."""
-        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True,
-                              timeout=self.timeout_s, cwd=cwd,
-                              env={**self.surroundings, **environment})
+        and nothing on stdout. Further options are those of run()."""
+        done = run(*self.words, *arguments, cwd=self.where(cwd),
+                   **{"surroundings": self.surroundings, **options})
         if code is not None:
-            self.assertEqual(done.returncode, code, (arguments, done.stderr))
+            self.assertEqual(done.returncode, code, (arguments, done.stdout, done.stderr))
         for words in [said] if isinstance(said, str) else said:
             self.assertIn(words, done.stderr, arguments)
         if silent:
             self.assertEqual(done.stdout, "", arguments)
         return done
+
+    def json(self, *arguments, **expected):
+        """The document that neph prints."""
+        return json.loads(self.neph(*arguments, "--json", **expected).stdout)
+
+    def check_refusals(self, *cases, before=(), **options):
+        """Each (exit code, what is said, or several things, arguments behind those `before`)."""
+        for code, said, arguments in cases:
+            done = self.neph(*before, *arguments, code=code, silent=True, **options)
+            for words in [said] if isinstance(said, str) else said:
+                self.assertIn(words, " ".join(done.stderr.split()), arguments)
+
+    def start(self, *arguments, niceness=0, **environment):
+        """neph, which goes on beside the test."""
+        def prepare():
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # which a shell's background ignores
+            os.nice(niceness)
+        child = subprocess.Popen([NEPH, *words_of(self.words + arguments)], text=True,
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 cwd=self.where(), env={**self.surroundings, **environment},
+                                 preexec_fn=prepare)
+        for stream in (child.stdout, child.stderr):
+            self.addCleanup(stream.close)
+        return child
+
+    def wait_until(self, condition, child=None, seconds=300):
+        """Or until the child has ended."""
+        end = time.monotonic() + seconds
+        while not condition() and (not child or child.poll() is None):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
+
+    def interrupt(self, child):
+        """Ctrl-C: what it has said on stdout and stderr."""
+        child.send_signal(signal.SIGINT)
+        said = child.communicate(timeout=120)
+        self.assertEqual(child.returncode, 130, said)
+        return said
+
+    def stamps(self, folder):
+        """When each thing of a folder was written: what is rendered again shows."""
+        return {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+
+
+class StudyCase(NephCase):
+    """Of what is rendered on a device, in the test's folder."""
+    surroundings = VALIDATED
+    in_folder = True

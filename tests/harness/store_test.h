@@ -2,8 +2,8 @@
  *
  * A store in the folder of a test.
  */
-#ifndef NEPH_TESTS_HARNESS_STORE_TEST_H
-#define NEPH_TESTS_HARNESS_STORE_TEST_H
+#ifndef NEPH_TESTS_STORE_TEST_H
+#define NEPH_TESTS_STORE_TEST_H
 
 #include "tests/base/scratch.h"
 

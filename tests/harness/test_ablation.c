@@ -52,7 +52,6 @@ static neph_ablation_set every_part(void)
 
 static void test_parts_name_settings_and_each_other(void **state)
 {
-    (void)state;
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const struct neph_ablation_part *part = &neph_ablation_parts[i];
         assert_int_equal(neph_ablation_part_find(part->name), i);
@@ -71,7 +70,6 @@ static void test_parts_name_settings_and_each_other(void **state)
  * other. */
 static void test_parts_of_the_plain_pipeline_keep_apart(void **state)
 {
-    (void)state;
     int owners[NEPH_OPTIONS_MAX] = {0};
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         if (neph_ablation_parts[i].stays)
@@ -104,7 +102,6 @@ static neph_ablation_set of_the_air(void)
 
 static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 {
-    (void)state;
     assert_true(parts_of("ours1") ==
                 (every_part() & ~bit("upscale_dither") & ~second_generation() & ~of_the_air()));
     assert_true((parts_of("ours") & second_generation()) == second_generation());
@@ -120,7 +117,6 @@ static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
 /* Froxels and shadow maps of clouds come by a setting, with all that needs them. */
 static void test_parts_of_the_air_are_asked_for(void **state)
 {
-    (void)state;
     const neph_ablation_set froxels = bit("froxels") | bit("froxel_jitter") |
                                       bit("froxel_history") | bit("froxel_hold");
     assert_true((parts_of("ours+froxels=on") & of_the_air()) == froxels);
@@ -135,7 +131,6 @@ static void test_parts_of_the_air_are_asked_for(void **state)
 /* What stays is all that is left, and so no part was forgotten on the way. */
 static void test_the_plain_pipeline_has_no_part(void **state)
 {
-    (void)state;
     neph_ablation_set stays = 0;
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (neph_ablation_parts[i].stays)
@@ -158,7 +153,6 @@ static bool is_exception(const char *option)
  * another preset is so in a setting that changes with a part, or in an exception with a reason. */
 static void test_no_setting_of_ours_is_forgotten(void **state)
 {
-    (void)state;
     static const char *const others[] = {"seed", "fixed", "ours1"};
     const struct neph_option *options = neph_engine_find("realtime")->options;
     const struct neph_settings ours = settings_of("ours");
@@ -196,7 +190,6 @@ static void plan(struct neph_ablation *ablation, const char *const *only, int co
  * once, whoever needs it. */
 static void test_a_plan_has_each_configuration_once(void **state)
 {
-    (void)state;
     static const char *const only[] = {"history", "box", "split"};
     struct neph_ablation ablation;
     plan(&ablation, only, 3);
@@ -223,7 +216,6 @@ static void test_a_plan_has_each_configuration_once(void **state)
 
 static void test_a_part_that_is_not_there_is_refused(void **state)
 {
-    (void)state;
     static const char *const unknown[] = {"overide"}, *const absent[] = {"upscale_dither"};
     struct neph_ablation ablation = {.preset = NULL};
     struct neph_diag diag = {.line = 0};
@@ -299,7 +291,6 @@ static const struct neph_ablation_comparison *planned(struct neph_ablation *abla
 
 static void test_measures_are_metrics_of_a_flicker_study(void **state)
 {
-    (void)state;
     struct neph_ablation ablation;
     planned(&ablation);
     assert_int_equal(neph_ablation_measure_count(), GPU_MS + 1);
@@ -319,7 +310,6 @@ static void test_measures_are_metrics_of_a_flicker_study(void **state)
  * are judged, as the half-life and the bytes change as well. */
 static void test_an_effect_is_students_interval_over_scenes(void **state)
 {
-    (void)state;
     struct neph_ablation ablation;
     const struct neph_ablation_comparison *of = planned(&ablation);
     for (int s = 0; s < SCENES; s++) {
@@ -361,7 +351,6 @@ static void test_an_effect_is_students_interval_over_scenes(void **state)
 /* Four in a hundred up and down is nothing, six is not; what agrees in all scenes is certain. */
 static void test_little_is_nothing(void **state)
 {
-    (void)state;
     struct neph_ablation ablation;
     const struct neph_ablation_comparison *of = planned(&ablation);
     for (int s = 0; s < SCENES; s++) {
@@ -382,7 +371,6 @@ static void test_little_is_nothing(void **state)
 /* A scene whose seed has no number that counts takes no part, and one alone has no interval. */
 static void test_scenes_without_a_number_are_left_out(void **state)
 {
-    (void)state;
     struct neph_ablation ablation;
     const struct neph_ablation_comparison *of = planned(&ablation);
     for (int s = 0; s < SCENES; s++) {
@@ -405,7 +393,6 @@ static void test_scenes_without_a_number_are_left_out(void **state)
 
 static void test_advice(void **state)
 {
-    (void)state;
     static const struct {
         enum neph_ablation_verdict verdicts[3];
         enum neph_ablation_advice advice;
@@ -429,7 +416,6 @@ static void test_advice(void **state)
 
 static void test_changes_in_words(void **state)
 {
-    (void)state;
     static const struct {
         double ratio;
         const char *text;
@@ -452,7 +438,6 @@ static void list_parts(const void *ablation, FILE *out)
 
 static void test_output_holds_every_number(void **state)
 {
-    (void)state;
     struct neph_ablation ablation;
     struct neph_publication publication;
     char *list = NULL;

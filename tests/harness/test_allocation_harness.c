@@ -48,7 +48,6 @@ static void test_sequences(void **state)
 
 static void test_frames(void **state)
 {
-    (void)state;
     assert_every_failure_is_told("an EXR", read_frame, CORPUS "exr/smooth_zip.exr");
     assert_every_failure_is_told("a PNG", read_frame, CORPUS "png/rgb_8.png");
 }

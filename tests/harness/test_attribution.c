@@ -25,7 +25,6 @@ static int odd_of(int count, const char *pairs, char sentence[400])
 
 static void test_rule(void **state)
 {
-    (void)state;
     static const struct {
         int count;
         const char *pairs;

@@ -175,7 +175,6 @@ static void clopper_pearson(int k, int n, double *low, double *high)
 
 static void test_intervals_of_rates(void **state)
 {
-    (void)state;
     double low, high;
     clopper_pearson(0, 100, &low, &high); /* 1 - 0.025^(1/100) */
     neph_assert_close(low, 0.0, 0.0, 0.0);
@@ -189,7 +188,6 @@ static void test_intervals_of_rates(void **state)
 
 static void test_quiet_nights_are_quiet(void **state)
 {
-    (void)state;
     struct world *world = malloc(sizeof(*world));
     int nights = 0, false_alarms = 0;
     double low, high;
@@ -235,7 +233,6 @@ static int by_delay(const void *a, const void *b)
 
 static void test_planted_changes_are_found(void **state)
 {
-    (void)state;
     /* `share` is of all runs, within three weeks and by night, when there are forty; `median` is
      * the night by which half of these are found. An error that is the same every night is found
      * whatever else is there: of one that is drawn, with a standard error of 2 %, 3 % in one scene
@@ -483,7 +480,6 @@ static json_t *document_of(struct world *world, int nights)
 
 static void test_nights_are_drawn_from_a_store(void **state)
 {
-    (void)state;
     static struct sample sample;
     struct world *world = malloc(sizeof(*world));
     begin_world(world, 5);
@@ -509,7 +505,6 @@ static void test_nights_are_drawn_from_a_store(void **state)
  * those, which are off by factors. */
 static void test_nights_of_a_loaded_machine(void **state)
 {
-    (void)state;
     static struct sample sample;
     json_t *document = json_load_file(NEPH_SOURCE_DIR "/tests/data/nights.json", 0, NULL);
     double low, high;

@@ -4,7 +4,7 @@
  * pixel, and is stopped when that is more than it was given. Its noise is known:
  * a pixel is 1 + u / sqrt(samples) with u uniform in -0.5 .. 0.5.
  */
-#include "tests/base/scratch.h"
+#include "tests/harness/store_test.h"
 
 #include "base/exr.h"
 #include "harness/run/budget.h"
@@ -26,7 +26,6 @@ static const struct neph_option options[] = {
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
-    (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -59,7 +58,6 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
 static enum neph_status hang(const struct neph_shot *shot, struct neph_image **frame,
                              struct neph_cost *cost, struct neph_diag *diag)
 {
-    (void)frame;
     *cost = (struct neph_cost){.wall_s = shot->time_limit_s};
     return neph_fail(diag, NEPH_ERR_TIMEOUT, "stopped after %g s", shot->time_limit_s);
 }
@@ -83,12 +81,8 @@ struct bench {
 
 static struct bench open_bench(void **state)
 {
-    char folder[SCRATCH_PATH_MAX];
-    struct neph_diag diag = {0};
-    struct bench bench = {.scene = {.name = "none", .hash = "0", .medium_count = 1}};
-    neph_assert_ok(neph_store_open(scratch_path(state, folder, "store"), &bench.store, &diag),
-                   &diag);
-    return bench;
+    return (struct bench){.store = open_store(state),
+                          .scene = {.name = "none", .hash = "0", .medium_count = 1}};
 }
 
 static struct neph_job make_job(struct bench *bench, const struct neph_engine *engine)

@@ -32,7 +32,6 @@ static const double some[][NEPH_CHOICE_NUMBERS] = {
 
 static void test_the_front_and_who_beats_the_rest(void **state)
 {
-    (void)state;
     struct neph_choice choice = make_choice(4, some);
     neph_choice_judge(&choice);
     assert_true(choice.candidates[0].on_front && choice.candidates[1].on_front);
@@ -44,7 +43,6 @@ static void test_the_front_and_who_beats_the_rest(void **state)
 
 static void test_budgets_and_the_least(void **state)
 {
-    (void)state;
     struct neph_choice choice = make_choice(4, some);
     /* Alike in evaluations: the less the product of all, the better. */
     neph_choice_judge(&choice);
@@ -69,7 +67,6 @@ static void test_budgets_and_the_least(void **state)
 /* What nobody asks for, and what no scene has, is not weighed. */
 static void test_time_is_weighed_when_it_is_asked_for(void **state)
 {
-    (void)state;
     static const double two[][NEPH_CHOICE_NUMBERS] = {{1, 1, 1, 1, 1, 9}, {1, 1, 1, 2, 1, 1}};
     struct neph_choice choice = make_choice(2, two);
     neph_choice_judge(&choice);
@@ -90,7 +87,6 @@ enum { PRESETS = 2, SCENES = 3 };
 
 static void test_levels_are_geometric_means(void **state)
 {
-    (void)state;
     static const char *const presets[] = {"ours", "fixed"}, *const scenes[] = {"a", "b", "c"};
     const struct neph_flicker_study_params params = {.presets = presets,
                                                      .preset_count = PRESETS,
@@ -144,7 +140,6 @@ static void test_levels_are_geometric_means(void **state)
 
 static void test_presets_and_guests_in_words(void **state)
 {
-    (void)state;
     const struct neph_engine *engine = NULL;
     struct neph_settings settings;
     struct neph_diag diag = {.line = 0};

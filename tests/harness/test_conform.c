@@ -27,7 +27,6 @@ static void test_what_counts(void **state)
         {"rendered", 0, 0, 1, 1}, {"rendered", 1, 0, 1, 0}, {"rendered", 0, 1, 1, 0},
         {"failed", 0, 0, 1, 0},   {"cannot", 0, 0, 0, 0},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         int expected = -1, sound = -1;
         json_t *report = report_of(cases[i].outcome, cases[i].non_finite, cases[i].negative);

@@ -48,7 +48,7 @@ static void set_stage(struct stage *stage, struct neph_vec3 eye, struct neph_vec
     stage->key = (struct neph_camera_key){.position_m = eye, .look_at_m = look_at};
     stage->seed = 1;
     stage->scene = (struct neph_scene){
-        .name = (char *)hostile_name,
+        .name = hostile_name,
         .camera_key_count = 1,
         .camera_keys = &stage->key,
         .camera_up = {0.0, 1.0, 0.0},

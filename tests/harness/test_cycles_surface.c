@@ -23,7 +23,6 @@ static const double edges = 1e-3; /* one sample in a thousand is up to half a pi
 
 static void test_plain_solids_are_told_as_before(void **state)
 {
-    (void)state;
     json_t *plain = neph_cycles_surface(&(struct neph_surface){0});
     assert_true(json_is_null(plain));
     json_decref(plain);
@@ -31,7 +30,6 @@ static void test_plain_solids_are_told_as_before(void **state)
 
 static void test_a_texture_is_a_picture(void **state)
 {
-    (void)state;
     struct neph_surface surface = {
         .metalness = 0.5,
         .roughness = 0.25,
@@ -57,7 +55,6 @@ static void test_a_texture_is_a_picture(void **state)
 
 static void test_light_of_mirrors_is_refused(void **state)
 {
-    (void)state;
     struct test_scene stage;
     char reason[256] = "";
     test_scene_init(&stage);
@@ -96,7 +93,6 @@ static struct neph_image *blender_picture(const char *left_out)
 
 static void test_layers_get_their_names(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_image *picture = blender_picture(""), *frame = NULL;
     float *rgb[3];
@@ -197,7 +193,6 @@ static void check_ambient(const char *assignment, double distance_m)
 
 static void test_ambient_of_a_step(void **state)
 {
-    (void)state;
     check_ambient("ao_distance_m=0", INFINITY);
     check_ambient("ao_distance_m=0.9", 0.9);
 }
@@ -266,7 +261,6 @@ static void check_colors(const struct neph_image *frame, const struct neph_image
 
 static void test_layers_against_the_truth(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     struct neph_image *truth = NULL;

@@ -26,7 +26,6 @@ static bool is_listed(const char *const *names, const char *name)
 
 static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
 {
-    (void)state;
     assert_true(neph_study_metric_count() > 0);
     for (int m = 0; neph_study_metrics[m].title; m++) {
         const struct neph_study_metric *metric = &neph_study_metrics[m];
@@ -54,7 +53,6 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
  */
 static void test_settings_say_what_the_variants_do(void **state)
 {
-    (void)state;
     char words[64];
     snprintf(words, sizeof(words), "lag.step_frame=%d", NEPH_STUDY_EVENT_FRAME);
     assert_true(is_listed(neph_study_takes[NEPH_STUDY_STEP].settings, words));
@@ -71,7 +69,6 @@ static void test_settings_say_what_the_variants_do(void **state)
  * errors are asked for. */
 static void test_a_reference_has_no_shadow_map(void **state)
 {
-    (void)state;
     struct neph_engine_info info;
     struct neph_job test = {.engine = neph_engine_find("realtime")}, march;
     struct neph_scene *scene = NULL;
@@ -93,7 +90,6 @@ static void test_a_reference_has_no_shadow_map(void **state)
 
 static void test_suites_hold_scenes_that_are_there(void **state)
 {
-    (void)state;
     static const char *const suites[] = {"tuning", "test", "test2", "air"};
     for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
         char **names = NULL;
@@ -113,7 +109,6 @@ static void test_suites_hold_scenes_that_are_there(void **state)
 
 static void test_an_unknown_suite_is_refused_with_those_there_are(void **state)
 {
-    (void)state;
     char **names = NULL;
     int count = 0;
     struct neph_diag diag = {.line = 0};
@@ -124,7 +119,6 @@ static void test_an_unknown_suite_is_refused_with_those_there_are(void **state)
 
 static void test_a_scene_in_both_suites_is_refused(void **state)
 {
-    (void)state;
     static const char twice[] = "{\"format\": \"neph-flicker-suites-1\", \"suites\": {"
                                 "\"tuning\": [{\"scene\": \"fog\", \"reason\": \"a\"}],"
                                 "\"test\": [{\"scene\": \"fog\", \"reason\": \"b\"}]}}";
@@ -203,7 +197,6 @@ static void assert_text_has(const struct neph_flicker_study *study, const char *
  * deviation sqrt(0.05 / 3), and Student's interval with three degrees of freedom. */
 static void test_a_pair_is_students_interval_over_scenes(void **state)
 {
-    (void)state;
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
@@ -231,7 +224,6 @@ static void test_a_pair_is_students_interval_over_scenes(void **state)
 /* Two numbers below the floor are alike, and one seed that does not count leaves its scene out. */
 static void test_what_takes_no_part(void **state)
 {
-    (void)state;
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
@@ -255,7 +247,6 @@ static void test_what_takes_no_part(void **state)
  * much at least. */
 static void test_a_bound_keeps_its_scene(void **state)
 {
-    (void)state;
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
@@ -279,7 +270,6 @@ static void test_a_bound_keeps_its_scene(void **state)
 /* Without a scene in common there is no number, and with one no interval. */
 static void test_few_scenes_have_no_interval(void **state)
 {
-    (void)state;
     struct neph_flicker_study study;
     struct neph_study_pair pair;
     make_study(&study);
@@ -304,7 +294,6 @@ static void test_few_scenes_have_no_interval(void **state)
  * widen the interval of a preset: here all scenes agree on what presets differ by. */
 static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
 {
-    (void)state;
     static const double relative[PRESETS] = {1.0, 2.0, 0.5};
     struct neph_flicker_study study;
     struct neph_study_level levels[PRESETS];
@@ -336,7 +325,6 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
 
 static void test_output_holds_every_number_and_says_why_some_do_not_count(void **state)
 {
-    (void)state;
     struct neph_flicker_study study;
     struct neph_publication publication;
     make_study(&study);

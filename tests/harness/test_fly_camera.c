@@ -32,7 +32,6 @@ static const struct neph_fly_motion at_rest = {.speed_factor = 1.0, .time_s = 0.
 
 static void test_it_begins_with_the_scenes_own_bits_and_keeps_them_at_rest(void **state)
 {
-    (void)state;
     struct neph_scene scene = make_scene();
     struct neph_camera_key odd = {.position_m = {0.1, 0.2, 0.3}, .look_at_m = {1e3, 0.7, -1e-3}};
     scene.camera_keys = &odd;
@@ -44,7 +43,6 @@ static void test_it_begins_with_the_scenes_own_bits_and_keeps_them_at_rest(void 
 
 static void test_each_way_is_an_axis_of_the_view(void **state)
 {
-    (void)state;
     static const struct {
         double right, up, forward;
         double x, y, z; /* after half a second at 5 m/s from the start */
@@ -66,7 +64,6 @@ static void test_each_way_is_an_axis_of_the_view(void **state)
 
 static void test_it_turns_right_and_up_about_where_it_stands(void **state)
 {
-    (void)state;
     const struct neph_scene scene = make_scene();
     struct neph_fly_camera camera = neph_fly_camera_of(&scene);
     struct neph_fly_motion motion = at_rest;
@@ -82,7 +79,6 @@ static void test_it_turns_right_and_up_about_where_it_stands(void **state)
 
 static void test_it_never_looks_straight_up(void **state)
 {
-    (void)state;
     const struct neph_scene scene = make_scene();
     struct neph_fly_camera camera = neph_fly_camera_of(&scene);
     struct neph_fly_motion motion = at_rest;
@@ -94,7 +90,6 @@ static void test_it_never_looks_straight_up(void **state)
 
 static void test_solids_are_not_entered(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {
         {.kind = NEPH_SOLID_BOX, .box = {{-1, 0, -3}, {1, 4, -2}}},
         {.kind = NEPH_SOLID_SPHERE, .center_m = {5, 2, 0}, .radius_m = 3.0},
@@ -117,7 +112,6 @@ static void test_solids_are_not_entered(void **state)
 
 static void test_it_stays_where_a_scene_file_may_put_it(void **state)
 {
-    (void)state;
     const struct neph_scene scene = make_scene();
     struct neph_fly_camera camera = neph_fly_camera_of(&scene);
     struct neph_fly_motion motion = at_rest;
@@ -131,7 +125,6 @@ static void test_it_stays_where_a_scene_file_may_put_it(void **state)
 /* Two seconds to what there is to see. */
 static void test_speed_follows_the_scene(void **state)
 {
-    (void)state;
     struct neph_scene scene = make_scene();
     scene.medium_count = 1;
     scene.media[0].bounds = (struct neph_bounds){{-INFINITY, -INFINITY, -INFINITY},

@@ -34,7 +34,6 @@ static void mouse(struct neph_controls *controls, double x_share, double dx_shar
 
 static void test_held_keys_fly_until_they_are_let_go(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, 'w', true);
     key(&controls, 'a', true);
@@ -53,7 +52,6 @@ static void test_held_keys_fly_until_they_are_let_go(void **state)
 /* A window that no longer has the keys is not told when they come up. */
 static void test_nothing_is_held_without_the_focus(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, 's', true);
     neph_controls_take(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_FOCUS_LOST});
@@ -62,7 +60,6 @@ static void test_nothing_is_held_without_the_focus(void **state)
 
 static void test_the_mouse_turns_with_the_right_button_or_captured(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     mouse(&controls, 0.5, 0.25, 0.5);
     struct neph_fly_motion motion = neph_controls_motion(&controls, 0.1, 2.0);
@@ -82,7 +79,6 @@ static void test_the_mouse_turns_with_the_right_button_or_captured(void **state)
 
 static void test_the_line_of_the_wipe_is_dragged(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     mouse(&controls, 0.9, 0.0, 0.0);
     assert_true(controls.split_share == 0.5);
@@ -99,7 +95,6 @@ static void test_the_line_of_the_wipe_is_dragged(void **state)
 
 static void test_the_wheel_changes_the_speed(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     const struct neph_fly_event notch = {.kind = NEPH_FLY_WHEEL, .wheel = 1.0};
     neph_controls_take(&controls, &notch);
@@ -110,7 +105,6 @@ static void test_the_wheel_changes_the_speed(void **state)
 
 static void test_orders_come_in_their_order_and_not_without_end(void **state)
 {
-    (void)state;
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, '3', true);
     key(&controls, 'x', true);
@@ -129,7 +123,6 @@ static void test_orders_come_in_their_order_and_not_without_end(void **state)
 /* One that no key chooses can be seen at the start alone. */
 static void test_each_preset_has_a_key(void **state)
 {
-    (void)state;
     for (int i = 0; neph_engine_realtime.presets[i].name; i++) {
         struct neph_controls controls = {.split_share = 0.5};
         key(&controls, '0' + i, true);
@@ -140,7 +133,6 @@ static void test_each_preset_has_a_key(void **state)
 
 static void test_a_script_presses_keys_frame_by_frame(void **state)
 {
-    (void)state;
     static const struct neph_fly_strokes expected[] = {
         {'w', 0}, {0, 0}, {'p', 'w'}, {0, 'p'}, {0, 0}, {' ', 0}, {'2', ' '}, {0, 0}, {0, '2'}};
     static const char script[] = " w*2 P\t.*2 space 2*2 ";
@@ -154,7 +146,6 @@ static void test_a_script_presses_keys_frame_by_frame(void **state)
 
 static void test_what_is_no_script_is_refused_by_its_word(void **state)
 {
-    (void)state;
     static const char *const wrong[] = {"w60",    "w*0", "w*",   "w*-3",
                                         "p w*1x", "up",  "w**2", "shift"};
     for (size_t i = 0; i < COUNT(wrong); i++) {

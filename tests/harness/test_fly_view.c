@@ -3,7 +3,7 @@
  * What `neph fly` shows: display codes by its own table, letters, and the maps over a picture
  * against the metrics that they are named after.
  */
-#include "tests/neph_test.h"
+#include "tests/harness/image_test.h"
 
 #include "harness/engines/frame_stats.h"
 #include "harness/fly/canvas.h"
@@ -49,7 +49,6 @@ static void assert_same_code(double value, int code, int expected)
 
 static void test_codes_are_those_of_the_display(void **state)
 {
-    (void)state;
     float *values = calloc(CODE_COUNT, sizeof(*values));
     uint8_t *codes = calloc(CODE_COUNT, 3), *expected = calloc(CODE_COUNT, 3);
     const float *const rgb[3] = {values, values, values};
@@ -72,7 +71,6 @@ static void test_codes_are_those_of_the_display(void **state)
 
 static void test_a_pixel_with_a_nan_is_magenta(void **state)
 {
-    (void)state;
     const float planes[3][2] = {{0.5f, 0.5f}, {NAN, 0.5f}, {0.5f, 0.5f}};
     const float *const rgb[3] = {planes[0], planes[1], planes[2]};
     struct neph_encoder *encoder = NULL;
@@ -87,7 +85,6 @@ static void test_a_pixel_with_a_nan_is_magenta(void **state)
 
 static void test_letters_of_all_texts_are_there_and_differ(void **state)
 {
-    (void)state;
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:;+-*/=%()[]<>'\"!?&#_| ";
     const uint8_t *box = neph_font_glyph('~');
     for (size_t i = 0; letters[i]; i++) {
@@ -106,7 +103,6 @@ static void test_letters_of_all_texts_are_there_and_differ(void **state)
  * is asked for, also when it is longer than the canvas. */
 static void test_text_stays_on_the_canvas(void **state)
 {
-    (void)state;
     static const uint8_t white[3] = {255, 255, 255};
     static uint8_t grey[7 * 40 * 3];
     char text[1000];
@@ -142,7 +138,6 @@ static void test_text_stays_on_the_canvas(void **state)
 
 static void test_pixels_are_made_larger_and_the_line_stands_on_them(void **state)
 {
-    (void)state;
     const uint8_t rgb[2 * 1 * 3] = {10, 20, 30, 40, 50, 60};
     struct neph_canvas canvas;
     neph_assert_ok(neph_canvas_init(&canvas, 2, 1, NULL), NULL);
@@ -158,23 +153,10 @@ static void test_pixels_are_made_larger_and_the_line_stands_on_them(void **state
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-static struct neph_image *make_image(int width_px, int height_px, float value)
-{
-    struct neph_image *image = NULL;
-    float *planes[3];
-    neph_assert_ok(neph_image_create(width_px, height_px, &image, NULL), NULL);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, NULL), NULL);
-    for (int c = 0; c < 3; c++)
-        for (size_t i = 0; i < neph_image_pixel_count(image); i++)
-            planes[c][i] = value;
-    return image;
-}
-
 /* By hand: differences 0.5, -0.25 and 0 in one channel of two pixels, mean of the reference 1. */
 static void test_an_error_is_that_of_all_channels(void **state)
 {
-    (void)state;
-    struct neph_image *reference = make_image(2, 1, 1.0f), *test = make_image(2, 1, 1.0f);
+    struct neph_image *reference = grey_image(2, 1, 1.0f), *test = grey_image(2, 1, 1.0f);
     struct neph_relative_error error;
     uint8_t rgb[6];
     neph_image_channel(test, "G")[0] = 1.5f;
@@ -186,7 +168,7 @@ static void test_an_error_is_that_of_all_channels(void **state)
     const struct neph_display_legend *legend = neph_display_difference_legend();
     assert_memory_equal(rgb, legend->above, 3);
     assert_true(rgb[5] > rgb[3]); /* towards blue */
-    struct neph_image *wide = make_image(3, 1, 1.0f);
+    struct neph_image *wide = grey_image(3, 1, 1.0f);
     assert_int_equal(neph_heat_error(reference, wide, 0.0, 0.1, &error, rgb, NULL),
                      NEPH_ERR_ENGINE);
     neph_image_destroy(wide);
@@ -204,7 +186,6 @@ static float linear_of(double code)
  * second alone of these has an a4; a run of 70 frames leaves 64. */
 static void test_flicker_is_that_of_the_metric(void **state)
 {
-    (void)state;
     static const double cosines[8] = {1, M_SQRT1_2, 0, -M_SQRT1_2, -1, -M_SQRT1_2, 0, M_SQRT1_2};
     struct neph_heat_flicker *flicker = NULL;
     struct neph_heat_a4 a4;
@@ -214,7 +195,7 @@ static void test_flicker_is_that_of_the_metric(void **state)
         const double codes[4] = {128.0 + 8.0 * cosines[2 * frame % 8],
                                  128.0 + 8.0 * cosines[4 * frame % 8], 128.0 + 0.5 * frame,
                                  128.0 + 8.0 * cosines[frame % 8]};
-        struct neph_image *image = make_image(4, 4, 0.0f);
+        struct neph_image *image = grey_image(4, 4, 0.0f);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < 16; i++)
                 image->channels[c].samples[i] = linear_of(codes[i / 4]);
@@ -240,14 +221,13 @@ static void test_flicker_is_that_of_the_metric(void **state)
  * covers all. */
 static void test_large_pictures_are_looked_at_in_steps(void **state)
 {
-    (void)state;
     enum { WIDTH_PX = 301, HEIGHT_PX = 200 };
     struct neph_heat_flicker *flicker = NULL;
     struct neph_heat_a4 a4;
     uint8_t *rgb = calloc(WIDTH_PX * HEIGHT_PX, 3);
     neph_assert_ok(neph_heat_flicker_create(WIDTH_PX, HEIGHT_PX, &flicker, NULL), NULL);
     for (int frame = 0; frame < 16; frame++) {
-        struct neph_image *image = make_image(WIDTH_PX, HEIGHT_PX,
+        struct neph_image *image = grey_image(WIDTH_PX, HEIGHT_PX,
                                               linear_of(frame % 4 == 0 ? 144.0 : 128.0));
         neph_assert_ok(neph_heat_flicker_add(flicker, image, 0.0, NULL), NULL);
         neph_image_destroy(image);
@@ -266,7 +246,6 @@ static void test_large_pictures_are_looked_at_in_steps(void **state)
 
 static void test_a_median_is_of_what_was_measured(void **state)
 {
-    (void)state;
     static struct neph_fly_times times;
     assert_true(isnan(neph_fly_times_median_s(&times)));
     neph_fly_times_add(&times, 3.0);
@@ -282,9 +261,8 @@ static void test_a_median_is_of_what_was_measured(void **state)
 
 static void test_passes_are_those_of_the_frame(void **state)
 {
-    (void)state;
     struct neph_fly_passes passes = {.count = 0};
-    struct neph_image *image = make_image(1, 1, 0.0f);
+    struct neph_image *image = grey_image(1, 1, 0.0f);
     neph_assert_ok(neph_frame_stats_set(image, "rays", 7.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "gpu_ms", 9.0, NULL), NULL);
     neph_assert_ok(neph_frame_stats_set(image, "depth_map_gpu_ms", 4.0, NULL), NULL);

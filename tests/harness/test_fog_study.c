@@ -48,7 +48,6 @@ static const struct neph_fog_row *row(enum neph_fog_model model, const char *nam
 /* What is physics is off by nothing, and so is what physics has for a look. */
 static void test_what_is_physics_is_off_by_nothing(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);
     test_add_box(&test, (struct neph_vec3){-500, -1, -500}, (struct neph_vec3){500, 0, 500});
@@ -67,7 +66,6 @@ static void test_what_is_physics_is_off_by_nothing(void **state)
  * over the sphere, an opacity of 3/4 leaves a quarter of the sky, and a cutoff the whole. */
 static void test_energy_over_the_sphere(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 20.0, 0.01);
     test.scene.fog_look.directional_w_per_m2_sr = make_grey(0.5);
@@ -93,7 +91,6 @@ static void test_energy_over_the_sphere(void **state)
 /* Fog nearly even: what is cut off at 300 m had 1 - e^-0.3 of fog before it in every direction. */
 static void test_a_jump_is_found_where_it_is(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 1e-3, 1e-9);
     test.scene.fog_look.cutoff_distance_m = 300.0;
@@ -110,7 +107,6 @@ static void test_a_jump_is_found_where_it_is(void **state)
  * Unreal's of a sixth of its square. */
 static void test_the_seam_of_a_series_is_found(void **state)
 {
-    (void)state;
     const double shares[] = {pow(0.01 * M_LN2, 2.0) / 6.0, 0.5 * 0.00125};
     struct test_scene test;
     set_stage(&test, 1e-3, 1e-2);
@@ -126,7 +122,6 @@ static void test_the_seam_of_a_series_is_found(void **state)
 /* E albedo over the sphere is a lobe of 1. */
 static void test_a_lobe_beside_the_suns_light(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);
     struct neph_medium *fog = &test.scene.media[0];
@@ -144,7 +139,6 @@ static void test_a_lobe_beside_the_suns_light(void **state)
 /* What begins later with physics before it is off by what lies behind alone. */
 static void test_near_fog_by_physics(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);
     test.scene.fog_look.volumetric_fog_distance_m = 30.0;
@@ -157,7 +151,6 @@ static void test_near_fog_by_physics(void **state)
 
 static void test_refusals(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);
     struct neph_diag diag = {0};

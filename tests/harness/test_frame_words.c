@@ -51,7 +51,6 @@ static double step_depth(const struct stage *stage, const char *engine_name)
 /* Depth / steps, within the slant of the outermost rays: 1 / cos 0.1. */
 static void test_a_step_spans_its_part_of_the_depth(void **state)
 {
-    (void)state;
     const struct neph_engine *povray = neph_engine_find("povray");
     const struct neph_settings settings = neph_settings_default(povray);
     const double intervals = neph_setting(povray, &settings, "intervals");
@@ -66,7 +65,6 @@ static void test_a_step_spans_its_part_of_the_depth(void **state)
 
 static void test_long_steps_are_warned_of(void **state)
 {
-    (void)state;
     struct stage stage;
     const struct neph_engine *march = neph_engine_find("march");
     make_slab(&stage, 1000.0);
@@ -112,7 +110,6 @@ static double step_bias(const struct stage *stage, const char *engine_name, floa
  * x a march has 1 / cosh(x / 2). The estimate is twice the difference to half of the steps. */
 static void test_the_step_bias_of_a_slab(void **state)
 {
-    (void)state;
     struct stage stage;
     for (double depth = 4.0; depth < 400.0; depth *= 4.0) {
         make_slab(&stage, depth);
@@ -137,7 +134,6 @@ static void test_the_step_bias_of_a_slab(void **state)
 /* 40 rays with n and with 2 n steps are a million steps where n is 8,333. */
 static void test_of_many_steps_no_bias_is_estimated(void **state)
 {
-    (void)state;
     const struct neph_engine *march = neph_engine_find("march");
     struct stage stage;
     make_slab(&stage, 4.0);
@@ -161,7 +157,6 @@ static void test_of_many_steps_no_bias_is_estimated(void **state)
 
 static void test_scenes_have_seeds_of_their_own(void **state)
 {
-    (void)state;
     struct neph_scene a = {.hash = "0a"}, b = {.hash = "0b"};
     assert_true(neph_seed_of(&a, 1) == neph_seed_of(&a, 1));
     assert_true(neph_seed_of(&a, 1) != neph_seed_of(&a, 2));
@@ -191,7 +186,6 @@ static struct neph_image *noisy(uint64_t seed, double noise)
 /* Both ways, with 12288 numbers: to sqrt(2 / 12288) and four times that. */
 static void test_noise_is_known(void **state)
 {
-    (void)state;
     struct neph_image *a = noisy(1, 0.02), *b = noisy(2, 0.02);
     neph_assert_close(neph_noise_of_frame(a), 0.01, 0.01, 0.0);
     neph_assert_close(neph_noise_of_two(a, b), 0.01, 4.0 * sqrt(2.0 / 12288.0), 0.0);

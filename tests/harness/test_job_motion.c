@@ -12,7 +12,6 @@
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size)
 {
-    (void)settings;
     snprintf(reason, reason_size, "time passes");
     return !neph_scene_moves(scene);
 }
@@ -23,7 +22,6 @@ static enum neph_status paint(const struct neph_shot *shot, struct neph_image **
 {
     const struct neph_scene *scene = shot->scene;
     float *rgb[3];
-    (void)cost;
     neph_assert_ok(neph_image_create(shot->width_px, shot->height_px, frame, diag), diag);
     neph_assert_ok(neph_image_add_rgb(*frame, NULL, rgb, diag), diag);
     rgb[0][0] = (float)scene->sun.direction.x;

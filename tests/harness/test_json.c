@@ -19,7 +19,6 @@ static json_t *refused(int which)
 
 static void test_a_list_without_one_of_its_rows_is_none(void **state)
 {
-    (void)state;
     for (int which = 0; which < 3; which++) {
         json_t *list = json_array(), *object = json_object();
         neph_json_add(&list, json_integer(1));
@@ -37,7 +36,6 @@ static void test_a_list_without_one_of_its_rows_is_none(void **state)
 
 static void test_somebody_elses_list_stays_and_the_caller_hears(void **state)
 {
-    (void)state;
     json_t *list = json_array(), *object = json_object();
     for (int which = 0; which < 3; which++) {
         struct neph_diag diag = {.line = 0};
@@ -58,7 +56,6 @@ static void test_somebody_elses_list_stays_and_the_caller_hears(void **state)
 
 static void test_texts_that_are_only_read_are_cleaned(void **state)
 {
-    (void)state;
     json_t *text = neph_json_cleaned("caf\xe9\x1b[2J");
     assert_string_equal(json_string_value(text), "caf\\xe9\\x1b[2J");
     json_decref(text);

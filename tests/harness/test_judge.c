@@ -32,7 +32,6 @@ static struct neph_judgement judge_one(const struct neph_series *series)
 
 static void test_fixed_series(void **state)
 {
-    (void)state;
     static const struct {
         double before, tonight;
         bool is_signed;
@@ -75,7 +74,6 @@ static struct neph_series drawn(const double *past, const double *errors, double
 /* One test alone: its p-value is that of z = difference / hypot(errors). */
 static void test_a_drawn_series_by_its_errors(void **state)
 {
-    (void)state;
     const double before = 1.0, error = 0.03;
     for (double z = 0.5; z < 6.0; z += 0.5) {
         const struct neph_series series = drawn(&before, &error, 1.0 + z * 0.05, 0.04);
@@ -90,7 +88,6 @@ static void test_a_drawn_series_by_its_errors(void **state)
  * draw is no change yet. Nor is it after a week of the same bits, when others are known. */
 static void test_repeated_bits_are_one_draw(void **state)
 {
-    (void)state;
     uint64_t random = 5;
     double past[40];
     for (int i = 0; i < 11; i++)
@@ -112,7 +109,6 @@ static void test_repeated_bits_are_one_draw(void **state)
 /* Holm: the same deviation among fifty that have none needs fifty times the p-value. */
 static void test_all_chances_share_one_alpha(void **state)
 {
-    (void)state;
     enum { MANY = 50 };
     const double before = 1.0, error = 0.03, same = 0.25;
     struct neph_series series[MANY + 2];
@@ -147,7 +143,6 @@ static struct neph_series timed(const double *past, int count, double tonight)
 /* A machine that is busy for two nights; a change that stays; too few nights; a faster one. */
 static void test_durations(void **state)
 {
-    (void)state;
     uint64_t random = 7;
     double past[40];
     fill(past, 40, 2.0, 0.01, &random);
@@ -167,7 +162,6 @@ static void test_durations(void **state)
 /* What the floor says is what is found: just above it, and not just below. */
 static void test_the_floor_is_what_can_be_seen(void **state)
 {
-    (void)state;
     uint64_t random = 11;
     double past[40];
     for (int i = 0; i < 20; i++) {
@@ -188,7 +182,6 @@ static void test_the_floor_is_what_can_be_seen(void **state)
 /* A change that is below the floor of each scene, and the same in all. */
 static void test_an_engine_over_all_scenes(void **state)
 {
-    (void)state;
     enum { SCENES = 40, NIGHTS = 40 };
     static double past[SCENES][NIGHTS];
     struct neph_series series[SCENES];
@@ -215,7 +208,6 @@ static void test_an_engine_over_all_scenes(void **state)
  * without a number of the accepted night, or of other nights, is not and is not counted. */
 static void test_one_busy_night_switches_no_mean_off(void **state)
 {
-    (void)state;
     enum { SCENES = 6, NIGHTS = 40 };
     static double past[SCENES][NIGHTS];
     struct neph_series series[SCENES];
@@ -242,7 +234,6 @@ static void test_one_busy_night_switches_no_mean_off(void **state)
 /* A truth that has moved takes all engines with it; an engine that has, itself alone. */
 static void test_a_stale_truth(void **state)
 {
-    (void)state;
     enum { SCENES = 6, SERIES = 3 * SCENES };
     static const char *const engines[] = {"march", "cycles", "povray"};
     const double before = 0.25;
@@ -276,7 +267,6 @@ static void test_a_stale_truth(void **state)
 
 static void test_words(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < NEPH_SERIES_KINDS; kind++)
         assert_int_equal(neph_series_kind_of(neph_series_rule(kind)->word), kind);
     assert_int_equal(neph_series_kind_of("slow"), NEPH_SERIES_KINDS);

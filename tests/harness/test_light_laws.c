@@ -84,7 +84,6 @@ static double find_ratio(const struct neph_light_law_case *of, const struct seen
  * less. */
 static void test_furnace_of_a_thin_ball(void **state)
 {
-    (void)state;
     for (double g = -0.5; g < 0.51; g += 0.5) {
         const struct neph_light_law_case of = {NEPH_LAW_FURNACE, 1e-4, g, 1.0};
         const struct seen seen = see_all(&of, NEPH_STAGE_TRUTH_HALF_SPACE, thin_radiance);
@@ -98,7 +97,6 @@ static void test_furnace_of_a_thin_ball(void **state)
  * leaves a white slab is missing: as much is missing of all. */
 static void test_fluxes_of_a_slab(void **state)
 {
-    (void)state;
     const struct neph_light_law_case balance = {NEPH_LAW_BALANCE, 4.0, 0.2, 1.0},
                                      reflected = {NEPH_LAW_REFLECTED, 4.0, 0.2, 1.0},
                                      transmitted = {NEPH_LAW_TRANSMITTED, 4.0, 0.2, 1.0};
@@ -116,7 +114,6 @@ static void test_fluxes_of_a_slab(void **state)
 /* A narrow view has a mean over its half a degree, which for smooth light is its middle. */
 static void test_reciprocity_of_a_slab(void **state)
 {
-    (void)state;
     const struct neph_light_law_case of = {NEPH_LAW_RECIPROCITY, 4.0, 0.2, 1.0};
     const struct seen seen = see_all(&of, NEPH_STAGE_TRUTH_SLAB, true_radiance);
     neph_assert_close(find_ratio(&of, &seen, 0, 1.0), 1.0, 1e-4, 0.0);
@@ -126,7 +123,6 @@ static void test_reciprocity_of_a_slab(void **state)
 /* Every law is there, for a white medium; and where a flux is, the balance is of the same slab. */
 static void test_cases(void **state)
 {
-    (void)state;
     int of_law[NEPH_LAW_RECIPROCITY + 1] = {0};
     for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
         const struct neph_light_law_case *of = &neph_light_law_cases[i];

@@ -13,7 +13,6 @@
 
 static void test_bins(void **state)
 {
-    (void)state;
     for (int axis = 0; axis < NEPH_LIGHT_AXES; axis++) {
         const double *edges = neph_light_axes[axis].edges;
         for (int bin = 0; bin < NEPH_LIGHT_BINS; bin++) {
@@ -35,7 +34,6 @@ static void test_bins(void **state)
 
 static void test_sums_without_noise(void **state)
 {
-    (void)state;
     struct neph_light_sums sums = {.count = 0}, first = {.count = 0}, second = {.count = 0};
     assert_true(isnan(neph_light_bias(&sums)) && isnan(neph_light_rms(&sums)));
     neph_light_sums_add(&first, 3.0, 1.0, 1.0);  /* off by 2 */
@@ -53,7 +51,6 @@ static void test_sums_without_noise(void **state)
  * 0.8 each, eight times what the model is off by in a pixel. */
 static void test_noise_is_taken_out(void **state)
 {
-    (void)state;
     enum { COUNT_OF_PIXELS = 40000 };
     uint64_t seed = 16;
     struct neph_light_sums sums = {.count = 0};
@@ -97,7 +94,6 @@ static double slab_lit(double depth, double cosine, double scale)
 
 static void test_view_of_a_slab(void **state)
 {
-    (void)state;
     const struct neph_scene scene = make_slab();
     for (double cosine = 0.1; cosine < 1.0; cosine += 0.2) {
         const struct neph_pixel_ray ray = look_down(cosine);
@@ -118,7 +114,6 @@ static void test_view_of_a_slab(void **state)
 
 static void test_view_past_media(void **state)
 {
-    (void)state;
     const struct neph_scene scene = make_slab();
     const struct neph_pixel_ray up = {{0.0, 5.0, 0.0}, {0.0, 1.0, 0.0}};
     const struct neph_light_view view = neph_light_view_of(&scene, &up, true);
@@ -129,7 +124,6 @@ static void test_view_past_media(void **state)
 
 static void test_lit_between_scales(void **state)
 {
-    (void)state;
     double lit[NEPH_LIGHT_SCALES], worst = 0.0;
     for (int s = 0; s < NEPH_LIGHT_SCALES; s++)
         lit[s] = slab_lit(30.0, 1.0, neph_light_scale(s));
@@ -144,7 +138,6 @@ static void test_lit_between_scales(void **state)
 
 static void test_octaves_of_a_slab(void **state)
 {
-    (void)state;
     const struct neph_octaves octaves = {8, 0.7, 0.25, 0.5}; /* scales of 2^-2i are known */
     const struct neph_scene scene = make_slab();
     const struct neph_pixel_ray ray = look_down(0.5);
@@ -183,7 +176,6 @@ static void make_cell(const struct neph_octaves_fit *truth, int index,
 
 static void test_fit_finds_its_truth(void **state)
 {
-    (void)state;
     static const struct neph_octaves_fit truth = {.contribution = {1.0, 0.5, 0.0, -1.0, 0.0},
                                                   .attenuation = {-0.5, -1.0, 0.0, 0.5, 0.0},
                                                   .eccentricity = {-1.0, 0.0, 0.0, 0.0, 0.0}};
@@ -211,7 +203,6 @@ static void test_fit_finds_its_truth(void **state)
 
 static void test_octaves_of_a_medium(void **state)
 {
-    (void)state;
     static const struct neph_octaves_fit halves = {.contribution = {0.0}};
     const struct neph_octaves half = neph_octaves_of(&halves, 0.7, 1.0);
     assert_true(half.count == 8 && half.contribution == 0.5 && half.attenuation == 0.5 &&
@@ -230,7 +221,6 @@ static void test_octaves_of_a_medium(void **state)
 
 static void test_sweeps(void **state)
 {
-    (void)state;
     const struct neph_light_sweep sweep = {.sun_count = 2,
                                            .albedo_count = 3,
                                            .suns_deg = {{30, 0}, {60, 180}},
@@ -249,7 +239,6 @@ static void test_sweeps(void **state)
 /* One sweep after the other. */
 static void test_entries(void **state)
 {
-    (void)state;
     const struct neph_light_entry entry = {
         .sweep_count = 2,
         .sweeps = {{.g_count = 2, .g = {0.1, 0.2}}, {.g_count = 3, .g = {0.3, 0.4, 0.5}}}};
@@ -261,7 +250,6 @@ static void test_entries(void **state)
 /* What the issue of light asks of the cells, of each suite whole. */
 static void test_suites_cover(void **state)
 {
-    (void)state;
     static const char *const names[] = {"tuning", "test", "test2"};
     for (size_t suite = 0; suite < COUNT(names); suite++) {
         struct neph_light_entry *entries;
@@ -302,7 +290,6 @@ static struct neph_light_sums off_by(double bias, int count)
 /* Dense parts and whole pictures are judged apart, and too few pixels not at all. */
 static void test_verdicts_of_parts(void **state)
 {
-    (void)state;
     static struct neph_light_cell cells[3];
     const struct neph_light_study study = {.cells = cells, .cell_count = 3};
     const double whole[3] = {0.04, -0.1, 0.3};
@@ -327,7 +314,6 @@ static void test_verdicts_of_parts(void **state)
 
 static void test_models_offered(void **state)
 {
-    (void)state;
     char *words = neph_light_models_offered(), *rest = words;
     assert_non_null(words);
     int count = 0, singles = 0;
@@ -347,7 +333,6 @@ static void test_models_offered(void **state)
 
 static void test_models_by_name(void **state)
 {
-    (void)state;
     struct neph_light_model model;
     struct neph_diag diag = {.line = 0};
     neph_assert_ok(
@@ -394,7 +379,6 @@ static void check_suite(const struct neph_light_entry *entries, int count)
 /* The last suite has no kind of medium that the others have not: what it costs waits. */
 static void test_suites_share_nothing(void **state)
 {
-    (void)state;
     enum { SUITES = 3 };
     static const char *const names[SUITES] = {"tuning", "test", "test2"};
     struct neph_diag diag = {.line = 0};

@@ -34,7 +34,6 @@ static void test_what_a_look_is(void **state)
         {"realtime", "lighting=octaves", true, NULL},
         {"cycles", NULL, false, NULL},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         const struct neph_engine *engine = engine_named(cases[i].engine);
         struct neph_settings settings = neph_settings_default(engine);

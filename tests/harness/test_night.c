@@ -3,9 +3,9 @@
  * A night without its renderers: what is read from results, in which order steps are worth their
  * time, and what is found in histories of which the answer is known.
  */
+#include "tests/harness/image_test.h"
 #include "tests/harness/store_test.h"
 
-#include "base/exr.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "harness/night/compare.h"
@@ -29,7 +29,6 @@ static void make_plan(struct neph_arena *arena, const char *tier, const char *on
 /* What the quick tier measures, the full one does under the same names and by the same commands. */
 static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **state)
 {
-    (void)state;
     struct neph_arena arena = {NULL};
     struct neph_night_plan quick, full;
     make_plan(&arena, "quick", NULL, &quick);
@@ -57,7 +56,6 @@ static bool has_series(const struct neph_sweep_plan *plan, const char *name)
 /* Presets, plans and their series that steps name are there: a night would find out in the dark. */
 static void test_what_steps_name_is_there(void **state)
 {
-    (void)state;
     struct neph_arena arena = {NULL};
     struct neph_night_plan plan;
     int presets = 0, series = 0;
@@ -94,7 +92,6 @@ static void test_what_steps_name_is_there(void **state)
 /* Froxels, lamps, shadow maps of clouds, sheets, looks of fog and the sky: a scene each. */
 static void test_a_quick_night_looks_at_the_air(void **state)
 {
-    (void)state;
     static const char *const wanted[] = {"failure froxel_leak",       "sweep spot_fence",
                                          "sweep cloud_gaps",          "sweep cirrus",
                                          "catalog fog_look_physical", "catalog sky_earth"};
@@ -135,7 +132,6 @@ static void test_the_stress_tests_keep_their_word_in_names(void **state)
 /* `neph benchmark` refuses a scene that one of its engines cannot render. */
 static void test_what_is_timed_can_be_rendered(void **state)
 {
-    (void)state;
     static const char *const timed[] = {"march", "realtime"};
     struct neph_arena arena = {NULL};
     struct neph_night_plan plan;
@@ -162,7 +158,6 @@ static void test_what_is_timed_can_be_rendered(void **state)
 /* Engines and seeds that are asked for are those of the catalogue alone. */
 static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
 {
-    (void)state;
     const char *const engines[] = {"command"};
     const struct neph_night_plan_params params = {
         .tier = "quick", .engines = engines, .engine_count = 1, .seed = 3};
@@ -184,7 +179,6 @@ static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
 
 static void test_plans_that_differ_are_told_apart(void **state)
 {
-    (void)state;
     struct neph_arena arena = {NULL};
     struct neph_night_plan all, some, none;
     make_plan(&arena, "quick", NULL, &all);
@@ -208,7 +202,6 @@ static void test_plans_that_differ_are_told_apart(void **state)
 
 static void test_what_tells_most_a_second_comes_first(void **state)
 {
-    (void)state;
     struct neph_night_step steps[4] = {{.guess_s = 10, .guess_series = 10},
                                        {.guess_s = 10, .guess_series = 10},
                                        {.guess_s = 10, .guess_series = 10},
@@ -254,17 +247,9 @@ static void read_text(enum neph_night_suite suite, const char *text, double cali
 /* Two pixels, the second of which is 3. */
 static void write_picture(const char *path, float first)
 {
-    struct neph_image *image = NULL;
-    static const char *const channels[] = {"R", "G", "B"};
-    neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
-    for (int c = 0; c < 3; c++) {
-        float *samples;
-        neph_assert_ok(neph_image_add_channel(image, channels[c], &samples, NULL), NULL);
-        samples[0] = first;
-        samples[1] = 3.0f;
-    }
-    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
-    neph_image_destroy(image);
+    struct neph_image *image = grey_image(2, 1, 3.0);
+    set_grey(image, 0, first);
+    write_image(path, image);
 }
 
 static void test_results_of_the_catalogue(void **state)
@@ -313,7 +298,6 @@ static void test_results_of_the_catalogue(void **state)
 
 static void test_results_of_the_other_suites(void **state)
 {
-    (void)state;
     struct neph_arena arena = {NULL};
     struct neph_night_numbers numbers;
     read_text(NEPH_NIGHT_PHYSICS,
@@ -355,7 +339,6 @@ static void test_results_of_the_other_suites(void **state)
 
 static void test_results_between_warnings(void **state)
 {
-    (void)state;
     json_t *found = neph_night_find_document("neph: {what}\n{\n \"a\": 1\n}\nneph: and after\n");
     assert_int_equal(json_integer_value(json_object_get(found, "a")), 1);
     json_decref(found);
@@ -364,8 +347,9 @@ static void test_results_between_warnings(void **state)
 
 /* ---- histories ------------------------------------------------------------------------------- */
 
+/* Nights in a store of the test's own: the state of each test below. */
 struct bench {
-    struct scratch *scratch;
+    struct scratch scratch;
     struct neph_store *store;
     struct neph_database *index;
     struct neph_night_comparison c; /* the last */
@@ -376,23 +360,23 @@ static int open_bench(void **state)
     struct bench *bench = calloc(1, sizeof(*bench));
     if (!bench || scratch_setup(state))
         return -1;
-    bench->scratch = *state;
-    bench->store = open_store(state);
-    neph_assert_ok(neph_store_index(bench->store, &bench->index, NULL), NULL);
+    bench->scratch = *(struct scratch *)*state;
+    free(*state);
     *state = bench;
-    return 0;
+    bench->store = open_store(state);
+    return neph_store_index(bench->store, &bench->index, NULL);
 }
 
 static int close_bench(void **state)
 {
     struct bench *bench = *state;
-    *state = bench->scratch;
     neph_night_comparison_finish(&bench->c);
     neph_database_close(bench->index);
     neph_store_close(bench->store);
-    free(bench);
     return scratch_teardown(state);
 }
+
+#define bench_test(function) cmocka_unit_test_setup_teardown(function, open_bench, close_bench)
 
 /* A night of one step that is over, or goes on. */
 static int64_t add_night(struct bench *bench, const struct neph_history_step *step,

@@ -8,7 +8,6 @@
 
 static void test_all_kinds_pass(void **state)
 {
-    (void)state;
     struct neph_phase_finding found[NEPH_PHASES];
     neph_phases_check(found);
     for (int i = 0; i < NEPH_PHASES; i++)
@@ -18,7 +17,6 @@ static void test_all_kinds_pass(void **state)
 /* Beyond g = 1 the formula integrates to -1 / g. */
 static void test_what_is_no_density_is_off(void **state)
 {
-    (void)state;
     const struct neph_phase_finding found = neph_phase_check(
         &(struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 1.25});
     neph_assert_close(found.integral, -0.8, 1e-9, 0.0);

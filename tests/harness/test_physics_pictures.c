@@ -4,8 +4,8 @@
  * there, and of the truth's size.
  */
 #include "tests/base/scratch.h"
+#include "tests/harness/image_test.h"
 
-#include "base/exr.h"
 #include "harness/physics/pictures.h"
 
 enum { WIDTH = 6, HEIGHT = 4, PIXELS = WIDTH * HEIGHT };
@@ -32,17 +32,12 @@ static void fill_truth(double truth[PIXELS])
 /* A frame of truth times `factor`. */
 static void write_frame(const char *path, int width_px, double factor)
 {
-    struct neph_diag diag = {.line = 0};
-    struct neph_image *image;
-    float *planes[3];
+    struct neph_image *image = grey_image(width_px, HEIGHT, 0.0);
     double truth[PIXELS];
     fill_truth(truth);
-    neph_assert_ok(neph_image_create(width_px, HEIGHT, &image, &diag), &diag);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, &diag), &diag);
     for (int p = 0; p < width_px * HEIGHT; p++)
-        planes[0][p] = planes[1][p] = planes[2][p] = (float)(truth[p] * factor);
-    neph_assert_ok(neph_exr_write(path, image, &diag), &diag);
-    neph_image_destroy(image);
+        set_grey(image, (size_t)p, truth[p] * factor);
+    write_image(path, image);
 }
 
 enum { ROWS_MAX = 4 };
@@ -91,7 +86,6 @@ static bool same_bytes(const struct scratch *scratch, const char *a, const char 
 
 static void test_view_says_what_it_needs(void **state)
 {
-    (void)state;
     double truth[PIXELS];
     struct neph_physics_view described;
     fill_truth(truth);
@@ -105,7 +99,6 @@ static void test_view_says_what_it_needs(void **state)
 
 static void test_black_view_has_a_scale(void **state)
 {
-    (void)state;
     const double truth[PIXELS] = {0.0};
     struct neph_physics_view described;
     neph_physics_view_describe(&view, truth, &described);

@@ -3,7 +3,7 @@
  * The study of the picture chain: its chains make sense, and what is measured of films whose error
  * and flicker are known is that.
  */
-#include "tests/neph_test.h"
+#include "tests/harness/image_test.h"
 
 #include "harness/engines/vulkan_device.h"
 #include "harness/study/post_measure.h"
@@ -27,7 +27,6 @@ static struct neph_settings settings_of(const char *text)
 
 static void test_the_chains_make_sense(void **state)
 {
-    (void)state;
     for (const struct neph_post_row *row = neph_post_rows; row->name; row++) {
         struct neph_settings settings = settings_of(row->settings);
         struct neph_diag diag = {0};
@@ -56,7 +55,6 @@ static char *grey_mark(int number)
 static void test_marks_differ_without_their_colours(void **state)
 {
     char *marks[NEPH_SVG_MARKS];
-    (void)state;
     for (int i = 0; i < NEPH_SVG_MARKS; i++) {
         marks[i] = grey_mark(i);
         for (int other = 0; other < i; other++)
@@ -68,18 +66,6 @@ static void test_marks_differ_without_their_colours(void **state)
 
 /* ---- films ----------------------------------------------------------------------------------- */
 
-static struct neph_image *flat(double value)
-{
-    struct neph_image *image;
-    struct neph_diag diag = {0};
-    float *rgb[3];
-    neph_assert_ok(neph_image_create(width, height, &image, &diag), &diag);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
-    for (int i = 0; i < pixels; i++)
-        rgb[0][i] = rgb[1][i] = rgb[2][i] = (float)value;
-    return image;
-}
-
 struct film {
     struct neph_vulkan *vulkan;
     struct neph_image *tests[frames], *reference;
@@ -90,9 +76,9 @@ struct film {
 static void open_film(struct film *f, double even, double odd)
 {
     struct neph_diag diag = {0};
-    *f = (struct film){.reference = flat(0.2)};
+    *f = (struct film){.reference = grey_image(width, height, 0.2)};
     for (int i = 0; i < frames; i++)
-        f->tests[i] = flat(i % 2 ? odd : even);
+        f->tests[i] = grey_image(width, height, i % 2 ? odd : even);
     neph_assert_ok(neph_vulkan_open(&f->vulkan, &diag), &diag);
     f->film = (struct neph_post_film){.tests = (const struct neph_image *const *)f->tests,
                                       .references = (const struct neph_image *const *)&f->reference,
@@ -124,7 +110,6 @@ static struct neph_post_numbers measured(struct film *f, const char *text)
 static void test_what_is_known_is_measured(void **state)
 {
     struct film f;
-    (void)state;
     open_film(&f, 0.22, 0.18);
     const struct neph_post_numbers numbers = measured(&f, "tone=on tone_map=none");
     neph_assert_close(numbers.scene_error, 0.1, 1e-5, 0.0);
@@ -143,7 +128,6 @@ static void test_what_is_known_is_measured(void **state)
 static void test_what_is_true_has_no_error_but_of_grain(void **state)
 {
     struct film f;
-    (void)state;
     open_film(&f, 0.2, 0.2);
     const struct neph_post_numbers still = measured(&f, "tone=on tone_map=unreal bloom=conserving "
                                                         "auto_exposure=on upscale=bilinear");
@@ -158,7 +142,6 @@ static void test_what_is_true_has_no_error_but_of_grain(void **state)
 static void test_the_eye_forgives_what_is_brighter(void **state)
 {
     struct film f;
-    (void)state;
     open_film(&f, 0.3, 0.3);
     const struct neph_post_numbers fixed = measured(&f, "tone=on tone_map=none");
     const struct neph_post_numbers adapted = measured(&f, "tone=on tone_map=none auto_exposure=on");

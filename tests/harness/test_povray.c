@@ -66,7 +66,6 @@ static void write_codes(double value, double gain, uint16_t codes[3])
 
 static void test_brackets_recover_values(void **state)
 {
-    (void)state;
     uint64_t seed = 1;
     for (int i = 0; i < 100000; i++) {
         double value = exp(neph_test_uniform(&seed, log(1e-8), 0.0));
@@ -107,7 +106,6 @@ static int expose_simulated(const double *values, size_t count, double gain,
 
 static void test_exposures_meet_the_target(void **state)
 {
-    (void)state;
     enum { COUNT = 4000 };
     static double values[COUNT];
     static struct neph_povray_reading readings[COUNT];
@@ -127,7 +125,6 @@ static void test_exposures_meet_the_target(void **state)
 /* One pixel is 1e8 times as bright as the others. */
 static void test_one_bright_pixel_leaves_the_others(void **state)
 {
-    (void)state;
     enum { COUNT = 100 };
     double values[COUNT];
     struct neph_povray_reading readings[COUNT];
@@ -144,7 +141,6 @@ static void test_one_bright_pixel_leaves_the_others(void **state)
 
 static void test_black_pictures_end(void **state)
 {
-    (void)state;
     static const double values[4] = {0.0, 0.0, 0.0, 0.0};
     struct neph_povray_reading readings[4];
     const struct neph_povray_target target = {
@@ -155,7 +151,6 @@ static void test_black_pictures_end(void **state)
 
 static void test_depth_digits_recover_depth(void **state)
 {
-    (void)state;
     uint64_t seed = 3;
     const double range_m = 1e6;
     for (int i = 0; i < 100000; i++) {
@@ -178,7 +173,6 @@ static void test_depth_digits_recover_depth(void **state)
 
 static void test_phase_constants(void **state)
 {
-    (void)state;
     /* POV-Ray's k against 4 pi p times the excess, over all cosines. */
     const struct neph_phase rayleigh = {NEPH_PHASE_RAYLEIGH, 0.0};
     const struct neph_phase forward = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
@@ -276,7 +270,6 @@ static void assert_plain(const char *text)
 
 static void test_text_holds_no_string_of_the_scene(void **state)
 {
-    (void)state;
     struct test_scene plain, hostile;
     set_full_stage(&plain);
     set_full_stage(&hostile);
@@ -295,7 +288,6 @@ static void test_text_holds_no_string_of_the_scene(void **state)
 /* An eye on a face, a spot at the eye and lamps near rays: a face cut in doubles, a mask, cubes. */
 static void test_text_near_eyes_and_lights(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -347,7 +339,6 @@ static void set_surfaces(struct test_scene *stage)
  * is none. */
 static void test_text_of_surfaces(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_povray_world world;
     set_surfaces(&stage);
@@ -371,7 +362,6 @@ static void test_text_of_surfaces(void **state)
 /* Its file has the values, the last column and row again the first, and zeros around. */
 static void test_noise_s_file(void **state)
 {
-    (void)state;
     const int n = NEPH_NOISE_CELLS;
     struct neph_diag diag = {0};
     struct neph_grid *grid = NULL;
@@ -385,7 +375,6 @@ static void test_noise_s_file(void **state)
 
 static void test_text_refuses_what_is_not_a_number(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.background_w_per_m2_sr.r = NAN;
@@ -399,7 +388,6 @@ static void test_text_refuses_what_is_not_a_number(void **state)
 
 static void test_faces_of_containers_stand_alone(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage); /* both media share all faces and stand on the ground at y = 0 */
     struct neph_povray_world world = world_of(&stage);
@@ -418,7 +406,6 @@ static const double inner_unit = 0.5 * 4e-3; /* half a step of a face, in units 
  * second medium on the same face by one more. */
 static void test_faces_keep_off_the_eye(void **state)
 {
-    (void)state;
     for (int out = -1; out <= 1; out++) {
         struct test_scene stage;
         struct neph_povray_world world;
@@ -441,7 +428,6 @@ static void test_faces_keep_off_the_eye(void **state)
  * sides of a face: the face has no place between them. */
 static void test_crowds_of_origins_are_refused(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -459,7 +445,6 @@ static void test_crowds_of_origins_are_refused(void **state)
 /* From 1e-10 m above a ground POV-Ray does not see it; what is above it is rendered. */
 static void test_eye_on_a_solid_is_refused(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -475,7 +460,6 @@ static void test_eye_on_a_solid_is_refused(void **state)
 /* A lamp in the fog on the ray of a pixel; a spot there that shines across the ray is none. */
 static void test_lights_on_rays_are_refused(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_diag diag = {0};
     struct neph_povray_world world;
@@ -501,7 +485,6 @@ static void test_lights_on_rays_are_refused(void **state)
 
 static void test_which_surfaces_it_can_render(void **state)
 {
-    (void)state;
     char reason[128] = "";
     struct test_scene stage;
     set_surfaces(&stage);
@@ -538,7 +521,6 @@ static void test_which_surfaces_it_can_render(void **state)
 
 static void test_what_it_can_render(void **state)
 {
-    (void)state;
     char reason[128] = "";
     struct test_scene stage;
     set_full_stage(&stage);
@@ -558,7 +540,6 @@ static void test_what_it_can_render(void **state)
 
 static void test_probe_without_povray(void **state)
 {
-    (void)state;
     const struct neph_engine_info info = test_probe_without_path(&neph_engine_povray);
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "povray"));
@@ -698,7 +679,6 @@ static void check_transmittance(const struct test_scene *stage, double intervals
 /* Along a side, to optical depths of 10, and of 18, where the floor is 1e-8. */
 static void test_transmittance_of_boxes(void **state)
 {
-    (void)state;
     static const double extinctions_per_m[] = {0.5, 0.9};
     for (int i = 0; i < 2; i++) {
         struct test_scene stage;
@@ -711,7 +691,6 @@ static void test_transmittance_of_boxes(void **state)
 
 static void test_transmittance_of_height_fog(void **state)
 {
-    (void)state;
     struct test_scene stage; /* camera inside; two layers; optical depths to about 5 */
     test_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
     struct neph_bounds bounds = {{-30.0, 0.0, -30.0}, {30.0, 10.0, 10.0}};
@@ -725,7 +704,6 @@ static void test_transmittance_of_height_fog(void **state)
 /* A fog without bounds, cut to the container that the scene chooses. */
 static void test_transmittance_of_open_fog(void **state)
 {
-    (void)state;
     struct test_scene stage;
     test_stage(&stage, (struct neph_vec3){0.0, 20.0, 0.0}, (struct neph_vec3){0.0, 0.0, -100.0});
     struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
@@ -778,7 +756,6 @@ static void check_slab(struct neph_phase phase)
 
 static void test_single_scattering_slabs(void **state)
 {
-    (void)state;
     check_slab((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0});
     check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85});
     check_slab((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, -0.3});
@@ -803,7 +780,6 @@ static void check_light(const struct test_scene *stage, const struct neph_image 
  * both, a sphere with its shadow, and colours that are not proportional. */
 static void test_full_scene(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage);
     struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
@@ -818,7 +794,6 @@ static void test_full_scene(void **state)
 /* The scene of before, seen by parallel rays. */
 static void test_orthographic_camera(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.vertical_fov_rad = 0.0;
@@ -833,7 +808,6 @@ static void test_orthographic_camera(void **state)
 
 static void test_no_scattering(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.scattering = NEPH_SCATTERING_NONE;
@@ -851,7 +825,6 @@ static void test_no_scattering(void **state)
  * the slab is thick. */
 static void test_emission_of_slabs(void **state)
 {
-    (void)state;
     static const double extinctions_per_m[] = {0.01, 0.5, 5.0};
     for (size_t i = 0; i < COUNT(extinctions_per_m); i++) {
         struct test_scene stage;
@@ -873,7 +846,6 @@ static void test_emission_of_slabs(void **state)
 /* The full scene with a fog and a box that glow in colours of their own. */
 static void test_emission_beside_the_sun(void **state)
 {
-    (void)state;
     struct test_scene stage;
     set_full_stage(&stage);
     stage.scene.media[0].emission_w_per_m2_sr = (struct neph_rgb){4.0, 2.0, 1.0};
@@ -886,7 +858,6 @@ static void test_emission_beside_the_sun(void **state)
 /* An empty scene needs no render at all. */
 static void test_empty_scene(void **state)
 {
-    (void)state;
     struct test_scene stage;
     test_stage(&stage, (struct neph_vec3){0.0, 0.0, 0.0}, (struct neph_vec3){0.0, 0.0, -1.0});
     struct neph_image *frame = render(&stage, NEPH_LAYERS_ALL, 50);
@@ -938,13 +909,11 @@ static void compare_patterns(enum neph_pattern pattern, int may_differ)
 
 static void test_checkers(void **state)
 {
-    (void)state;
     compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a place on a line may round either way */
 }
 
 static void test_noise(void **state)
 {
-    (void)state;
     compare_patterns(NEPH_PATTERN_NOISE, 0);
 }
 
@@ -952,7 +921,6 @@ static void test_noise(void **state)
  * or the sky's times its colour, as the mirrored ray meets a solid or none. */
 static void test_a_mirror(void **state)
 {
-    (void)state;
     struct test_scene stage;
     float *rgb[3];
     int in_mirror = 0, dark = 0, same = 0;
@@ -994,7 +962,6 @@ static void test_a_mirror(void **state)
  * what comes from the other surface adds half the albedo of the rest at most. */
 static void test_radiosity_at_a_step(void **state)
 {
-    (void)state;
     const double albedo = 0.02;
     struct test_scene stage;
     float *rgb[3];
@@ -1038,7 +1005,6 @@ static void test_radiosity_at_a_step(void **state)
 
 static void test_export_runs_by_hand(void **state)
 {
-    (void)state;
     char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
     assert_non_null(mkdtemp(directory));
     struct neph_diag diag = {0};
@@ -1086,7 +1052,6 @@ static enum neph_status render_with(const char *script, double time_limit_s, cha
 
 static void test_failures_are_told(void **state)
 {
-    (void)state;
     char message[1024];
     assert_int_equal(render_with("#!/bin/sh\nexit 0\n", 10.0, message), NEPH_ERR_ENGINE);
     assert_non_null(strstr(message, "wrote no image"));
@@ -1100,7 +1065,6 @@ static void test_failures_are_told(void **state)
 
 static void test_probe_refuses_other_versions(void **state)
 {
-    (void)state;
     const struct neph_engine *engine = &neph_engine_povray;
     struct neph_engine_info info = test_probe_impostor(
         engine, "povray", "#!/bin/sh\necho 'POV-Ray 3.8.0-alpha' >&2\n");

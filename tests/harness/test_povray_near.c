@@ -130,7 +130,6 @@ static const double coarse_transmittance = 6.3e-5;
 /* Eyes on faces of the box, and beside them, see its fog. */
 static void test_eye_on_a_face(void **state)
 {
-    (void)state;
     static const struct {
         double out_m;
         int axis;
@@ -185,7 +184,6 @@ static void set_media(struct test_scene *stage, enum media_kind kind, struct nep
  * scene with a wall, whose units are others. */
 static void test_eyes_on_random_faces(void **state)
 {
-    (void)state;
     neph_test_waits_for_the_night();
     uint64_t seed = 36;
     double cpu_s = 0.0;
@@ -256,7 +254,6 @@ static const struct tolerance near_a_spot = {.relative = 6e-3, .absolute = 1e-7}
  * lamp on the ray of the middle pixel before the fog; a spot beside that ray in the fog. */
 static void test_lights_near_rays(void **state)
 {
-    (void)state;
     static const struct {
         const char *name;
         struct neph_vec3 at_m;
@@ -369,7 +366,6 @@ static void set_trial(struct test_scene *stage, const struct trial *trial, uint6
 
 static void test_random_lights(void **state)
 {
-    (void)state;
     neph_test_waits_for_the_night();
     static const char *const names[PLACES] = {"at the eye", "near the eye",   "before the fog",
                                               "in the fog", "behind the fog", "on a face"};

@@ -148,7 +148,6 @@ static void test_failures(void **state)
 
 static void test_the_key_of_a_job_knows_the_build(void **state)
 {
-    (void)state;
     struct neph_scene scene = {.name = "a"};
     struct neph_engine_info info = {.available = true, .version = "Witness 1.0", .build = "0a"};
     const struct neph_engine *engine = neph_engine_find("povray");

@@ -14,7 +14,6 @@ static void step(struct neph_progress *progress, int kind, double seconds)
 
 static void test_nothing_is_known_before_the_first_step(void **state)
 {
-    (void)state;
     const struct neph_progress progress = neph_progress_start(true, 5);
     assert_true(neph_progress_left_s(&progress) < 0.0);
 }
@@ -22,7 +21,6 @@ static void test_nothing_is_known_before_the_first_step(void **state)
 /* Two steps of 100 s and 18 of 1 s: a mean over all steps would be off by a factor of ten. */
 static void test_kinds_have_paces_of_their_own(void **state)
 {
-    (void)state;
     struct neph_progress progress = neph_progress_start(true, 0);
     neph_progress_expect(&progress, 0, 2, 50.0);
     neph_progress_expect(&progress, 7, 18, 0.0);
@@ -36,7 +34,6 @@ static void test_kinds_have_paces_of_their_own(void **state)
 
 static void test_steps_that_fall_away_are_not_waited_for(void **state)
 {
-    (void)state;
     struct neph_progress progress = neph_progress_start(true, 0);
     int done, total;
     neph_progress_expect(&progress, 3, 4, 2.0);
@@ -50,7 +47,6 @@ static void test_steps_that_fall_away_are_not_waited_for(void **state)
 /* Two processes: what the other has done is done, and what is left is done by both. */
 static void test_others_shorten_the_time(void **state)
 {
-    (void)state;
     struct neph_progress progress = neph_progress_start(true, 0);
     progress.workers = 2;
     neph_progress_expect(&progress, 1, 10, 4.0);

@@ -60,7 +60,6 @@ static void test_a_record_survives_json_and_the_database(void **state)
 
 static void test_records_that_differ_in_any_field(void **state)
 {
-    (void)state;
     const struct sample one = {"a", "b", 1, {2, 3}, 4.0, 5.0};
     struct sample others[] = {one, one, one, one, one, one, one};
     others[0].name = "c";
@@ -77,7 +76,6 @@ static void test_records_that_differ_in_any_field(void **state)
 
 static void test_what_json_lacks_is_nothing(void **state)
 {
-    (void)state;
     struct sample read;
     neph_record_read(&form, NULL, NULL, &read);
     assert_string_equal(read.name, "");

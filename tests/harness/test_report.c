@@ -4,8 +4,8 @@
  * stays whole, and what is not neph's is given back.
  */
 #include "tests/base/scratch.h"
+#include "tests/harness/image_test.h"
 
-#include "base/exr.h"
 #include "harness/engines/engines.h"
 #include "harness/report/report.h"
 
@@ -30,14 +30,7 @@ static void put(void **state, const char *name, const char *text)
 static void write_frame(void **state, const char *name, float value)
 {
     char path[SCRATCH_PATH_MAX];
-    struct neph_image *image;
-    float *planes[3];
-    neph_assert_ok(neph_image_create(WIDTH, HEIGHT, &image, NULL), NULL);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, NULL), NULL);
-    for (int p = 0; p < WIDTH * HEIGHT; p++)
-        planes[0][p] = planes[1][p] = planes[2][p] = value;
-    neph_assert_ok(neph_exr_write(scratch_path(state, path, name), image, NULL), NULL);
-    neph_image_destroy(image);
+    write_image(scratch_path(state, path, name), grey_image(WIDTH, HEIGHT, value));
 }
 
 /* A page, a node and frames of the test's own. */

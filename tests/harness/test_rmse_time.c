@@ -36,7 +36,6 @@ static void expect(const struct neph_rmse_rung rungs[RUNGS], double rmse,
 
 static void test_laws_are_found_within_and_beyond(void **state)
 {
-    (void)state;
     static const double powers[] = {1.0, 1.5};
     static const struct {
         double part; /* of the first rung's noise */
@@ -57,7 +56,6 @@ static void test_laws_are_found_within_and_beyond(void **state)
 
 static void test_a_rung_is_its_own_time(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.02, rungs);
     for (int k = 1; k < RUNGS; k++)
@@ -66,7 +64,6 @@ static void test_a_rung_is_its_own_time(void **state)
 
 static void test_bias_costs_time_and_is_a_floor(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.006, rungs);
     /* 1 %: the noise must go down to 0.8 %. */
@@ -77,7 +74,6 @@ static void test_bias_costs_time_and_is_a_floor(void **state)
 
 static void test_a_bias_that_is_not_known_decides_nothing(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.0, rungs);
     for (int k = 0; k < RUNGS; k++) /* as much as the noise's own scatter would make it */
@@ -88,7 +84,6 @@ static void test_a_bias_that_is_not_known_decides_nothing(void **state)
 
 static void test_noise_that_does_not_fall_is_not_extrapolated(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 0.0, 0.0, rungs);
     expect(rungs, 0.01, NEPH_RMSE_UNKNOWN, NAN);
@@ -98,7 +93,6 @@ static void test_noise_that_does_not_fall_is_not_extrapolated(void **state)
 /* A rung that is good by chance is followed by one that is not: the later one counts. */
 static void test_the_last_crossing_counts(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.0, rungs);
     const double rmse = 0.05 / sqrt(6.0);
@@ -109,7 +103,6 @@ static void test_the_last_crossing_counts(void **state)
 /* Times that are all the same have no slope, and an all but level one no end. */
 static void test_times_that_tell_nothing_are_not_extrapolated(void **state)
 {
-    (void)state;
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.0, rungs);
     for (int k = 0; k < RUNGS; k++)
@@ -126,7 +119,6 @@ static void test_times_that_tell_nothing_are_not_extrapolated(void **state)
 /* A busy machine mixes the times of rungs. The law is one of times, and holds. */
 static void test_the_order_of_the_rungs_is_that_of_their_times(void **state)
 {
-    (void)state;
     static const int order[RUNGS] = {2, 0, 3, 1};
     struct neph_rmse_rung rungs[RUNGS], mixed[RUNGS];
     make_ladder(0.05, 1.0, 0.0, rungs);

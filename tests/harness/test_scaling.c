@@ -27,7 +27,6 @@
 
 static void test_a_power_law_has_its_exponent(void **state)
 {
-    (void)state;
     const double x[] = {16, 2, 4, 8}, y[] = {3 * 64, 3 * 2.8284271247461903, 3 * 8, 3 * 22.627417};
     const struct neph_exponent exact = neph_exponent_fit(x, y, 4);
     assert_int_equal(exact.count, 4);
@@ -39,7 +38,6 @@ static void test_a_power_law_has_its_exponent(void **state)
  * Student's t for one degree of freedom is 12.7062. A fourth point has no logarithm. */
 static void test_scatter_makes_an_interval(void **state)
 {
-    (void)state;
     const double x[] = {1, M_E, exp(2.0), 5}, y[] = {1, M_E, M_E, 0};
     const struct neph_exponent found = neph_exponent_fit(x, y, 4);
     assert_int_equal(found.count, 3);
@@ -53,7 +51,6 @@ static void test_scatter_makes_an_interval(void **state)
 
 static void test_verdicts_on_exponents(void **state)
 {
-    (void)state;
     static const struct {
         struct neph_exponent exponent;
         enum neph_exponent_verdict verdict;
@@ -73,7 +70,6 @@ static void test_verdicts_on_exponents(void **state)
 
 static void test_lines_are_judged(void **state)
 {
-    (void)state;
     struct neph_scaling scaling = {.line_count = 2};
     for (int i = 0; i < 2; i++) {
         struct neph_scaling_line *line = &scaling.lines[i];
@@ -104,7 +100,6 @@ static struct neph_scene *load(const char *name)
 
 static void test_a_scene_of_so_many_voxels(void **state)
 {
-    (void)state;
     struct neph_scene *blob = load("gaussian_blob"), *fog = load("height_fog_level"), *made = NULL;
     struct neph_diag diag = {.line = 0};
     double coarse = 0.0, fine = 0.0, none = 0.0;
@@ -133,7 +128,6 @@ static const struct neph_ladder_light *light_named(const char *name)
 /* What a still camera does without, and what the wind asks for. */
 static void test_parts_for_motion(void **state)
 {
-    (void)state;
     static const struct {
         const char *scene, *without;
     } cases[] = {
@@ -155,7 +149,6 @@ static void test_parts_for_motion(void **state)
  * and the ladder has rungs with them where a scene needs any. */
 static void test_parts_of_the_air(void **state)
 {
-    (void)state;
     static const struct {
         const char *scene, *light, *with;
         int rungs;
@@ -191,7 +184,6 @@ static void test_parts_of_the_air(void **state)
 /* Engines for one kind of scene are rungs where the scene is of it. */
 static void test_the_ladder_has_engines_of_one_kind(void **state)
 {
-    (void)state;
     static const struct {
         const char *scene, *engines;
     } cases[] = {{"gaussian_blob", ""},
@@ -217,7 +209,6 @@ static void test_the_ladder_has_engines_of_one_kind(void **state)
  * the job tells these. */
 static void test_a_program_gets_variants_of_its_file(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("gaussian_blob"), *step = NULL, *other = NULL, *both = NULL;
     struct neph_diag diag = {.line = 0};
     const struct neph_variant variant = {NEPH_VARIANT_SUN_STEP, 4, 8};
@@ -241,7 +232,6 @@ static void test_a_program_gets_variants_of_its_file(void **state)
 /* `neph pick` looks at the user's renderer where there is one. */
 static void test_the_ladder_has_a_guest(void **state)
 {
-    (void)state;
     char path[] = "/tmp/neph_test_scaling_XXXXXX";
     static const char program[] = "#!/bin/sh\necho a renderer 1\n";
     const int fd = mkstemp(path);
@@ -294,7 +284,6 @@ static enum neph_stability_outcome outcome(const struct neph_sweep *sweeps, int 
 
 static void test_fronts_hold_up_to_intervals(void **state)
 {
-    (void)state;
     const struct neph_sweep_series series = {.name = (char[]){"a"}};
     struct neph_sweep_point points[SWEEPS][POINTS];
     struct neph_sweep sweeps[SWEEPS];
@@ -334,7 +323,6 @@ static double normal(uint64_t *seed)
 /* Three seeds of a number without an interval of its own: 95 % of such intervals hold the truth. */
 static void test_intervals_hold_what_seeds_differ_by(void **state)
 {
-    (void)state;
     enum { TRIALS = 2000, SEEDS = 3 };
     uint64_t seed = 20261125;
     int held = 0;
@@ -365,7 +353,6 @@ static void test_intervals_hold_what_seeds_differ_by(void **state)
 /* Sweeps of seeds beside each other share none, of points or of the truth. */
 static void test_sweeps_share_no_seed(void **state)
 {
-    (void)state;
     enum { BASES = 16, REPEATS = 99 + 2 };
     uint64_t all[BASES * REPEATS];
     int count = 0;
@@ -417,7 +404,6 @@ static int moved_points(uint64_t *seed, double noise, int gone)
  * decides, and nothing has moved. A point that is another engine's in one sweep has. */
 static void test_planted_fronts(void **state)
 {
-    (void)state;
     enum { TRIALS = 300 };
     uint64_t seed = 20261126;
     int stable = 0, unstable = 0;

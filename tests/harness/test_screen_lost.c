@@ -46,7 +46,6 @@ static double standing_rectangle(double distance_m, double width_m, double heigh
  * pixel is 3 cm. */
 static void test_a_wall_that_goes_on_beyond_the_picture(void **state)
 {
-    (void)state;
     struct test_scene test;
     double shares[NEPH_SCREEN_LOSSES];
     set_ground(&test);
@@ -65,7 +64,6 @@ static void test_a_wall_that_goes_on_beyond_the_picture(void **state)
  * beside it, rays go behind its edge and meet that side, or pass. */
 static void test_a_plate_over_the_ground(void **state)
 {
-    (void)state;
     struct test_scene test;
     double shares[NEPH_SCREEN_LOSSES];
     set_ground(&test);
@@ -81,7 +79,6 @@ static void test_a_plate_over_the_ground(void **state)
 /* From all of a convex thing's own surface nothing is lost to itself, nor from open ground. */
 static void test_a_ball_and_the_ground(void **state)
 {
-    (void)state;
     struct test_scene test;
     double shares[NEPH_SCREEN_LOSSES];
     set_ground(&test);

@@ -4,8 +4,8 @@
  * operands are; and frames by content, whatever their name.
  */
 #include "tests/base/scratch.h"
+#include "tests/harness/image_test.h"
 
-#include "base/exr.h"
 #include "base/png.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/sequence.h"
@@ -452,13 +452,9 @@ static void test_operands_are_split(void **state)
 
 static void write_exr(const char *path, float value)
 {
-    struct neph_image *image = NULL;
-    float *planes[3];
-    neph_assert_ok(neph_image_create(2, 1, &image, NULL), NULL);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, planes, NULL), NULL);
-    planes[1][1] = value;
-    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
-    neph_image_destroy(image);
+    struct neph_image *image = grey_image(2, 1, 0.0);
+    neph_image_channel(image, "G")[1] = value;
+    write_image(path, image);
 }
 
 static void assert_frame_refused(const char *path, size_t negative_allowed,
@@ -526,8 +522,7 @@ static void write_channels(const char *path, const char *const *names)
         neph_assert_ok(neph_image_add_channel(image, names[c], &samples, NULL), NULL);
         samples[0] = samples[1] = c == 0 ? 2.0f : 1.0f;
     }
-    neph_assert_ok(neph_exr_write(path, image, NULL), NULL);
-    neph_image_destroy(image);
+    write_image(path, image);
 }
 
 static void test_colours_that_are_none_of_ours(void **state)
@@ -573,8 +568,7 @@ static void test_a_depth_of_1e10_is_the_sky(void **state)
     depth[0] = 1e10f;
     depth[1] = 9.9e9f;
     depth[2] = INFINITY;
-    neph_assert_ok(neph_exr_write(scratch_path(state, path, "frame.exr"), image, NULL), NULL);
-    neph_image_destroy(image);
+    write_image(scratch_path(state, path, "frame.exr"), image);
     neph_assert_ok(neph_frame_read(path, NULL, 0, &image, NULL), NULL);
     depth = neph_image_channel(image, "Z");
     assert_true(isinf(depth[0]) && depth[1] == 9.9e9f && isinf(depth[2]));

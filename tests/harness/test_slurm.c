@@ -180,7 +180,6 @@ static void test_states_are_counted_and_warnings_are_not(void **state)
 
 static void test_settings(void **state)
 {
-    (void)state;
     static const char *const words[] = {"timing=quiet", "arguments=--a=b --c", "at_once=4"};
     static const char *const wrong[] = {
         "hosts=a", "timing", "timing=", "at_once=0", "at_once=a", "=a"};
@@ -196,7 +195,6 @@ static void test_settings(void **state)
 
 static void test_a_line_is_what_a_shell_reads_back(void **state)
 {
-    (void)state;
     struct neph_arena arena = {NULL};
     const char *const words[] = {"neph", "it's", "", "a b", "$x", NULL};
     assert_string_equal(neph_slurm_line(&arena, words), "'neph' 'it'\\''s' '' 'a b' '$x'");

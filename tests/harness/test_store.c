@@ -7,8 +7,6 @@
 #include "tests/harness/store_test.h"
 
 #include "base/lock.h"
-#include "harness/run/store.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>

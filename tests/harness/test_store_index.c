@@ -167,7 +167,6 @@ static void damage(const char *path, uint64_t *random)
 
 static void ignore_fault(const struct neph_store_fault *fault, void *context)
 {
-    (void)context;
     assert_string_equal(fault->key, "");
 }
 

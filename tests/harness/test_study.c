@@ -24,7 +24,6 @@ static const struct neph_option options[] = {
 
 static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
 {
-    (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -76,7 +75,6 @@ static enum neph_status render_rough(const struct neph_shot *shot, struct neph_i
 static enum neph_status render_black(const struct neph_shot *shot, struct neph_image **frame,
                                      struct neph_cost *cost, struct neph_diag *diag)
 {
-    (void)shot;
     float *planes[3];
     neph_assert_ok(neph_image_create(WIDTH, HEIGHT, frame, diag), diag);
     *cost = (struct neph_cost){.wall_s = 1.0};

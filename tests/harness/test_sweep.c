@@ -37,7 +37,6 @@ static enum neph_status load(const char *text, struct neph_sweep_plan *plan, str
 
 static void test_a_plan_is_read(void **state)
 {
-    (void)state;
     struct neph_sweep_plan plan;
     struct neph_diag diag = {.line = 0};
     neph_assert_ok(load(HEAD "- {name: a, engine: march, vary: steps, values: 4 8  16}\n"
@@ -67,7 +66,6 @@ static void test_a_plan_is_read(void **state)
 /* The light of a plan is for scenes with all orders of scattering, and for who names none. */
 static void test_the_light_is_that_of_the_scene(void **state)
 {
-    (void)state;
     struct neph_sweep_plan plan;
     struct neph_diag diag = {.line = 0};
     struct neph_settings single, multiple;
@@ -119,7 +117,6 @@ static double sky_met(const char *scene_name, const char *engine_name, const cha
  * it as ever, not where there is none, not what has no tables. */
 static void test_air_comes_from_tables_where_it_must(void **state)
 {
-    (void)state;
     assert_true(sky_met("sky_earth", "realtime", "lighting=octaves") == 1.0);
     assert_true(sky_met("sky_earth", "march_traced", NULL) == 1.0);
     assert_true(sky_met("sky_earth", "march_octaves", NULL) == 0.0);
@@ -131,7 +128,6 @@ static void test_air_comes_from_tables_where_it_must(void **state)
 /* Each with what the message must say. */
 static void test_bad_plans_are_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *text, *said;
     } bad[] = {
@@ -168,7 +164,6 @@ static void test_bad_plans_are_refused(void **state)
 
 static void test_the_plans_that_come_with_neph(void **state)
 {
-    (void)state;
     struct neph_sweep_plan plan;
     struct neph_diag diag = {.line = 0};
     static const struct {
@@ -199,7 +194,6 @@ static void test_the_manual_holds_the_keys(void **state)
 
 static void test_a_front(void **state)
 {
-    (void)state;
     struct neph_front_point points[] = {{{1, 9}, false}, {{2, 5}, false}, {{2, 5}, false},
                                         {{3, 6}, false}, {{9, 1}, false}, {{NAN, 0}, false},
                                         {{2, 7}, false}};
@@ -212,7 +206,6 @@ static void test_a_front(void **state)
 /* By its definition, on random points with many ties. */
 static void test_fronts_of_random_points(void **state)
 {
-    (void)state;
     uint64_t seed = 20261124;
     for (int trial = 0; trial < 50; trial++) {
         struct neph_front_point points[40];
@@ -253,7 +246,6 @@ static bool names_meet(const struct neph_label *a, const struct neph_label *b)
  * thirty marks nearly all are. */
 static void test_names_lie_on_nothing(void **state)
 {
-    (void)state;
     uint64_t seed = 20261124;
     int clear = 0;
     enum { MARKS = 30, TRIALS = 40 };
@@ -285,7 +277,6 @@ static void test_names_lie_on_nothing(void **state)
  * far from its mark is led to it. */
 static void test_names_keep_off_lines(void **state)
 {
-    (void)state;
     const struct neph_label_line line = {100.0, 100.0, 300.0, 100.0};
     const struct neph_label_plot plot = {600.0, 400.0, 0.0, &line, 1};
     struct neph_label label = {.x_px = 100.0, .y_px = 100.0, .width_px = 60.0};
@@ -354,7 +345,6 @@ static void make_sweep(struct made *made)
 
 static void test_charts_hold_what_was_measured(void **state)
 {
-    (void)state;
     struct made made;
     struct neph_diag diag = {.line = 0};
     make_sweep(&made);
@@ -407,7 +397,6 @@ static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
 /* Half the error in twice the time, whatever the order of the points. */
 static void test_equal_error_and_equal_time(void **state)
 {
-    (void)state;
     const double time_s[] = {4, 1, 16}, error[] = {0.25, 1, 0.0625};
     assert_true(fabs(neph_sweep_between(time_s, error, 3, 2.0) - 0.5) < 1e-12);
     assert_true(fabs(neph_sweep_between(error, time_s, 3, 0.125) - 8.0) < 1e-12);
@@ -450,7 +439,6 @@ static void test_equal_error_and_equal_time(void **state)
 
 static void test_json_has_every_point(void **state)
 {
-    (void)state;
     struct made made;
     make_sweep(&made);
     json_t *json = neph_sweep_json(&made.sweep);

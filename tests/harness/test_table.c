@@ -58,7 +58,6 @@ static void print_csv(const void *table, FILE *out)
 
 static void test_one_table_is_written_in_three_forms(void **state)
 {
-    (void)state;
     struct neph_table table = {.cells = NULL};
     char *text, *csv;
     fill(&table);
@@ -88,7 +87,6 @@ static void test_one_table_is_written_in_three_forms(void **state)
 
 static void test_words_are_cleaned(void **state)
 {
-    (void)state;
     struct neph_table table = {.cells = NULL};
     char *text;
     neph_table_column(&table, (struct neph_column){.key = "name", .title = "name"});
@@ -107,7 +105,6 @@ static void print_aligned(const void *table, FILE *out)
 /* A text that is longer than its column moves those behind it. */
 static void test_columns_of_a_width(void **state)
 {
-    (void)state;
     static const struct neph_column columns[] = {
         {.title = "scene", .width = -7},
         {.key = "hidden", .width = 9},
@@ -134,7 +131,6 @@ static void test_columns_of_a_width(void **state)
 
 static void test_a_row_may_end_early(void **state)
 {
-    (void)state;
     const struct neph_field field = {{.key = "b", .title = "b", .format = "%g"}, 0};
     const double value = 0.5;
     struct neph_table table = {.cells = NULL};

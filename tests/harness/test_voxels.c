@@ -278,7 +278,6 @@ static void test_coloured_fog(void **state)
 /* 50 km of planet with a kilometre of air: the nodes would miss it. */
 static void test_what_does_not_fit_is_refused(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("atmosphere_shell");
     scene->media[0].phase.kind = NEPH_PHASE_ISOTROPIC;
     for (int e = 0; e < ENGINES; e++) {
@@ -296,7 +295,6 @@ static void test_what_does_not_fit_is_refused(void **state)
 /* Where they overlap; side by side they are fine. */
 static void test_cycles_refuses_two_phases_in_one_place(void **state)
 {
-    (void)state;
     char reason[256] = "";
     struct neph_scene *scene = load_voxels(), *blob = load("gaussian_blob");
     const struct neph_settings settings = neph_settings_default(&neph_engine_cycles);
@@ -317,7 +315,6 @@ static void test_cycles_refuses_two_phases_in_one_place(void **state)
 
 static void test_missing_neph_vdb_is_told(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_voxels();
     struct neph_diag diag = {0};
     struct neph_image *frame = NULL;
@@ -332,7 +329,6 @@ static void test_missing_neph_vdb_is_told(void **state)
 
 static void test_media_without_extinction_are_left_out(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("gaussian_blob");
     struct neph_baked_scene baked;
     struct neph_diag diag = {0};

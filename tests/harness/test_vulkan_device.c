@@ -23,7 +23,6 @@ static struct neph_open_device *acquire(struct neph_shared_device *shared)
 
 static void test_it_is_kept_from_one_user_to_the_next(void **state)
 {
-    (void)state;
     struct neph_shared_device shared = {.open = NULL};
     struct neph_open_device *first = acquire(&shared), *second = acquire(&shared);
     assert_ptr_equal(first, second);
@@ -39,7 +38,6 @@ static void test_it_is_kept_from_one_user_to_the_next(void **state)
 
 static void test_a_user_outlives_the_sharing(void **state)
 {
-    (void)state;
     struct neph_shared_device shared = {.open = NULL};
     struct neph_open_device *device = acquire(&shared);
     neph_shared_device_close(&shared);
@@ -55,10 +53,6 @@ static void test_a_user_outlives_the_sharing(void **state)
 static VKAPI_ATTR VkResult VKAPI_CALL lose(VkQueue queue, uint32_t count,
                                            const VkSubmitInfo *submits, VkFence fence)
 {
-    (void)queue;
-    (void)count;
-    (void)submits;
-    (void)fence;
     return VK_ERROR_DEVICE_LOST;
 }
 
@@ -85,7 +79,6 @@ static void lose_device(struct neph_vulkan *vulkan)
 
 static void test_a_lost_device_is_replaced(void **state)
 {
-    (void)state;
     check_replaced(lose_device);
 }
 
@@ -97,13 +90,11 @@ static void complain(struct neph_vulkan *vulkan)
 /* Its message would fail every later frame, too. */
 static void test_a_device_with_a_validation_message_is_replaced(void **state)
 {
-    (void)state;
     check_replaced(complain);
 }
 
 static void test_a_probe_opens_the_device_and_leaves_it_open(void **state)
 {
-    (void)state;
     struct neph_shared_device shared = {.open = NULL};
     struct neph_engine_info alone, first, second;
     neph_vulkan_probe(NULL, &alone);
@@ -123,7 +114,6 @@ static void test_a_probe_opens_the_device_and_leaves_it_open(void **state)
 /* Nothing is kept of a try that failed. */
 static void test_without_a_driver_each_need_says_so(void **state)
 {
-    (void)state;
     struct neph_shared_device shared = {.open = NULL};
     struct neph_open_device *device = NULL;
     struct neph_engine_info info;
@@ -178,7 +168,6 @@ static void assert_same(const struct neph_image *a, const struct neph_image *b)
 
 static void test_frames_are_those_of_a_device_of_their_own(void **state)
 {
-    (void)state;
     struct neph_shared_device shared = {.open = NULL};
     struct neph_scene *scene = NULL;
     struct neph_diag diag = {0};

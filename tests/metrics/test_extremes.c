@@ -2,9 +2,9 @@
  *
  * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
  * values that nobody wants and settings at their ends: whatever comes out is a finite number within
- * its range, or a reason. New extractors and masks are tried without being named here. Under the
- * sanitizers sequences see few of these values, images all; each mask is made, and few are measured
- * over: a mask is a plane of bytes, whatever made it.
+ * its range, or a reason. New extractors and masks are tried without being named here. By day and
+ * under the sanitizers sequences see few of these values, images all; under the sanitizers each mask
+ * is made, and few are measured over: a mask is a plane of bytes, whatever made it.
  */
 #include "metrics/extractors/extractors.h"
 #include "tests/metrics/synthetic.h"
@@ -236,7 +236,7 @@ static void test_flat_and_extreme_contents(void **state)
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
         for (int temporal = 0; temporal < 2; temporal++) {
-            if (temporal && i % NEPH_TEST_EVERY != 0)
+            if (temporal && i % (size_t)neph_test_path_step() != 0)
                 continue;
             struct neph_image *reference = create((struct synthetic){23, 21, 0, 0, false, true});
             struct neph_image *test = create((struct synthetic){23, 21, 0, 0, true, true});
@@ -380,7 +380,7 @@ static void test_bad_values_are_never_silent(void **state)
         struct setup setup = set_up(reference, temporal, false);
         struct neph_meter *without = measure_planted(&setup, NULL, frame_count);
         for (size_t i = 0; i < sizeof(plants) / sizeof(plants[0]);
-             i += temporal ? NEPH_TEST_EVERY : 1) {
+             i += temporal ? (size_t)neph_test_path_step() : 1) {
             struct neph_meter *meter = measure_planted(&setup, &plants[i], frame_count);
             assert_plant_is_told(&setup, &plants[i], meter, without);
             neph_meter_destroy(meter);

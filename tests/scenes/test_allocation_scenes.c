@@ -50,6 +50,15 @@ static void test_catalogue(void **state)
     assert_scene("atmosphere_shell");
 }
 
+static void assert_text(void **state, const char *what, const char *scene)
+{
+    char path[SCRATCH_PATH_MAX];
+    neph_assert_ok(
+        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
+    struct loading loading = {.path = path};
+    assert_every_failure_is_told(what, load, &loading);
+}
+
 static void test_motion(void **state)
 {
     static const char scene[] =
@@ -71,11 +80,7 @@ static void test_motion(void **state)
         "media:\n"
         "  - grid: {size: [2, 1, 1], origin_m: [0, 0, 0], spacing_m: [1, 1, 1], values: [0, 1], "
         "extinction_per_m: 2, albedo: [1, 1, 1]}\n";
-    char path[SCRATCH_PATH_MAX];
-    neph_assert_ok(
-        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
-    struct loading loading = {.path = path};
-    assert_every_failure_is_told("motion", load, &loading);
+    assert_text(state, "motion", scene);
 }
 
 /* Solids that move, frames without media, and all that can be put into a renderer. */
@@ -98,11 +103,7 @@ static void test_injections(void **state)
         "  rays: [{frame: 1, value: nan}]\n"
         "  sizes: [{frame: 1, scale: 2}]\n"
         "  origin: [{frame: 1, by_m: [1, 0, 0]}]\n";
-    char path[SCRATCH_PATH_MAX];
-    neph_assert_ok(
-        neph_file_write(scratch_path(state, path, "probe.yaml"), scene, strlen(scene), NULL), NULL);
-    struct loading loading = {.path = path};
-    assert_every_failure_is_told("injections", load, &loading);
+    assert_text(state, "injections", scene);
 }
 
 /* A volume from a file, and a medium that is made into voxels. */

@@ -111,20 +111,13 @@ static void test_error_is_of_second_order(void **state)
     neph_bake_finish(&fine);
 }
 
-static struct neph_vec3 place_in(const struct neph_bounds *box, uint64_t *seed)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, box->min_m.x, box->max_m.x),
-                              neph_test_uniform(seed, box->min_m.y, box->max_m.y),
-                              neph_test_uniform(seed, box->min_m.z, box->max_m.z)};
-}
-
 /* Drawn in proportion to the extinction, which is 2/m at the most. */
 static struct neph_vec3 dense_place_in(const struct neph_bounds *box,
                                        const struct neph_medium *medium, uint64_t *seed)
 {
     struct neph_vec3 place_m;
     do
-        place_m = place_in(box, seed);
+        place_m = random_place_in(box, seed);
     while (neph_test_uniform(seed, 0, 2) >= neph_medium_extinction_per_m(medium, place_m));
     return place_m;
 }
@@ -144,7 +137,7 @@ static void test_error_is_what_others_find(void **state)
     uint64_t seed = 5;
     for (int i = 0; i < CHORDS; i++) {
         const struct neph_vec3 a_m = dense_place_in(&baked.bounds, &medium, &seed);
-        const struct neph_vec3 b_m = place_in(&baked.bounds, &seed);
+        const struct neph_vec3 b_m = random_place_in(&baked.bounds, &seed);
         const struct neph_vec3 d = neph_vec3_normalize(neph_vec3_sub(b_m, a_m));
         const struct neph_vec3 start_m = neph_vec3_along(a_m, d, -10.0);
         squares += pow(neph_medium_optical_depth(&baked, start_m, d, 0.0, INFINITY) -

@@ -3,7 +3,7 @@
  * Grids against an interpolation written another way (a sum of hat functions over all nodes),
  * closed forms, and the properties that make an integral one.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "base/sort.h"
 #include "scenes/grid.h"
@@ -63,7 +63,7 @@ static struct neph_vec3 random_place(uint64_t *seed, const struct neph_grid *gri
 
 /* Any direction; half of them along an axis or in a plane of the lattice, with zeros of any sign
  * or next to zero. */
-static struct neph_vec3 random_direction(uint64_t *seed)
+static struct neph_vec3 lattice_direction(uint64_t *seed)
 {
     static const double small[] = {0.0, -0.0, 1e-300, -1e-17, 1e-9, -5e-324};
     double d[3];
@@ -198,7 +198,7 @@ static void test_integral_against_planes_and_simpson(void **state)
     for (uint64_t trial = 0; trial < 3000; trial++) {
         uint64_t seed = first_seed + trial;
         struct neph_grid *grid = random_grid(&seed);
-        const struct neph_vec3 o = random_place(&seed, grid), d = random_direction(&seed);
+        const struct neph_vec3 o = random_place(&seed, grid), d = lattice_direction(&seed);
         const double t0 = neph_test_uniform(&seed, -20, 20);
         const double t1 = t0 + neph_test_uniform(&seed, 0, 90);
         const double integral_m = neph_grid_integral_m(grid, o, d, t0, t1);
@@ -219,7 +219,7 @@ static void test_integral_adds_and_reverses(void **state)
     for (uint64_t trial = 0; trial < 5000; trial++) {
         uint64_t seed = first_seed + trial;
         struct neph_grid *grid = random_grid(&seed);
-        const struct neph_vec3 o = random_place(&seed, grid), d = random_direction(&seed);
+        const struct neph_vec3 o = random_place(&seed, grid), d = lattice_direction(&seed);
         const double a = neph_test_uniform(&seed, -40, 40), b = neph_test_uniform(&seed, a, 90);
         const double whole = neph_grid_integral_m(grid, o, d, -200, 200);
         const double parts = neph_grid_integral_m(grid, o, d, -200, a) +
@@ -400,10 +400,7 @@ static void test_maximum_holds_in_any_box(void **state)
                           0.0);
         neph_assert_close(maximum, largest_corner(grid, &box), 1e-13, 1e-14);
         for (int n = 0; n < 100; n++) {
-            const struct neph_vec3 p = {neph_test_uniform(&seed, box.min_m.x, box.max_m.x),
-                                        neph_test_uniform(&seed, box.min_m.y, box.max_m.y),
-                                        neph_test_uniform(&seed, box.min_m.z, box.max_m.z)};
-            const double density = neph_grid_density(grid, p);
+            const double density = neph_grid_density(grid, random_place_in(&box, &seed));
             if (!(density <= maximum * (1.0 + 8.0 * DBL_EPSILON)))
                 print_error("seed %llu: %.17g > %.17g\n", (unsigned long long)(first_seed + trial),
                             density, maximum);

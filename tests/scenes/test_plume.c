@@ -3,14 +3,12 @@
  * A plume of smoke against closed forms where there are some, adaptive quadrature of its density
  * elsewhere, and its own bounds.
  */
-#include "tests/neph_test.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/bake.h"
 #include "scenes/media.h"
 #include "scenes/quadrature.h"
 
-static const struct neph_bounds everywhere = {{-INFINITY, -INFINITY, -INFINITY},
-                                              {INFINITY, INFINITY, INFINITY}};
 static const double width_m = 0.7, scale_height_m = 3.0;
 static const struct neph_vec3 foot_m = {1.0, -2.0, 0.5};
 
@@ -23,13 +21,6 @@ static struct neph_medium plume(struct neph_vec3 axis)
         .extinction_per_m = 2.0,
         .plume = {foot_m, neph_vec3_normalize(axis), width_m, scale_height_m},
     };
-}
-
-static struct neph_vec3 random_vec3(uint64_t *seed, double size)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size),
-                              neph_test_uniform(seed, -size, size)};
 }
 
 /* Up the axis from below the foot, parallel to it, and across it. */
@@ -74,9 +65,9 @@ static void test_lines_in_all_directions(void **state)
     uint64_t seed = 20261123;
     struct neph_scene scene = {.medium_count = 2, .sun = {.direction = {0.6, 0.8, 0.0}}};
     for (int trial = 0; trial < 2000; trial++) {
-        const struct neph_medium medium = plume(random_vec3(&seed, 1.0));
-        const struct ray ray = {&medium, random_vec3(&seed, 9.0),
-                                neph_vec3_normalize(random_vec3(&seed, 1.0))};
+        const struct neph_medium medium = plume(random_point(&seed, 1.0));
+        const struct ray ray = {&medium, random_point(&seed, 9.0),
+                                neph_vec3_normalize(random_point(&seed, 1.0))};
         static struct neph_cuts cuts;
         cuts = (struct neph_cuts){
             .scene = &scene, .origin_m = ray.origin_m, .direction = ray.direction, .t1_m = 20.0};
@@ -105,22 +96,14 @@ static void test_bound(void **state)
     uint64_t seed = 20261124;
     double loosest = 1.0;
     for (int trial = 0; trial < 5000; trial++) {
-        const struct neph_medium medium = plume(random_vec3(&seed, 1.0));
-        const struct neph_vec3 low_m = random_vec3(&seed, 4.0);
+        const struct neph_medium medium = plume(random_point(&seed, 1.0));
+        const struct neph_vec3 low_m = random_point(&seed, 4.0);
         const double side_m = pow(10.0, neph_test_uniform(&seed, -3.0, 1.0));
         const struct neph_bounds box = {
             low_m, neph_vec3_add(low_m, (struct neph_vec3){side_m, 0.5 * side_m, side_m})};
-        const double bound_per_m = neph_medium_extinction_bound_per_m(&medium, &box);
-        double densest_per_m = 0.0;
-        for (int i = 0; i < 40; i++) {
-            const struct neph_vec3 at_m = {neph_test_uniform(&seed, box.min_m.x, box.max_m.x),
-                                           neph_test_uniform(&seed, box.min_m.y, box.max_m.y),
-                                           neph_test_uniform(&seed, box.min_m.z, box.max_m.z)};
-            densest_per_m = fmax(densest_per_m, neph_medium_extinction_per_m(&medium, at_m));
-        }
-        assert_true(densest_per_m <= bound_per_m);
-        if (side_m < 0.01 && densest_per_m > 0.0)
-            loosest = fmax(loosest, bound_per_m / densest_per_m);
+        const double used = assert_bound(&medium, &box, 40, &seed);
+        if (side_m < 0.01 && used > 0.0)
+            loosest = fmax(loosest, 1.0 / used);
     }
     print_message("loosest bound of a box of a centimetre: %.3g times\n", loosest);
     assert_true(loosest < 1.3);

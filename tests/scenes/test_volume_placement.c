@@ -5,6 +5,7 @@
  * way out, and every key that moves a voxel changes the hash of the scene.
  */
 #include "tests/base/scratch.h"
+#include "tests/scene_builders.h"
 
 #include "scenes/grid.h"
 #include "scenes/media.h"
@@ -264,9 +265,7 @@ static void assert_same_depths(const struct neph_grid *found, const struct neph_
     for (int ray = 0; ray < 20; ray++) {
         const struct neph_vec3 from_m = {neph_test_uniform(seed, -40, 40), 60.0,
                                          neph_test_uniform(seed, -40, 40)};
-        const struct neph_vec3 to_m = {neph_test_uniform(seed, box.min_m.x, box.max_m.x),
-                                       neph_test_uniform(seed, box.min_m.y, box.max_m.y),
-                                       neph_test_uniform(seed, box.min_m.z, box.max_m.z)};
+        const struct neph_vec3 to_m = random_place_in(&box, seed);
         const struct neph_vec3 view = neph_vec3_normalize(neph_vec3_sub(to_m, from_m));
         neph_assert_close((double)expected->maximum *
                               neph_grid_integral_m(found, from_m, view, 0.0, 200.0),

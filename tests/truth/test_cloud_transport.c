@@ -121,7 +121,7 @@ static void test_towards_and_away_from_the_sun(void **state)
     static const double scales[] = {1e-6, 1.0, 1e3, 1e6};
     const double distance_m = 300.0;
     double worst = 0.0;
-    for (uint64_t trial = 0; trial < 40; trial += NEPH_TEST_EVERY) {
+    for (uint64_t trial = 0; trial < 40; trial += (uint64_t)neph_test_path_step()) {
         uint64_t seed = 271828 + trial;
         const double scale = scales[trial % COUNT(scales)];
         /* Four roundings of the coordinates, in cells of 0.6 m or in depths of the lit skin. */

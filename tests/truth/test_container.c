@@ -143,7 +143,7 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
             (struct neph_vec3){0.5, neph_test_uniform(&seed, -0.2, 1), 0.3});
         double error = NAN;
         const struct neph_bounds box = neph_medium_container(&setting.scene, &fog, &error);
-        const double worst = worst_view(&setting, &box, 1000, &seed);
+        const double worst = worst_view(&setting, &box, neph_test_paths(1000), &seed);
         if (!(is_a_finite_box(&box) && worst <= error))
             print_error("seed %llu: a %g, b %g, %d layers, eyes %g..%g: off by %g, stated %g\n",
                         (unsigned long long)(first_seed + trial), fog.layers[0].extinction_per_m,

@@ -190,23 +190,31 @@ static void check_against(engine_function *engine, enum neph_fog_model model,
     }
 }
 
+/* A fog with a look, and a view of it: of one of five through the series. */
+static struct neph_scene some_fog(int trial, uint64_t *seed, bool two_layers, struct view *view)
+{
+    struct neph_scene scene = foggy(pow(10.0, neph_test_uniform(seed, -4, 0.3)),
+                                    neph_test_uniform(seed, 0.001, 3),
+                                    neph_test_uniform(seed, -20, 20));
+    if (two_layers)
+        add_layer(&scene, neph_test_uniform(seed, 0, 1), neph_test_uniform(seed, 0.001, 1),
+                  neph_test_uniform(seed, -20, 20));
+    scene.fog_look = some_look(seed);
+    *view = some_view(seed);
+    if (trial % 5 == 0)
+        view->direction = neph_vec3_normalize(
+            (struct neph_vec3){view->direction.x, 1e-5 * view->direction.y, view->direction.z});
+    return scene;
+}
+
 static void test_unreal_is_what_its_listing_says(void **state)
 {
     (void)state;
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
         uint64_t seed = 100 + (uint64_t)trial;
-        struct neph_scene scene = foggy(pow(10.0, neph_test_uniform(&seed, -4, 0.3)),
-                                        neph_test_uniform(&seed, 0.001, 3),
-                                        neph_test_uniform(&seed, -20, 20));
-        if (trial % 2)
-            add_layer(&scene, neph_test_uniform(&seed, 0, 1), neph_test_uniform(&seed, 0.001, 1),
-                      neph_test_uniform(&seed, -20, 20));
-        scene.fog_look = some_look(&seed);
-        struct view view = some_view(&seed);
-        if (trial % 5 == 0) /* through the series */
-            view.direction = neph_vec3_normalize(
-                (struct neph_vec3){view.direction.x, 1e-5 * view.direction.y, view.direction.z});
+        struct view view;
+        const struct neph_scene scene = some_fog(trial, &seed, trial % 2, &view);
         check_against(as_unreal, NEPH_FOG_UNREAL, &scene, &view, &worst);
     }
     printf("Unreal's listing: off by %.1e at most\n", worst);
@@ -218,14 +226,8 @@ static void test_filament_is_what_its_shader_says(void **state)
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
         uint64_t seed = 900 + (uint64_t)trial;
-        struct neph_scene scene = foggy(pow(10.0, neph_test_uniform(&seed, -4, 0.3)),
-                                        neph_test_uniform(&seed, 0.001, 3),
-                                        neph_test_uniform(&seed, -20, 20));
-        scene.fog_look = some_look(&seed);
-        struct view view = some_view(&seed);
-        if (trial % 5 == 0)
-            view.direction = neph_vec3_normalize(
-                (struct neph_vec3){view.direction.x, 1e-5 * view.direction.y, view.direction.z});
+        struct view view;
+        const struct neph_scene scene = some_fog(trial, &seed, false, &view);
         check_against(as_filament, NEPH_FOG_FILAMENT, &scene, &view, &worst);
     }
     printf("Filament's shader: off by %.1e at most\n", worst);

@@ -110,7 +110,7 @@ static void test_transmittance_is_unbiased(void **state)
         for (int r = 0; r < 12; r++) {
             const struct neph_ray ray = random_ray(&seed, medium);
             struct mean mean = {.count = 0};
-            for (int n = 0; n < 3000; n++) {
+            for (int n = 0; n < neph_test_paths(3000); n++) {
                 struct neph_random random = neph_random_stream(7, (uint64_t)r, (uint64_t)n);
                 const struct neph_rgb t = neph_tracker_transmittance(tracker, &ray, 0.0, &random,
                                                                      &cost);
@@ -142,7 +142,7 @@ static void test_collisions_have_their_distribution(void **state)
     for (int r = 0; r < 12; r++) {
         const struct neph_ray ray = random_ray(&seed, medium);
         struct mean free_share = {.count = 0};
-        for (int n = 0; n < 3000; n++) {
+        for (int n = 0; n < neph_test_paths(3000); n++) {
             struct neph_random random = neph_random_stream(8, (uint64_t)r, (uint64_t)n);
             const struct neph_collision c = neph_tracker_collide(tracker, &ray, 1, &random, &cost);
             assert_true(c.medium == 0 || c.medium == -1);
@@ -189,6 +189,7 @@ static void check_paths(struct neph_scene *scene, bool guessed)
     struct neph_tracker *tracker;
     neph_assert_ok(neph_tracker_create(scene, &tracker, &diag), &diag);
     uint64_t seed = 3;
+    const int paths = neph_test_paths(6000);
     for (int r = 0; r < 4; r++) {
         const struct neph_ray ray = random_ray(&seed, &scene->media[0]);
         const struct neph_view view = neph_view_create(scene, ray.origin_m, ray.direction);
@@ -196,7 +197,7 @@ static void check_paths(struct neph_scene *scene, bool guessed)
         struct neph_flight flight;
         neph_flight_init(&flight, scene, &looked);
         struct mean light = {.count = 0};
-        for (int n = 0; n < 6000; n++) {
+        for (int n = 0; n < paths; n++) {
             struct neph_random random = neph_random_stream(9, (uint64_t)r, (uint64_t)n);
             const struct neph_path_light path = neph_path_trace(
                 scene, tracker, &view, guessed ? &flight : NULL, &random, &cost);
@@ -213,7 +214,7 @@ static void check_paths(struct neph_scene *scene, bool guessed)
         print_message("single scattering: %.4g +- %.2g, by quadrature %.4g +- %.2g\n", m, error,
                       fine, 0.5 * fabs(fine - coarse));
     }
-    print_message("%.1f lookups a path\n", (double)cost.lookups / (4 * 6000));
+    print_message("%.1f lookups a path\n", (double)cost.lookups / (4 * paths));
     neph_tracker_destroy(tracker);
 }
 

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What reading and writing by the OpenEXR library have in common. Private to exr.c and exr_write.c.
+ */
+#ifndef NEPH_BASE_EXR_LIBRARY_H
+#define NEPH_BASE_EXR_LIBRARY_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include <openexr.h>
+
+enum { NEPH_EXR_ONLY_PART = 0 };
+
+/* Stands first in the user data of a context. */
+struct neph_exr_trouble {
+    int io_error;        /* errno of a failed read, or ENOMEM of a failed write */
+    char complaint[256]; /* the library's last message */
+};
+
+static inline void neph_exr_keep_complaint(exr_const_context_t context, exr_result_t code,
+                                           const char *message)
+{
+    (void)code;
+    void *data = NULL;
+    if (!context || exr_get_user_data(context, &data) != EXR_ERR_SUCCESS || !data)
+        return;
+    struct neph_exr_trouble *trouble = data;
+    snprintf(trouble->complaint, sizeof(trouble->complaint), "%s", message);
+}
+
+/* The library's own words when it had any, else the meaning of its code. */
+static inline const char *neph_exr_reason(const struct neph_exr_trouble *trouble,
+                                          exr_result_t result)
+{
+    return trouble->complaint[0] ? trouble->complaint : exr_get_default_error_message(result);
+}
+
+/* The rows of a channel in memory are floats, `width_px` to a row. */
+static inline void neph_exr_float_rows(exr_coding_channel_info_t *channel, int width_px)
+{
+    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_pixel_stride = sizeof(float);
+    channel->user_line_stride = width_px * (int32_t)sizeof(float);
+}
+
+#endif
