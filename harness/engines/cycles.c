@@ -215,9 +215,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     struct neph_cycles_features features;
     char *program = neph_external_find(&neph_blender, program_of(shot), missing, sizeof(missing));
     enum neph_status status = program ? NEPH_OK
-                                      : neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", missing);
-    if (!program)
-        neph_hint(diag, "%s", neph_blender.install_line);
+                                      : neph_external_missing(&neph_blender, missing, diag);
     if (!status)
         status = neph_cycles_features(program_of(shot), &features, diag);
     const char *lack = status ? NULL : find_lack(&features, shot->scene, &shot->settings);

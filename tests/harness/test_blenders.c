@@ -50,9 +50,9 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct bench *bench = *state;
+    unsetenv("NEPH_BLENDER");
     remove_impostor(&bench->impostor);
     unsetenv("XDG_CACHE_HOME");
-    unsetenv("NEPH_BLENDER");
     neph_trial_close(&bench->trial);
     free(bench);
     return 0;
