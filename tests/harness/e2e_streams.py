@@ -128,7 +128,7 @@ class Output(neph_case.NephCase):
         program.write_text(BLENDER.format(body=body))
         program.chmod(0o755)
         neph_case.keep_trial(program, self.folder, "scripts/blender_render.py", has_voxels=True,
-                             has_unbiased=False, has_rayleigh=False)
+                             has_unbiased=False, has_rayleigh=False, has_spots=True)
         return {"PATH": f"{program.parent}:/usr/bin:/bin", "XDG_CACHE_HOME": str(self.folder)}
 
     def test_a_full_disk_in_an_engines_words_is_named(self):
