@@ -60,10 +60,8 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Every other value an engine hands over is finite, and none is negative. Returns how many values
- * are bad: -inf is both not finite and negative, and one value. */
-static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
-                        size_t *non_finite, size_t *negative)
+/* Where +inf is an answer: the sky, a medium that shows nothing. */
+static bool may_be_infinite(const char *channel)
 {
     return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
 }
@@ -82,7 +80,7 @@ static bool may_be_negative(const struct neph_image *frame, const char *channel)
  * unbiased estimator that says so. Returns how many values are bad: -inf is both not finite and
  * negative, and one value. */
 static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
-                      size_t *non_finite, size_t *negative)
+                        size_t *non_finite, size_t *negative)
 {
     const bool is_distance = may_be_infinite(channel->name);
     const bool is_signed = may_be_negative(frame, channel->name);
