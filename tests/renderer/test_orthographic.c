@@ -425,6 +425,7 @@ static void test_history_drifts_with_the_wind(void **state)
     const double perspective = film_error(*state, &test, following);
     print_message("realtime: off by %.2g; in perspective %.2g\n", parallel, perspective);
     assert_true(parallel < 1.2 * perspective);
+    assert_true(perspective < 0.16); /* 0.10 as measured; 0.24 of history that stays behind */
 }
 
 int main(void)
