@@ -95,15 +95,15 @@ static inline void neph_test_waits_for_the_night(void)
  * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
  * 5 that tests cycle through): what sanitizers find shows in any of them. Whether the numbers are
  * right is for the release build to say, by day with a third of the paths, by night with all.
- * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is for
- * all paths, and neph_test_noise() is what it is for these. */
+ * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is
+ * for all paths, and neph_test_noise() is what it is for these. */
 #ifdef NEPH_SANITIZED
 enum { NEPH_TEST_EVERY = 11 };
 #else
 enum { NEPH_TEST_EVERY = 1 };
 #endif
 
-/* Of how many paths one is drawn. */
+/* One of so many paths is drawn. */
 static inline int neph_test_path_step(void)
 {
     return NEPH_TEST_EVERY > 1 ? NEPH_TEST_EVERY : neph_test_by_day(3, 1);

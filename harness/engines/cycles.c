@@ -119,6 +119,14 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return false;
 }
 
+static bool has_spot(const struct neph_scene *scene)
+{
+    bool has = false;
+    for (int i = 0; i < scene->light_count; i++)
+        has |= scene->lights[i].is_spot;
+    return has;
+}
+
 /* What of a shot this Blender has not; NULL: it has all. */
 static const char *find_lack(const struct neph_cycles_features *features,
                              const struct neph_scene *scene, const struct neph_settings *settings)
@@ -128,6 +136,9 @@ static const char *find_lack(const struct neph_cycles_features *features,
     if (neph_scene_needs_voxels(scene) && !features->has_voxels)
         return "voxels: this Blender was built without them (NanoVDB); one from blender.org has "
                "them, NEPH_BLENDER names it";
+    if (has_spot(scene) && !features->has_spots)
+        return "spots: their law changed between Blender 3.4 and 4.3, and was not measured in "
+               "versions between them";
     if (volume_biased(settings) == UNBIASED && !features->has_unbiased)
         return "volume_biased=off: this Blender has volumes in steps only";
     return NULL;
@@ -215,9 +226,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     struct neph_cycles_features features;
     char *program = neph_external_find(&neph_blender, program_of(shot), missing, sizeof(missing));
     enum neph_status status = program ? NEPH_OK
-                                      : neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", missing);
-    if (!program)
-        neph_hint(diag, "%s", neph_blender.install_line);
+                                      : neph_external_missing(&neph_blender, missing, diag);
     if (!status)
         status = neph_cycles_features(program_of(shot), &features, diag);
     const char *lack = status ? NULL : find_lack(&features, shot->scene, &shot->settings);

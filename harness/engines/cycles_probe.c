@@ -33,6 +33,7 @@ static enum neph_status read_about(const struct neph_cycles_session *session,
     json_t *about = NULL;
     const enum neph_status status = neph_cycles_about(session, &about, diag);
     features->has_unbiased = json_is_true(json_object_get(about, "has_unbiased"));
+    features->has_spots = json_is_true(json_object_get(about, "has_spots"));
     features->has_rayleigh = has_word(json_object_get(about, "phases"), "RAYLEIGH");
     json_decref(about);
     return status;
@@ -102,7 +103,8 @@ static bool recall(const char *file, struct neph_cycles_features *features)
         *features = (struct neph_cycles_features){
             .has_voxels = json_is_true(json_object_get(kept, "has_voxels")),
             .has_unbiased = json_is_true(json_object_get(kept, "has_unbiased")),
-            .has_rayleigh = json_is_true(json_object_get(kept, "has_rayleigh"))};
+            .has_rayleigh = json_is_true(json_object_get(kept, "has_rayleigh")),
+            .has_spots = json_is_true(json_object_get(kept, "has_spots"))};
     json_decref(kept);
     return is_kept;
 }
@@ -131,9 +133,10 @@ enum neph_status neph_cycles_features(int program, struct neph_cycles_features *
         status = try_program(path, with_voxels, features, diag);
         if (!status && with_voxels)
             neph_trial_keep(file,
-                            json_pack("{s:s, s:b, s:b, s:b}", "program", path, "has_voxels",
+                            json_pack("{s:s, s:b, s:b, s:b, s:b}", "program", path, "has_voxels",
                                       features->has_voxels, "has_unbiased", features->has_unbiased,
-                                      "has_rayleigh", features->has_rayleigh));
+                                      "has_rayleigh", features->has_rayleigh, "has_spots",
+                                      features->has_spots));
         features->has_voxels |= !status && !with_voxels;
     }
     free(file);

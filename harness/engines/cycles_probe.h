@@ -13,6 +13,7 @@ struct neph_cycles_features {
     bool has_voxels;   /* media from OpenVDB files are in its images */
     bool has_unbiased; /* volumes without steps, which it draws unless told otherwise */
     bool has_rayleigh; /* the phase function */
+    bool has_spots;    /* the law by which light falls off in a spot is known of its version */
 };
 
 /* Find the features of Blender `program` (blender.h). The result is kept in the cache folder

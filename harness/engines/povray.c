@@ -515,9 +515,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     char missing[512] = "";
     char *program = neph_external_find(&neph_povray, 0, missing, sizeof(missing));
     enum neph_status status = program ? NEPH_OK
-                                      : neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", missing);
-    if (!program)
-        neph_hint(diag, "%s", neph_povray.install_line);
+                                      : neph_external_missing(&neph_povray, missing, diag);
     if (!status)
         status = render_with(shot, program, false, frame, cost, diag);
     free(program);

@@ -306,7 +306,7 @@ void neph_external_probe(const struct neph_external_renderer *renderer, int inde
                          struct neph_engine_info *info)
 {
     *info = (struct neph_engine_info){.available = false};
-    snprintf(info->install_line, sizeof(info->install_line), "%s", renderer->install_line);
+    neph_install_line(&renderer->packages, info->install_line, sizeof(info->install_line));
     char *program = neph_external_find(renderer, index, info->missing, sizeof(info->missing));
     if (!program)
         return;
@@ -324,6 +324,17 @@ void neph_external_probe(const struct neph_external_renderer *renderer, int inde
     free(program);
 }
 
+enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
+                                       const char *why, struct neph_diag *diag)
+{
+    char line[256];
+    neph_install_line(&renderer->packages, line, sizeof(line));
+    if (why)
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", why);
+    neph_hint(diag, "%s", line);
+    return NEPH_ERR_UNAVAILABLE;
+}
+
 enum neph_status neph_external_run(const struct neph_external_renderer *renderer,
                                    const char *const argv[], const char *folder, const char *log,
                                    const struct neph_shot *shot, struct neph_child_result *result,
@@ -339,9 +350,7 @@ enum neph_status neph_external_run(const struct neph_external_renderer *renderer
         .limits = neph_program_limits(&before, shot->width_px, shot->height_px),
         .time_limit_s = shot->time_limit_s};
     const enum neph_status status = neph_child_run(&params, result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", renderer->install_line);
-    return status;
+    return status == NEPH_ERR_UNAVAILABLE ? neph_external_missing(renderer, NULL, diag) : status;
 }
 
 enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,

@@ -11,6 +11,7 @@
 #include "base/scratch.h"
 #include "base/usage.h"
 #include "harness/engines/engine.h"
+#include "harness/packages.h"
 
 /* A folder in TMPDIR for a program that wants to write; what a run that was killed here has left
  * there is removed. `prefix` is that of all such folders. Free with neph_scratch_destroy(). */
@@ -44,8 +45,8 @@ struct neph_external_renderer {
     const char *variable; /* of the environment, that names it in place of PATH: "NEPH_POVRAY" */
     bool is_list;         /* the variable may name several, separated by colons */
     const char *name;     /* "POV-Ray": --version says it, a space and the version */
-    const char *install_line; /* the command that installs it */
-    const char *data_file;    /* a file of neph's that it is run with (neph_data_path()), or NULL */
+    struct neph_packages packages; /* that have it */
+    const char *data_file; /* a file of neph's that it is run with (neph_data_path()), or NULL */
 
     /* The version in what it says of itself; false: it does not tell it. */
     bool (*parse_version)(const char *text, char version[64]);
@@ -78,6 +79,11 @@ bool neph_version_is_from(const char *version, int major, int minor);
  * oldest and was not measured is available, with a warning. */
 void neph_external_probe(const struct neph_external_renderer *renderer, int index,
                          struct neph_engine_info *info);
+
+/* NEPH_ERR_UNAVAILABLE with the command that installs it as the hint, and `why` as the message, or
+ * with NULL the message that is there. */
+enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
+                                       const char *why, struct neph_diag *diag);
 
 /* Run it for a shot in `folder`, where it may write for a frame of the shot's size; argv[0] is the
  * path of the program. Errors as of neph_child_run(). */

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { FORMAT = 1, GRID_SIDE = 4 };
+enum { FORMAT = 2, GRID_SIDE = 4 };
 enum { FOG, VOXELS };
 
 /* What a working renderer is off by in these images, many times over: 2e-4, and 2 % of noise. */

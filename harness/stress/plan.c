@@ -49,8 +49,9 @@ static enum neph_status find_preset(const char *words, const struct neph_engine 
 
 /* --- Columns --- */
 
-bool neph_stress_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
-                      const struct neph_stress_column *column)
+bool neph_stress_measures(const struct neph_failing *failing,
+                          const struct neph_failing_limit *limit,
+                          const struct neph_stress_column *column)
 {
     if (column->engine->is_guest)
         return true;
@@ -220,7 +221,7 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_stress_cell){
             .value = NAN,
-            .verdict = neph_stress_asks(&scene->failing, limit, &suite->columns[c])
+            .verdict = neph_stress_measures(&scene->failing, limit, &suite->columns[c])
                            ? NEPH_STRESS_NOT_YET
                            : NEPH_STRESS_NOT_ASKED,
             .why = ""};

@@ -14,7 +14,7 @@ WIDTH, HEIGHT = 16, 9
 SCENE = "height_fog_down"
 SIZE = ("--size", f"{WIDTH}x{HEIGHT}")
 SCRIPT = "scripts/blender_render.py"
-SEEN = {"has_voxels": True, "has_unbiased": False, "has_rayleigh": False}
+SEEN = {"has_voxels": True, "has_unbiased": False, "has_rayleigh": False, "has_spots": True}
 
 
 def image(value, *layers):

@@ -125,7 +125,7 @@ def keep_trial(program, cache, data_file=None, **found):
     facts = program.stat()
     data = (ROOT / data_file).read_bytes() if data_file else None
     digest = hashlib.blake2b(data, digest_size=32).hexdigest() if data else ""
-    words = (f"1\n{program.resolve()}\n{facts.st_size}\n"
+    words = (f"2\n{program.resolve()}\n{facts.st_size}\n"
              f"{facts.st_mtime_ns // 10**9}.{facts.st_mtime_ns % 10**9:09}\n{digest}")
     name = hashlib.blake2b(words.encode(), digest_size=32).hexdigest()[:32]
     file = cache / "nephelometer/trials" / f"{name}.json"

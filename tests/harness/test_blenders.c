@@ -24,7 +24,7 @@ enum { WIDTH = NEPH_TRIAL_WIDTH_PX, HEIGHT = NEPH_TRIAL_HEIGHT_PX, PIXELS = WIDT
 struct fake {
     const char *version;
     double brightness; /* of the radiance */
-    bool has_voxels, is_multipart, has_long_names;
+    bool has_voxels, is_multipart, has_long_names, lacks_spots;
     const char *phases;
 };
 
@@ -50,9 +50,9 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct bench *bench = *state;
+    unsetenv("NEPH_BLENDER");
     remove_impostor(&bench->impostor);
     unsetenv("XDG_CACHE_HOME");
-    unsetenv("NEPH_BLENDER");
     neph_trial_close(&bench->trial);
     free(bench);
     return 0;
@@ -157,7 +157,8 @@ static void install(const struct bench *bench, const struct fake *fake)
                                "[ \"$1\" = --version ] && exec echo 'Blender %s'\n"
                                "cp '%s'/*.exr '%s'/*.json .\n",
                                fake->version, bench->impostor.directory, bench->impostor.directory);
-    char *about = neph_format("{\"has_unbiased\": false, \"phases\": %s}", fake->phases);
+    char *about = neph_format("{\"has_unbiased\": false, \"has_spots\": %s, \"phases\": %s}",
+                              fake->lacks_spots ? "false" : "true", fake->phases);
     write_images(bench, fake);
     write_file(bench, "about.json", about);
     write_file(bench, "timing.json", "{\"radiance\": 0.5}");
@@ -335,6 +336,17 @@ static void test_what_a_blender_lacks(void **state)
                    &diag);
     assert_false(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
     assert_says(reason, "in steps only");
+    struct fake fake = good;
+    fake.version = "4.0.1";
+    fake.lacks_spots = true;
+    assert_true(probe_of(bench, &fake).available);
+    scene.lights[0] = (struct neph_light){.intensity_w_per_sr = {1.0, 1.0, 1.0}};
+    scene.light_count = 1;
+    settings = neph_settings_default(&neph_engine_cycles);
+    assert_true(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
+    scene.lights[0].is_spot = true;
+    assert_false(neph_engine_can_render(&neph_engine_cycles, &scene, &settings, reason, 512));
+    assert_says(reason, "spots");
 }
 
 /* ---- which there are ------------------------------------------------------------------------- */

@@ -377,7 +377,7 @@ static void test_transmittance_of_parallel_rays_is_cut(void **state)
         above += tau > 0.0 && tau < 13.7;
         if (tau < 13.9)
             continue;
-        assert_true(samples[i] == 0.0f);
+        neph_assert_close(samples[i], 0.0, 0.0, exp(-13.8)); /* Blender 5 cuts nothing */
         below++;
     }
     print_message("  transmittance: %d pixels, %d cut\n", above, below);
@@ -706,7 +706,8 @@ static void test_export_runs_by_hand(void **state)
     assert_file(directory, "radiance.exr");
     assert_file(directory, "transmittance.exr");
     assert_file(directory, "depth.exr");
-    line = neph_format("cd %s && rm *.exr && blender -b scene.blend -f 1 >log 2>&1", directory);
+    line = neph_format("cd %s && rm *.exr && %.*s -b scene.blend -f 1 >log 2>&1", directory,
+                       (int)strcspn(command, " "), command); /* the Blender that has saved it */
     assert_int_equal(system(line), 0);
     free(line);
     neph_dir_remove(directory, NULL);

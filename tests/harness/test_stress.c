@@ -240,7 +240,7 @@ static bool has_row(const struct neph_stress_suite *suite, const struct neph_str
             (!place->point || strcmp(row->point, place->point) == 0) &&
             strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
             (!*place->over || strcmp(row->limit->over, place->over) == 0) &&
-            neph_stress_asks(&row->scene->failing, row->limit, &column))
+            neph_stress_measures(&row->scene->failing, row->limit, &column))
             return true;
     }
     return false;
@@ -362,7 +362,7 @@ static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
     const struct neph_stress_column march = column_of("march");
     for (int r = 0; r < suite.row_count; r++) {
         const struct neph_stress_row *row = &suite.rows[r];
-        if (!neph_stress_asks(&row->scene->failing, row->limit, &march))
+        if (!neph_stress_measures(&row->scene->failing, row->limit, &march))
             continue;
         assert_true(row->scene->failing.engines);
         assert_true(row->limit->measure == NEPH_FAILING_ERROR ||
@@ -409,7 +409,7 @@ static void test_the_worst_is_first(void **state)
 static bool is_asked_at(const struct neph_stress_suite *suite, int row, int column)
 {
     const struct neph_stress_point point = neph_stress_point_at(suite, row);
-    return neph_stress_is_asked(suite, &point, column);
+    return neph_stress_has_trial(suite, &point, column);
 }
 
 /* Each trial that is asked for is there once. */

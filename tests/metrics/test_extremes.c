@@ -3,8 +3,8 @@
  * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
  * values that nobody wants and settings at their ends: whatever comes out is a finite number within
  * its range, or a reason. New extractors and masks are tried without being named here. By day and
- * under the sanitizers sequences see few of these values, images all; under the sanitizers each mask
- * is made, and few are measured over: a mask is a plane of bytes, whatever made it.
+ * under the sanitizers sequences see few of these values, images all. Under the sanitizers each
+ * mask is made, and few are measured over: a mask is a plane of bytes, whatever made it.
  */
 #include "metrics/extractors/extractors.h"
 #include "tests/metrics/synthetic.h"

@@ -67,7 +67,6 @@ static void assert_net(int n)
 
 static void test_points_are_a_net_around_the_centre(void **state)
 {
-    (void)state;
     for (int n = 1; n <= NEPH_MARCH_RAYS_PER_PX_MAX; n *= 2) {
         double sum[2] = {0.0, 0.0};
         assert_net(n);

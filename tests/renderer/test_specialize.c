@@ -171,17 +171,18 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
 
 static void test_valid_whatever_the_constants(void **state)
 {
-    enum { TRIES = 3, COUNT = 12 };
+    enum { COUNT = 12 };
+    const size_t tries = (size_t)neph_test_by_day(1, 3);
     const uint64_t seed = 20261123;
     uint64_t random = seed;
-    for (size_t i = 0; i < TRIES * sizeof(shaders) / sizeof(shaders[0]); i++) {
+    for (size_t i = 0; i < tries * sizeof(shaders) / sizeof(shaders[0]); i++) {
         uint32_t constants[COUNT], *spirv = NULL;
         size_t bytes = 0, whole_bytes = 0;
         for (int j = 0; j < COUNT; j++)
             constants[j] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
-        const size_t shader = i / TRIES;
+        const size_t shader = i / tries;
         print_message("%s, seed %llu, try %zu\n", shaders[shader].name, (unsigned long long)seed,
-                      i % TRIES);
+                      i % tries);
         specialize(shaders[shader].code, shaders[shader].code_bytes, constants, COUNT, &spirv,
                    &bytes, &whole_bytes);
         assert_false(has_open_constants(spirv, bytes));
@@ -224,7 +225,6 @@ static void test_bits_that_are_not_read_change_nothing(void **state)
 /* A march of nothing knows no medium, no light and no cloud. */
 static void test_unused_goes(void **state)
 {
-    (void)state;
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
@@ -241,7 +241,6 @@ static void test_unused_goes(void **state)
 static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
-    (void)state;
     const uint32_t constants[3] = {[2] = 8};
     uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
@@ -300,7 +299,6 @@ static void test_a_refused_shader_is_named(void **state)
 
 static void test_a_damaged_shader_is_found(void **state)
 {
-    (void)state;
     static const uint32_t module[16] = {1, 2, 3};
     uint32_t packed[64], *words = NULL;
     size_t size_bytes = 0;
