@@ -131,7 +131,8 @@ class Nightly(neph_case.NephCase):
 
     def kill_the_second_run(self):
         child = self.start(*FOG[:-1], **LONELY)
-        said, _ = child.communicate(timeout=120)
+        self.wait_until(lambda: self.kill_what_works_in(self.folder / "nightly/again"), child)
+        said, _ = child.communicate(timeout=300)
         self.assertEqual(child.returncode, 1, said)
         self.assertIn("0 once more", said)
         [finding] = self.data()["findings"]

@@ -8,7 +8,7 @@ import re
 import shutil
 import unittest
 
-from neph_case import ROOT, NephCase
+from neph_case import ROOT, NephCase, keep_trial
 
 POVRAY = """#!/bin/sh
 case "$1" in --version) echo "POV-Ray 3.7.0.10.unofficial"; exit 0;; esac
@@ -18,6 +18,12 @@ exit 1
 
 
 class Verdict(NephCase):
+    def put_program(self, name, text):
+        """Which has passed its trial."""
+        environment = super().put_program(name, text)
+        keep_trial(self.folder / "bin" / name, self.folder, has_voxels=True)
+        return {**environment, "XDG_CACHE_HOME": str(self.folder)}
+
     def validate(self, *engines, scene="scattering_slab_above", output="out", code=1,
                  **environment):
         wanted = [word for engine in engines for word in ("-e", engine)]
