@@ -13,8 +13,19 @@
 struct printed_table {
     const char *path;           /* of the README */
     const char *before, *after; /* the lines around the table */
-    char *(*print)(void);       /* for the caller to free */
+    void (*print)(FILE *out);
 };
+
+static inline char *printed(void (*print)(FILE *out))
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    assert_non_null(file);
+    print(file);
+    assert_int_equal(fclose(file), 0);
+    return text;
+}
 
 /* README.md as it should be; for the caller to free. */
 static inline char *wanted_readme(const struct printed_table *table, const char *text)
@@ -22,10 +33,10 @@ static inline char *wanted_readme(const struct printed_table *table, const char 
     const char *start = strstr(text, table->before);
     const char *end = start ? strstr(start, table->after) : NULL;
     assert_non_null(end);
-    char *printed = table->print();
+    char *rows = printed(table->print);
     char *wanted = neph_format("%.*s%s%s", (int)(start - text + (ptrdiff_t)strlen(table->before)),
-                               text, printed, end);
-    free(printed);
+                               text, rows, end);
+    free(rows);
     return wanted;
 }
 

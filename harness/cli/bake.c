@@ -20,8 +20,7 @@ struct request {
 
 static const struct neph_cli_option options[] = {
     {"medium", 0, "N", "Which medium of the scene, from 1", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, medium), .otherwise = "1", .minimum = 1,
-     .maximum = NEPH_SCENE_MEDIA_MAX},
+     .at = offsetof(struct request, medium), "1", 1, NEPH_SCENE_MEDIA_MAX},
     {"resolution", 0, "N",
      "Nodes along the longest side, 2..1024 (default: the scene's bake_resolution, and a grid as "
      "it is)",

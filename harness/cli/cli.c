@@ -2,10 +2,10 @@
 #include "harness/cli/cli.h"
 
 #include "base/files.h"
+#include "base/path.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -24,16 +24,12 @@ enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag
 enum neph_status neph_cli_open_store(const char *output, struct neph_store **store,
                                      struct neph_diag *diag)
 {
-    char *folder = neph_path_join(output, "store");
-    enum neph_status status = folder ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && !neph_path_is_dir(folder)) {
-        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
-        neph_hint(diag, "-o names the folder that was given to the other verbs");
-    }
-    if (!status)
-        status = neph_store_open(folder, store, diag);
-    free(folder);
-    return status;
+    const struct neph_path folder = neph_path_in(output, "store");
+    if (neph_path_is_dir(folder.text))
+        return neph_store_open(folder.text, store, diag);
+    neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no store in '%s'", output);
+    neph_hint(diag, "-o names the folder that was given to the other verbs");
+    return NEPH_ERR_NOT_FOUND;
 }
 
 enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
@@ -51,10 +47,9 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
         neph_scratch_destroy(scratch);
         return;
     }
-    char *path = neph_format("%s", neph_scratch_path(scratch));
-    if (neph_scratch_keep(scratch) && path && diag && !diag->hint[0])
-        neph_hint(diag, "its logs are in %s", path);
-    free(path);
+    const struct neph_path path = neph_path_format("%s", neph_scratch_path(scratch));
+    if (neph_scratch_keep(scratch) && diag && !diag->hint[0])
+        neph_hint(diag, "its logs are in %s", path.text);
 }
 
 json_t *neph_cli_options_json(const struct neph_option *options)

@@ -33,38 +33,37 @@ struct request {
     bool list, png, stats;
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, list)},
+    {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG, AT(list)},
     {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
-     .at = offsetof(struct request, preset), .otherwise = "off"},
+     AT(preset), "off"},
     {"chain", 0, "FILE",
      "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
-     .at = offsetof(struct request, chain)},
+     AT(chain)},
     {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
-     NEPH_CLI_WORD, .at = offsetof(struct request, scene)},
+     NEPH_CLI_WORD, AT(scene)},
     {.name = "set", .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, layer)},
-    {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, .at = offsetof(struct request, seed),
-     .otherwise = "0", .minimum = 0, .maximum = INT_MAX},
+     NEPH_CLI_WORD, AT(layer)},
+    {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
     {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
-     NEPH_CLI_REAL, .at = offsetof(struct request, rate_hz), .minimum = 1e-3, .maximum = 1e4},
-    {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, .at = offsetof(struct request, png)},
+     NEPH_CLI_REAL, AT(rate_hz), .minimum = 1e-3, .maximum = 1e4},
+    {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, AT(png)},
     {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, bits), .minimum = 8, .maximum = 16},
+     NEPH_CLI_INTEGER, AT(bits), .minimum = 8, .maximum = 16},
     {"stats", 0, NULL, "The device's time of each stage, and what the eye is adapted to",
-     NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
+     NEPH_CLI_FLAG, AT(stats)},
     {"repeat", 0, "N",
      "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
      "them, after a second of warm-up",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .otherwise = "1", .minimum = 1,
-     .maximum = NEPH_CHAIN_REPEATS_MAX},
+     NEPH_CLI_INTEGER, AT(repeat), "1", 1, NEPH_CHAIN_REPEATS_MAX},
     {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {.shown = "FRAMES..."};
 

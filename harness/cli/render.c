@@ -2,6 +2,7 @@
  *
  * `neph render` and `neph export`: one scene, one engine.
  */
+#include "base/path.h"
 #include "harness/cli/render_shown.h"
 
 #include "base/clock.h"
@@ -44,64 +45,64 @@ struct request {
 };
 
 /* `neph export` has them too; only its engine, where none is named, is another. */
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 'p', "NAME",
      "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
      "them",
-     NEPH_CLI_WORD, .at = offsetof(struct request, preset)},
+     NEPH_CLI_WORD, AT(preset)},
     {"config", 0, "FILE",
      "Engine, settings and orders of scattering as `neph pick` has left them, in place of --engine "
      "and --preset, before any --set",
-     NEPH_CLI_WORD, .at = offsetof(struct request, config)},
+     NEPH_CLI_WORD, AT(config)},
     {"scattering", 0, "ORDERS",
      "As if the scene had none, single or multiple scattering: what an engine leaves out that has "
      "no more",
-     NEPH_CLI_WORD, .at = offsetof(struct request, scattering)},
+     NEPH_CLI_WORD, AT(scattering)},
     {.name = "set"},
     {.name = "size", .otherwise = "192x108"},
-    {"frame", 0, "N", "First frame, 0-based", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, first_frame), .otherwise = "0", .minimum = 0,
-     .maximum = INT_MAX},
+    {"frame", 0, "N", "First frame, 0-based", NEPH_CLI_INTEGER, AT(first_frame), "0", 0, INT_MAX},
     {"frames", 0, "N", "How many frames; engine realtime goes on beyond the scene's last",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .otherwise = "1", .minimum = 1,
-     .maximum = FRAMES_MAX},
+     NEPH_CLI_INTEGER, AT(frame_count), "1", 1, FRAMES_MAX},
     {"seed", 0, "N",
      "Random seed (default: one of the scene's own, so that the errors of two "
      "scenes are independent; it is in the results and in the frame, as neph.seed)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 0, .maximum = INT_MAX},
+     NEPH_CLI_INTEGER, AT(seed), .minimum = 0, .maximum = INT_MAX},
     {.name = "time-limit", .otherwise = "600"},
     {"checkpoint", 0, "FILE",
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
      "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
      "finished one can be given more samples",
-     NEPH_CLI_FILE, .at = offsetof(struct request, checkpoint)},
+     NEPH_CLI_FILE, AT(checkpoint)},
     {"scene-layers", 0, NULL,
      "Add what the scene knows for `neph compare` and `neph flicker`: masks of clouds, fog, thin "
      "objects and the sun, and motion vectors of solids and sky before a camera that moves",
-     NEPH_CLI_FLAG, .at = offsetof(struct request, scene_layers)},
+     NEPH_CLI_FLAG, AT(scene_layers)},
     {"depth", 0, "FILES",
      "Engine realtime: Z [m along the camera's axis; inf: sky] of these EXR files in place of the "
      "scene's solids, which still shade the media, and R G B, which is what is behind the media "
      "(without: black). "
      "FILES: " NEPH_SEQUENCE_HELP "; one file serves all frames",
-     NEPH_CLI_WORD, .at = offsetof(struct request, depth)},
+     NEPH_CLI_WORD, AT(depth)},
     {"stats", 0, NULL,
      "What each frame has cost: density evaluations, rays, steps, bytes, device time per pass "
      "(engines that count them). A GPU that has rested makes its first pictures two to four times "
      "slower: neph benchmark warms it first",
-     NEPH_CLI_FLAG, .at = offsetof(struct request, stats)},
+     NEPH_CLI_FLAG, AT(stats)},
     {"chain", 0, "FILE",
      "Show the frames by this picture chain, in place of the scene's; off: by none", NEPH_CLI_WORD,
-     .at = offsetof(struct request, chain)},
+     AT(chain)},
     {.name = "output", .otherwise = "."},
     {"noise", 0, NULL,
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
      "chance know theirs",
-     NEPH_CLI_FLAG, .at = offsetof(struct request, noise)},
+     NEPH_CLI_FLAG, AT(noise)},
+    {.name = "blender"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_option render_engine[] = {{.name = "engine", .otherwise = "march"},
                                                        {.name = NULL}};
@@ -190,6 +191,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
         .engine = engine,
         .info = info,
         .shot = {.scene = scene,
+                 .engine = engine,
                  .settings = request->config ? request->configuration.settings
                                              : neph_settings_default(engine),
                  .layers = NEPH_LAYERS_ALL,
@@ -224,20 +226,16 @@ struct run {
 
 /* DIR/SCENE_ENGINE_FRAME.exr, which is not to be the very file that --depth is read from. */
 static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
-                                   const char *depth, char **path, struct neph_diag *diag)
+                                   const char *depth, struct neph_path *path,
+                                   struct neph_diag *diag)
 {
-    char *named = neph_format("%s/%s_%s_%04d.exr", request->shared.output, job->shot.scene->name,
-                              job->engine->name, job->shot.frame);
-    if (!named)
-        return neph_fail_memory(diag);
-    if (depth && neph_path_is_same(named, depth)) {
-        neph_fail(diag, NEPH_ERR_USAGE, "the frame would be written over '%s' of --depth", depth);
-        neph_hint(diag, "name another folder with -o");
-        free(named);
-        return NEPH_ERR_USAGE;
-    }
-    *path = named;
-    return NEPH_OK;
+    *path = neph_path_format("%s/%s_%s_%04d.exr", request->shared.output, job->shot.scene->name,
+                             job->engine->name, job->shot.frame);
+    if (!depth || !neph_path_is_same(path->text, depth))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "the frame would be written over '%s' of --depth", depth);
+    neph_hint(diag, "name another folder with -o");
+    return NEPH_ERR_USAGE;
 }
 
 /* By its own variance, or by a second seed when that was asked for; NaN: not known. */
@@ -306,7 +304,8 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
                                       const struct unseen *unseen, struct neph_diag *diag)
 {
     const struct neph_shot *shot = &run->job->shot;
-    char *name = neph_scene_name_of(path), *shown = NULL;
+    char *name = neph_scene_name_of(path);
+    struct neph_path shown = {""};
     json_t *stats = NULL;
     enum neph_status status = name ? neph_shown_make(&run->shown, frame, name, shot->frame,
                                                      run->width_px, run->height_px, shot->seed,
@@ -316,18 +315,17 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
         status = neph_json_append(
             run->results,
             json_pack("{s:s, s:s?, s:i, s:[i,i], s:f, s:f, s:f, s:I, s:O, s:I, s:o, s:o, s:o}",
-                      "exr", path, "shown", shown, "frame", shot->frame, "size_px", frame->width_px,
-                      frame->height_px, "render_s", cost->render_s, "wall_s", cost->wall_s, "cpu_s",
-                      cost->cpu_s, "peak_memory_bytes", (json_int_t)cost->peak_memory_bytes,
-                      "stats", stats, "seed", (json_int_t)shot->seed, "noise",
-                      neph_json_number(unseen->noise), "step_optical_depth",
-                      neph_json_number(unseen->step_depth), "step_bias",
+                      "exr", path, "shown", shown.text[0] ? shown.text : NULL, "frame", shot->frame,
+                      "size_px", frame->width_px, frame->height_px, "render_s", cost->render_s,
+                      "wall_s", cost->wall_s, "cpu_s", cost->cpu_s, "peak_memory_bytes",
+                      (json_int_t)cost->peak_memory_bytes, "stats", stats, "seed",
+                      (json_int_t)shot->seed, "noise", neph_json_number(unseen->noise),
+                      "step_optical_depth", neph_json_number(unseen->step_depth), "step_bias",
                       neph_json_number(unseen->step_bias)),
             diag);
     if (!status && !run->request->shared.json)
-        printf("%s\n%s%s", path, shown ? shown : "", shown ? "\n" : "");
+        printf("%s\n%s%s", path, shown.text, shown.text[0] ? "\n" : "");
     json_decref(stats);
-    free(shown);
     free(name);
     return status;
 }
@@ -337,7 +335,7 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
 {
     const struct request *request = run->request;
     struct neph_job *job = run->job;
-    char *path = NULL;
+    struct neph_path path;
     struct neph_scratch *scratch = NULL;
     struct neph_image *frame = NULL;
     struct neph_cost cost = {0};
@@ -354,18 +352,17 @@ static enum neph_status render_one(struct run *run, const char *depth, struct ne
     if (!status && request->scene_layers)
         status = neph_scene_layers_add(job->shot.scene, job->shot.frame, frame, diag);
     if (!status)
-        status = neph_exr_write(path, frame, diag);
+        status = neph_exr_write(path.text, frame, diag);
     if (!status) {
         unseen.step_depth = neph_step_depth(&job->shot, job->engine);
         if (estimates_step_bias(request, job))
             unseen.step_bias = neph_step_bias(&job->shot, job->engine, frame);
         say(request, job, &unseen);
-        status = show_and_note(run, frame, path, &cost, &unseen, diag);
+        status = show_and_note(run, frame, path.text, &cost, &unseen, diag);
     }
     neph_cli_end_scratch(scratch, status, diag);
     job->shot.scratch_directory = NULL;
     neph_image_destroy(frame);
-    free(path);
     return status;
 }
 
@@ -511,7 +508,8 @@ static enum neph_status export_files(const struct request *request, struct neph_
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "engine %s has nothing to export; use --engine cycles or povray",
                          job->engine->name);
-    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
+    if (!neph_engine_can_render(job->engine, job->shot.scene, &job->shot.settings, reason,
+                                sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
     enum neph_status status = neph_owned_claim(request->shared.output, &export_folder, diag);
     if (!status)

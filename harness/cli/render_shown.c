@@ -8,7 +8,6 @@
 #include "harness/engines/vulkan_device.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- the chain ------------------------------------------------------------------------------- */
@@ -38,13 +37,12 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
         return NEPH_OK;
     shown->is_on = true;
     shown->showing.scene = scene;
-    shown->folder = neph_path_join(output, "shown");
-    enum neph_status status = shown->folder ? neph_showing_load(&shown->showing, path, diag)
-                                            : neph_fail_memory(diag);
+    shown->folder = neph_path_in(output, "shown");
+    enum neph_status status = neph_showing_load(&shown->showing, path, diag);
     if (!status)
         status = check(shown, path, diag);
     if (!status)
-        status = neph_cli_open_folder(shown->folder, diag);
+        status = neph_cli_open_folder(shown->folder.text, diag);
     return status ? status : neph_device_acquire(shot->device, &shown->device, diag);
 }
 
@@ -52,7 +50,6 @@ void neph_shown_close(struct neph_shown *shown)
 {
     neph_device_release(shown->device);
     neph_showing_finish(&shown->showing);
-    free(shown->folder);
 }
 
 void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *height_px)
@@ -83,33 +80,20 @@ static enum neph_status label(struct neph_image *picture, const struct neph_post
     return status;
 }
 
-static enum neph_status write(struct neph_shown *shown, struct neph_image *picture,
-                              const char *name, char **path, struct neph_diag *diag)
-{
-    char *exr = neph_format("%s/%s.exr", shown->folder, name);
-    char *png = neph_format("%s/%s.png", shown->folder, name);
-    const enum neph_status status = exr && png ? neph_showing_write(&shown->showing, picture, exr,
-                                                                    png, diag)
-                                               : neph_fail_memory(diag);
-    free(png);
-    if (status)
-        free(exr);
-    else
-        *path = exr;
-    return status;
-}
-
 enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_image *frame,
                                  const char *name, int number, int width_px, int height_px,
-                                 uint64_t seed, char **path, json_t **stats, struct neph_diag *diag)
+                                 uint64_t seed, struct neph_path *path, json_t **stats,
+                                 struct neph_diag *diag)
 {
     struct neph_post_params *params = &shown->showing.params;
     struct neph_image *picture = NULL;
     struct neph_post_stats cost;
-    *path = NULL;
+    path->text[0] = '\0';
     *stats = shown->is_on ? NULL : neph_frame_stats(frame);
     if (!shown->is_on)
         return NEPH_OK;
+    const struct neph_path png = neph_path_format("%s/%s.png", shown->folder.text, name);
+    *path = neph_path_format("%s/%s.exr", shown->folder.text, name);
     params->seed = seed;
     params->step_s = 1.0 / shown->showing.scene->frame_rate_hz;
     params->width_px = width_px;
@@ -121,7 +105,7 @@ enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_ima
     if (!status)
         status = label(picture, params, &cost, diag);
     if (!status)
-        status = write(shown, picture, name, path, diag);
+        status = neph_showing_write(&shown->showing, picture, path->text, png.text, diag);
     if (!status)
         *stats = neph_frame_stats(picture);
     neph_image_destroy(picture);

@@ -5,6 +5,7 @@
 #ifndef NEPH_HARNESS_CLI_RENDER_SHOWN_H
 #define NEPH_HARNESS_CLI_RENDER_SHOWN_H
 
+#include "base/path.h"
 #include "harness/json.h"
 #include "harness/run/showing.h"
 
@@ -14,7 +15,7 @@ struct neph_shot;
 /* Zero-initialise it; for _close. */
 struct neph_shown {
     bool is_on;
-    char *folder; /* owned */
+    struct neph_path folder;
     struct neph_showing showing;
     struct neph_open_device *device;
 };
@@ -30,11 +31,11 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
 void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *height_px);
 
 /* A picture of a frame, for a window of this size: shown/NAME.exr and .png for FOLDER/NAME.exr.
- * `*path` is the first, for the caller to free, and NULL where the chain is off; `*stats` are those
- * of frame and chain, for the caller to decref. */
+ * `*path` is the first, and "" where the chain is off; `*stats` are those of frame and chain, for
+ * the caller to decref. */
 enum neph_status neph_shown_make(struct neph_shown *shown, const struct neph_image *frame,
                                  const char *name, int number, int width_px, int height_px,
-                                 uint64_t seed, char **path, json_t **stats,
+                                 uint64_t seed, struct neph_path *path, json_t **stats,
                                  struct neph_diag *diag);
 
 void neph_shown_close(struct neph_shown *shown);

@@ -26,6 +26,7 @@ struct request {
     int at, frames;
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {.name = "json"},
     {.name = "quiet", .help = "Not a word on what the file of a variant has to be called"},
@@ -33,15 +34,14 @@ static const struct neph_cli_option options[] = {
      "Print the scene as a scene file in which something happens, to measure lag with: sun_step "
      "(the sun four times as bright from a frame on), sun_sine (1 + 0.3 times the sum of sines of "
      "16, 32 and 64 frames), camera_cut (the camera turns by half its field of view)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, variant), .group = 1},
-    {"at", 0, "FRAME", "Of the step or cut (default: the middle)", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, at), .minimum = 1, .maximum = NEPH_VARIANT_FRAMES_MAX - 1,
-     .group = 1},
+     NEPH_CLI_WORD, AT(variant), .group = 1},
+    {"at", 0, "FRAME", "Of the step or cut (default: the middle)", NEPH_CLI_INTEGER, AT(at),
+     .minimum = 1, .maximum = NEPH_VARIANT_FRAMES_MAX - 1, .group = 1},
     {"frames", 0, "N", "Of the sequence (default: the scene's own, or 128 of one)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frames), .minimum = 2,
-     .maximum = NEPH_VARIANT_FRAMES_MAX, .group = 1},
+     NEPH_CLI_INTEGER, AT(frames), .minimum = 2, .maximum = NEPH_VARIANT_FRAMES_MAX, .group = 1},
     {.name = NULL},
 };
+#undef AT
 
 static void check(const void *request_, const struct argp_state *state)
 {
@@ -312,7 +312,7 @@ static json_t *scene_json(const struct neph_scene *scene)
     for (int i = 0; i < count; i++) {
         char reason[512] = "";
         const struct neph_settings settings = neph_settings_default(list[i]);
-        const bool can = list[i]->can_render(scene, &settings, reason, sizeof(reason));
+        const bool can = neph_engine_can_render(list[i], scene, &settings, reason, sizeof(reason));
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
@@ -364,7 +364,7 @@ static void print_scene(const struct neph_scene *scene)
     for (int i = 0; i < count; i++) {
         char reason[512];
         const struct neph_settings settings = neph_settings_default(engines[i]);
-        if (engines[i]->can_render(scene, &settings, reason, sizeof(reason)))
+        if (neph_engine_can_render(engines[i], scene, &settings, reason, sizeof(reason)))
             printf("%-11s can\n", engines[i]->name);
         else
             printf("%-11s cannot: %s\n", engines[i]->name, reason);

@@ -4,7 +4,6 @@
  */
 #include "harness/cli/cli.h"
 
-#include "base/files.h"
 #include "harness/report/report_folder.h"
 #include "harness/report/viewer_maps.h"
 #include "harness/report/viewer_page.h"
@@ -22,57 +21,53 @@ struct request {
     double limit_mb;
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"layer", 0, "NAME",
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, view.layer)},
+     NEPH_CLI_WORD, AT(view.layer)},
     {"quantity", 0, "NAME",
      "Only radiance, volume, transmittance or depth; may be given several times (default: all "
      "that the frames have)",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, quantities)},
-    {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, view.warm_up_frames), .otherwise = "0", .minimum = 0,
-     .maximum = 1000000},
+     NEPH_CLI_WORDS, AT(quantities)},
+    {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER, AT(view.warm_up_frames),
+     "0", 0, 1000000},
     {"by-position", 0, NULL,
      "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, view.by_position)},
+     AT(view.by_position)},
     {"exposure", 0, "EV", "At first: display value = 2^EV times radiance", NEPH_CLI_REAL,
-     .at = offsetof(struct request, view.viewing.exposure_ev), .otherwise = "0", .minimum = -32,
-     .maximum = 32, .group = VIEWING},
+     AT(view.viewing.exposure_ev), "0", -32, 32, .group = VIEWING},
     {"scale", 0, "X",
      "Where the colours of differences of radiance end (default: 0.02 as displayed)", NEPH_CLI_REAL,
-     .at = offsetof(struct request, view.difference_scale), .minimum = 1e-12, .maximum = 1e12,
-     .group = VIEWING},
+     AT(view.difference_scale), .minimum = 1e-12, .maximum = 1e12, .group = VIEWING},
     {"overlay", 0, "MAP",
      "A map of the metrics against the first set, by the name of its file under `neph compare "
      "--maps`; may be given several times; or none (default: relative, flip and, of sequences, "
      "a4)",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, overlays), .group = VIEWING},
+     NEPH_CLI_WORDS, AT(overlays), .group = VIEWING},
     {"ocio", 0, "FILE",
      "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
-     NEPH_CLI_WORD, .at = offsetof(struct request, view.display.config), .group = VIEWING},
+     NEPH_CLI_WORD, AT(view.display.config), .group = VIEWING},
     {"display", 0, "NAME", "Of that config (default: its own)", NEPH_CLI_WORD,
-     .at = offsetof(struct request, view.display.display), .group = VIEWING},
-    {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD,
-     .at = offsetof(struct request, view.display.view), .group = VIEWING},
-    {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, view.display.space), .group = VIEWING},
-    {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
-     .at = offsetof(struct request, view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000,
+     AT(view.display.display), .group = VIEWING},
+    {"view", 0, "NAME", "Of that display (default: its own)", NEPH_CLI_WORD, AT(view.display.view),
      .group = VIEWING},
+    {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
+     NEPH_CLI_WORD, AT(view.display.space), .group = VIEWING},
+    {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
+     AT(view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000, .group = VIEWING},
     {"ppd", 0, "N", "Pixels per degree of the display, on which maps depend (default: 67.02)",
-     NEPH_CLI_REAL, .at = offsetof(struct request, view.viewing.pixels_per_degree), .minimum = 1,
-     .maximum = 1000, .group = VIEWING},
-    {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, .at = offsetof(struct request, view.title),
-     .group = WRITING},
-    {"limit", 0, "MB", "Refuse to write a page larger than this", NEPH_CLI_REAL,
-     .at = offsetof(struct request, limit_mb), .otherwise = "200", .minimum = 0.001,
-     .maximum = 100000, .group = WRITING},
+     NEPH_CLI_REAL, AT(view.viewing.pixels_per_degree), .minimum = 1, .maximum = 1000,
+     .group = VIEWING},
+    {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, AT(view.title), .group = WRITING},
+    {"limit", 0, "MB", "Refuse to write a page larger than this", NEPH_CLI_REAL, AT(limit_mb),
+     "200", 0.001, 100000, .group = WRITING},
     {.name = "output", .help = "Folder of the page", .otherwise = "view", .group = WRITING},
     {.name = "json", .group = WRITING},
     {.name = "quiet", .group = WRITING},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {
     .shown = "FRAMES...",

@@ -373,23 +373,21 @@ static enum neph_status write_map_files(struct work *work, const struct neph_map
                                         const struct neph_image *image, struct neph_diag *diag)
 {
     struct neph_compared *made = work->made;
+    const struct neph_path stem = neph_map_stem(work->asked->maps_directory, map, quantity,
+                                                work->frame_count > 1 ? frame : -1);
     const char **longer = realloc(made->maps, ((size_t)made->map_count + 2) * sizeof(*longer));
-    char *stem = neph_map_stem(work->asked->maps_directory, map, quantity,
-                               work->frame_count > 1 ? frame : -1);
-    made->maps = longer ? longer : made->maps;
-    enum neph_status status = longer && stem ? NEPH_OK : neph_fail_memory(diag);
+    if (!longer)
+        return neph_fail_memory(diag);
+    made->maps = longer;
+    const char *exr = neph_arena_format(&made->arena, "%s.exr", stem.text),
+               *png = neph_arena_format(&made->arena, "%s.png", stem.text);
+    enum neph_status status = neph_arena_check(&made->arena, diag);
+    if (!status)
+        status = neph_map_write(exr, png, map, &work->viewing, image, diag);
     if (!status) {
-        const char *exr = neph_arena_format(&made->arena, "%s.exr", stem),
-                   *png = neph_arena_format(&made->arena, "%s.png", stem);
-        status = neph_arena_check(&made->arena, diag);
-        if (!status)
-            status = neph_map_write(exr, png, map, &work->viewing, image, diag);
-        if (!status) {
-            made->maps[made->map_count++] = exr;
-            made->maps[made->map_count++] = png;
-        }
+        made->maps[made->map_count++] = exr;
+        made->maps[made->map_count++] = png;
     }
-    free(stem);
     return status;
 }
 

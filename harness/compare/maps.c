@@ -12,14 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *neph_map_stem(const char *folder, const struct neph_map *map,
-                    const struct neph_quantity *quantity, int frame)
+struct neph_path neph_map_stem(const char *folder, const struct neph_map *map,
+                               const struct neph_quantity *quantity, int frame)
 {
-    char *name = frame < 0 ? neph_format("%s_%s", map->name, quantity->name)
-                           : neph_format("%s_%s_%04d", map->name, quantity->name, frame);
-    char *stem = name ? neph_path_join(folder, name) : NULL;
-    free(name);
-    return stem;
+    const struct neph_path name = frame < 0 ? neph_path_format("%s_%s", map->name, quantity->name)
+                                            : neph_path_format("%s_%s_%04d", map->name,
+                                                               quantity->name, frame);
+    return neph_path_in(folder, name.text);
 }
 
 /* "MAP_QUANTITY" and then an ending, or a number and an ending. */

@@ -6,13 +6,14 @@
 #ifndef NEPH_HARNESS_COMPARE_MAPS_H
 #define NEPH_HARNESS_COMPARE_MAPS_H
 
+#include "base/path.h"
 #include "harness/compare/measure.h"
 #include "harness/compare/sequence.h"
 
-/* "FOLDER/MAP_QUANTITY[_FRAME]", without the ending, for the caller to free; NULL when memory is
- * short. `frame` below 0: of the whole sequence, or the only one. */
-char *neph_map_stem(const char *folder, const struct neph_map *map,
-                    const struct neph_quantity *quantity, int frame);
+/* "FOLDER/MAP_QUANTITY[_FRAME]", without the ending. `frame` below 0: of the whole sequence, or the
+ * only one. */
+struct neph_path neph_map_stem(const char *folder, const struct neph_map *map,
+                               const struct neph_quantity *quantity, int frame);
 
 /* NEPH_ERR_USAGE, naming the file, when one of `frames` lies where a map of the chosen extractors
  * may be written. */

@@ -38,7 +38,16 @@ void neph_publication_table(struct neph_publication *publication, struct neph_ta
 {
     if (publication->text)
         neph_table_print(table, publication->text);
-    publication->is_short |= neph_table_check(table, NULL) != NEPH_OK;
+    publication->arena.is_short |= table->arena.is_short;
+    neph_table_finish(table);
+}
+
+void neph_publication_csv(struct neph_publication *publication, const char *line_end,
+                          struct neph_table *table)
+{
+    if (publication->csv)
+        neph_table_print_csv(table, line_end, publication->csv);
+    publication->arena.is_short |= table->arena.is_short;
     neph_table_finish(table);
 }
 
@@ -83,7 +92,7 @@ enum neph_status neph_publication_publish(struct neph_publication *publication,
         int form;
     } files[] = {
         {places->markdown, TEXT}, {has_csv ? NULL : places->csv, CSV}, {places->chart, CHART}};
-    const bool is_whole = close_streams(publication) && !publication->is_short;
+    const bool is_whole = close_streams(publication) && !publication->arena.is_short;
     enum neph_status status = is_whole ? NEPH_OK : neph_fail_memory(diag);
     if (!status && places->document)
         status = neph_json_check(publication->json, diag);
@@ -112,5 +121,6 @@ void neph_publication_finish(struct neph_publication *publication)
     for (int form = 0; form < NEPH_PUBLICATION_STREAMS; form++)
         free(publication->kept[form].text);
     json_decref(publication->json);
+    neph_arena_finish(&publication->arena);
     *publication = (struct neph_publication){.places = NULL};
 }

@@ -29,7 +29,7 @@ struct neph_publication {
     const char *broken_words; /* .. "takes broke; their cells say why" */
     enum neph_status verdict; /* an error of the results, once all is published, .. */
     struct neph_diag reason;  /* .. and what it says */
-    bool is_short;            /* memory was, for a table */
+    struct neph_arena arena;  /* of texts, until all is published; short, where a table was, too */
     struct {
         char *text;
         size_t size;
@@ -41,8 +41,11 @@ enum neph_status neph_publication_begin(const struct neph_publication_places *pl
                                         struct neph_publication *publication,
                                         struct neph_diag *diag);
 
-/* Print a table into the text, if that is wanted, and free it. _publish tells of short memory. */
+/* Print a table into the text or the CSV, if that is wanted, and free it. Lines of CSV end in
+ * `line_end`. _publish tells of short memory. */
 void neph_publication_table(struct neph_publication *publication, struct neph_table *table);
+void neph_publication_csv(struct neph_publication *publication, const char *line_end,
+                          struct neph_table *table);
 
 /* Files, each whole or not at all, a chart only if something is drawn; then stdout.
  * NEPH_ERR_MEMORY: a stream did not fit; NEPH_ERR_INTERNAL: JSON could not be made; NEPH_ERR_IO;

@@ -21,23 +21,25 @@ struct neph_table_cell {
 
 /* ---- filling --------------------------------------------------------------------------------- */
 
-void neph_table_columns(struct neph_table *table, const struct neph_column *columns, int count)
+void neph_table_column(struct neph_table *table, struct neph_column column)
 {
-    const size_t size = sizeof(*columns);
-    struct neph_column *all = neph_arena_zeroed(&table->arena,
-                                                (size_t)(table->column_count + count), size);
+    const size_t count = (size_t)table->column_count;
+    struct neph_column *all = neph_arena_zeroed(&table->arena, count + 1, sizeof(*all));
     if (!all)
         return;
-    if (table->column_count > 0)
-        memcpy(all, table->columns, (size_t)table->column_count * size);
-    for (int c = 0; c < count; c++) {
-        struct neph_column *column = &all[table->column_count + c];
-        *column = columns[c];
-        column->key = neph_arena_text(&table->arena, column->key);
-        column->title = neph_arena_text(&table->arena, column->title);
-    }
+    if (count > 0)
+        memcpy(all, table->columns, count * sizeof(*all));
+    column.key = neph_arena_text(&table->arena, column.key);
+    column.title = neph_arena_text(&table->arena, column.title);
+    all[count] = column;
     table->columns = all;
-    table->column_count += count;
+    table->column_count++;
+}
+
+void neph_table_columns(struct neph_table *table, const struct neph_column *columns, int count)
+{
+    for (int c = 0; c < count; c++)
+        neph_table_column(table, columns[c]);
 }
 
 static void add(struct neph_table *table, struct neph_table_cell cell)
@@ -104,32 +106,16 @@ void neph_table_shown(struct neph_table *table, const char *format, ...)
     table->cells[table->cell_count - 1].shown = clean_copy(&table->arena, shown);
 }
 
-void neph_table_row(struct neph_table *table, const char *kinds, ...)
+void neph_table_numbers(struct neph_table *table, int count, const double *values)
 {
-    va_list cells;
-    va_start(cells, kinds);
-    for (; *kinds; kinds++) {
-        if (*kinds == 's')
-            neph_table_word(table, va_arg(cells, const char *));
-        else if (*kinds == 'f')
-            neph_table_number(table, va_arg(cells, double));
-        else if (*kinds == 'i')
-            neph_table_count(table, va_arg(cells, int));
-        else if (*kinds == 'b')
-            neph_table_flag(table, va_arg(cells, int));
-        else if (*kinds == 'o')
-            neph_table_value(table, va_arg(cells, json_t *));
-        const char *shown = *kinds == 't' ? va_arg(cells, const char *) : NULL;
-        if (shown && !table->arena.is_short)
-            table->cells[table->cell_count - 1].shown = clean_copy(&table->arena, shown);
-    }
-    va_end(cells);
+    for (int i = 0; i < count; i++)
+        neph_table_number(table, values[i]);
 }
 
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count)
 {
     for (int i = 0; i < count; i++)
-        neph_table_columns(table, &fields[i].column, 1);
+        neph_table_column(table, fields[i].column);
 }
 
 void neph_table_field_cells(struct neph_table *table, const struct neph_field *fields, int count,
@@ -322,13 +308,6 @@ json_t *neph_table_json(const struct neph_table *table)
         neph_json_add(&rows, object);
     }
     return rows;
-}
-
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena)
-{
-    neph_table_print(table, out);
-    arena->is_short |= table->arena.is_short;
-    neph_table_finish(table);
 }
 
 json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count, const void *of)

@@ -47,6 +47,7 @@ struct neph_table {
 };
 
 /* Columns come before the first cell. */
+void neph_table_column(struct neph_table *table, struct neph_column column);
 void neph_table_columns(struct neph_table *table, const struct neph_column *columns, int count);
 
 /* The next cell: of a row from left to right, then of the next row. A word is a text (NULL: none),
@@ -64,9 +65,8 @@ void neph_table_value(struct neph_table *table, json_t *value);
 void neph_table_shown(struct neph_table *table, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Several cells, each a letter of `kinds` and an argument: s word, f number, i count (int), b flag,
- * o JSON; t: the text for people of the cell before; NULL: as its column says. */
-void neph_table_row(struct neph_table *table, const char *kinds, ...);
+/* Several numbers. */
+void neph_table_numbers(struct neph_table *table, int count, const double *values);
 
 /* Columns of numbers that are members of a struct, and the cells of one such struct. */
 void neph_table_fields(struct neph_table *table, const struct neph_field *fields, int count);
@@ -95,9 +95,6 @@ void neph_table_print_csv(const struct neph_table *table, const char *line_end, 
 
 /* A list of objects, keyed as the columns; NULL: memory was short. */
 json_t *neph_table_json(const struct neph_table *table);
-
-/* Print a table and finish it; a failure of memory goes on in `arena`. */
-void neph_table_end(struct neph_table *table, FILE *out, struct neph_arena *arena);
 
 /* An object, which is taken over, with the members of one struct; NULL: memory was short. */
 json_t *neph_fields_json(json_t *object, const struct neph_field *fields, int count,

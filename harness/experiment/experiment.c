@@ -46,6 +46,11 @@ struct parts {
     struct neph_progress progress;
 };
 
+bool neph_experiment_operand(void *request, int index)
+{
+    return neph_cli_only_operand(request, index);
+}
+
 /* The request of a part; NULL: there are no more, or no memory. To free. */
 static void *part_of(const struct parts *parts, int index)
 {

@@ -45,6 +45,9 @@ struct neph_experiment {
     void (*finish)(void *request);
 };
 
+/* The `part` of an experiment whose parts are its operands. */
+bool neph_experiment_operand(void *request, int index);
+
 /* What the frames of a real-time method are rendered with. */
 struct neph_experiment_frames {
     const char *words; /* "PRESET+KEY=VALUE+..." of realtime, or another engine's (engines.h) */

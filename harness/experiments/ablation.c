@@ -26,34 +26,32 @@ struct request {
     struct neph_ablation ablation; /* planned; a part borrows it */
 };
 
-#define AT(member) offsetof(struct request, member)
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 'p', "NAME", "Preset whose parts are looked at; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, .at = AT(preset), .otherwise = "ours"},
+     NEPH_CLI_WORD, AT(preset), "ours"},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others, for what is to be "
      "reported; air: near fog, lamps, shafts, cirrus and shadows of clouds (default, without a "
      "SCENE: tuning)",
-     NEPH_CLI_WORD, .at = AT(flicker.suite)},
+     NEPH_CLI_WORD, AT(flicker.suite)},
     {"only", 0, "PART,...", "These parts alone, in place of all that the preset has", NEPH_CLI_WORD,
-     .at = AT(only)},
+     AT(only)},
     {"list", 0, NULL, "What the parts are, who claims them, and their settings; renders nothing",
-     NEPH_CLI_FLAG, .at = AT(list)},
+     NEPH_CLI_FLAG, AT(list)},
     {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
-     .at = AT(flicker.seed_count), .otherwise = "2", .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX},
+     AT(flicker.seed_count), "2", 1, NEPH_STUDY_SEEDS_MAX},
     {"frames", 0, "N",
      "Frames that error and flicker are measured in, a multiple of 4; a scene that moves has as "
      "many as it has",
-     NEPH_CLI_INTEGER, .at = AT(flicker.frame_count), .otherwise = "32", .minimum = 16,
-     .maximum = 4096},
+     NEPH_CLI_INTEGER, AT(flicker.frame_count), "32", 16, 4096},
     {.name = "size", .otherwise = "96x54"},
     {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
-     .at = AT(flicker.steps), .otherwise = "8", .minimum = 1, .maximum = 65536},
+     AT(flicker.steps), "8", 1, 65536},
     {"takes", 0, "A,B",
      "What is rendered of a scene: flicker (as it is: error, flicker, cost), step (of the sun: "
      "half-life)",
-     NEPH_CLI_LIST, .at = AT(flicker.takes), .otherwise = "flicker,step",
-     .maximum = NEPH_STUDY_TAKES},
+     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of ablation.json, ablation.csv, ablation.svg",
@@ -275,16 +273,15 @@ static void add_row(const struct neph_ablation *ablation, const struct neph_abla
 }
 
 static void print_place(const struct neph_ablation *ablation, enum neph_ablation_place place,
-                        struct neph_arena *arena, FILE *out)
+                        struct neph_publication *publication)
 {
     struct neph_table table = {.cells = NULL};
-    neph_table_columns(&table, &(struct neph_column){.title = "part"}, 1);
+    neph_table_column(&table, (struct neph_column){.title = "part"});
     for (int m = 0; neph_ablation_measures[m].name; m++)
         if (neph_ablation_has_measure(ablation, m))
-            neph_table_columns(
+            neph_table_column(
                 &table,
-                &(struct neph_column){.title = neph_ablation_measures[m].column, .format = "%g"},
-                1);
+                (struct neph_column){.title = neph_ablation_measures[m].column, .format = "%g"});
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i, place);
         if (of)
@@ -293,18 +290,20 @@ static void print_place(const struct neph_ablation *ablation, enum neph_ablation
     if (place == NEPH_ABLATION_IN_PRESET)
         add_row(ablation, neph_ablation_find(ablation, -1, place), "all but those that stay",
                 &table);
-    neph_table_end(&table, out, arena);
+    neph_publication_table(publication, &table);
 }
 
-static void print_verdicts(const struct neph_ablation *ablation, struct neph_arena *arena,
-                           FILE *out)
+static void print_verdicts(const struct neph_ablation *ablation,
+                           struct neph_publication *publication)
 {
+    FILE *out = publication->text;
     fprintf(out, "\n**Verdicts**\n\n");
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
                                                                        NEPH_ABLATION_IN_PRESET);
         if (of)
-            fprintf(out, "- %s: %s.\n", neph_ablation_parts[i].name, sentence(ablation, of, arena));
+            fprintf(out, "- %s: %s.\n", neph_ablation_parts[i].name,
+                    sentence(ablation, of, &publication->arena));
     }
     int all = 0;
     fprintf(out, "- not in this preset:");
@@ -385,21 +384,27 @@ static void add_effect(const struct neph_ablation *ablation,
     const struct neph_ablation_measure *what = &neph_ablation_measures[measure];
     struct neph_arena *arena = &table->arena;
     const bool has_number = !isnan(effect->mean);
-    neph_table_row(
-        table, "ssssfotffiiiststots", place_names[of->place], what->name, what->title,
-        of->place == NEPH_ABLATION_ALONE ? "alone" : ablation->preset, effect->mean,
-        effect->has_interval ? json_pack("[f,f]", effect->low, effect->high) : json_null(),
-        change_text(effect, arena), effect->p, effect->p_holm, effect->better, effect->worse,
-        effect->alike, NULL,
-        has_number
-            ? neph_arena_format(arena, "%d, %d, %d", effect->better, effect->worse, effect->alike)
-            : "-",
-        neph_ablation_verdict_words[effect->verdict],
-        !has_number     ? "-"
-        : what->is_time ? ""
-                        : NULL,
-        scenes_json(ablation, effect), scene_text(ablation, effect, effect->best_scene, arena),
-        scene_text(ablation, effect, effect->worst_scene, arena));
+    neph_table_word(table, place_names[of->place]);
+    neph_table_word(table, what->name);
+    neph_table_word(table, what->title);
+    neph_table_word(table, of->place == NEPH_ABLATION_ALONE ? "alone" : ablation->preset);
+    neph_table_number(table, effect->mean);
+    neph_table_value(table, effect->has_interval ? json_pack("[f,f]", effect->low, effect->high)
+                                                 : json_null());
+    neph_table_shown(table, "%s", change_text(effect, arena));
+    neph_table_numbers(table, 2, (const double[]){effect->p, effect->p_holm});
+    neph_table_count(table, effect->better);
+    neph_table_count(table, effect->worse);
+    neph_table_count(table, effect->alike);
+    neph_table_word(table, has_number ? neph_arena_format(arena, "%d, %d, %d", effect->better,
+                                                          effect->worse, effect->alike)
+                                      : "-");
+    neph_table_word(table, neph_ablation_verdict_words[effect->verdict]);
+    if (!has_number || what->is_time)
+        neph_table_shown(table, has_number ? "" : "-");
+    neph_table_value(table, scenes_json(ablation, effect));
+    neph_table_shown(table, "%s", scene_text(ablation, effect, effect->best_scene, arena));
+    neph_table_word(table, scene_text(ablation, effect, effect->worst_scene, arena));
 }
 
 /* Rows of a part in all places; part -1: all parts at once. */
@@ -415,9 +420,10 @@ static void fill_effects(const struct neph_ablation *ablation, int part, struct 
     }
 }
 
-static void print_details(const struct neph_ablation *ablation, int part, struct neph_arena *arena,
-                          FILE *out)
+static void print_details(const struct neph_ablation *ablation, int part,
+                          struct neph_publication *publication)
 {
+    FILE *out = publication->text;
     struct neph_table table = {.cells = NULL};
     fill_effects(ablation, part, &table);
     fprintf(out, "\n**%s**: %s (%s). %s; without it: ", neph_ablation_parts[part].name,
@@ -425,20 +431,21 @@ static void print_details(const struct neph_ablation *ablation, int part, struct
             ablation->values[part]);
     print_off(neph_ablation_parts[part].off, out);
     fprintf(out, ".\n\n");
-    neph_table_end(&table, out, arena);
+    neph_publication_table(publication, &table);
 }
 
-static void print_text(const struct neph_ablation *ablation, struct neph_arena *arena, FILE *out)
+static void print_text(const struct neph_ablation *ablation, struct neph_publication *publication)
 {
+    FILE *out = publication->text;
     print_head(ablation, out);
     fprintf(out, "\n**What each part does in %s**\n\n", ablation->preset);
-    print_place(ablation, NEPH_ABLATION_IN_PRESET, arena, out);
+    print_place(ablation, NEPH_ABLATION_IN_PRESET, publication);
     fprintf(out, "\n**What each part does alone, in the plain pipeline**\n\n");
-    print_place(ablation, NEPH_ABLATION_ALONE, arena, out);
-    print_verdicts(ablation, arena, out);
+    print_place(ablation, NEPH_ABLATION_ALONE, publication);
+    print_verdicts(ablation, publication);
     for (int i = 0; neph_ablation_parts[i].name; i++)
         if (ablation->asked >> i & 1)
-            print_details(ablation, i, arena, out);
+            print_details(ablation, i, publication);
 }
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
@@ -451,14 +458,19 @@ static void add_number(const struct neph_ablation_comparison *of, int measure, c
     const bool has_interval = !scene && effect->has_interval;
     if (isnan(decades))
         return;
-    neph_table_row(table, "ssssfffffs", of->part < 0 ? "all" : neph_ablation_parts[of->part].name,
-                   place_names[of->place], neph_ablation_measures[measure].name, scene, decades,
-                   has_interval ? effect->low : NAN, has_interval ? effect->high : NAN,
-                   has_interval ? effect->p : NAN, has_interval ? effect->p_holm : NAN,
-                   scene ? NULL : neph_ablation_verdict_words[effect->verdict]);
+    neph_table_word(table, of->part < 0 ? "all" : neph_ablation_parts[of->part].name);
+    neph_table_word(table, place_names[of->place]);
+    neph_table_word(table, neph_ablation_measures[measure].name);
+    neph_table_word(table, scene);
+    neph_table_numbers(table, 5,
+                       (const double[]){decades, has_interval ? effect->low : NAN,
+                                        has_interval ? effect->high : NAN,
+                                        has_interval ? effect->p : NAN,
+                                        has_interval ? effect->p_holm : NAN});
+    neph_table_word(table, scene ? NULL : neph_ablation_verdict_words[effect->verdict]);
 }
 
-static void print_csv(const struct neph_ablation *ablation, struct neph_arena *arena, FILE *out)
+static void print_csv(const struct neph_ablation *ablation, struct neph_publication *publication)
 {
     static const struct neph_column columns[] = {
         {.key = "part"},    {.key = "place"},  {.key = "measure"}, {.key = "scene"},
@@ -474,9 +486,7 @@ static void print_csv(const struct neph_ablation *ablation, struct neph_arena *a
             for (int scene = 0; scene < study->params->scene_count; scene++)
                 add_number(of, m, study->scenes[scene].name, of->effects[m].scenes[scene], &table);
         }
-    neph_table_print_csv(&table, "\r\n", out);
-    arena->is_short |= table.arena.is_short;
-    neph_table_finish(&table);
+    neph_publication_csv(publication, "\r\n", &table);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -553,21 +563,16 @@ static json_t *ablation_json(const struct neph_ablation *ablation, struct neph_a
 enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
                                        struct neph_publication *publication, struct neph_diag *diag)
 {
-    struct neph_arena arena = {.last = NULL};
+    enum neph_status status = NEPH_OK;
     publication->broken_count = ablation->study.failed_count;
     publication->broken_words = "takes broke; their scenes have no number";
-    publication->json = ablation_json(ablation, &arena);
+    publication->json = ablation_json(ablation, &publication->arena);
     if (publication->text)
-        print_text(ablation, &arena, publication->text);
-    if (publication->csv)
-        print_csv(ablation, &arena, publication->csv);
-    enum neph_status status = neph_arena_check(&arena, diag);
-    if (!status)
-        status = neph_json_check(publication->json, diag);
-    if (!status && publication->chart)
+        print_text(ablation, publication);
+    print_csv(ablation, publication);
+    if (publication->chart)
         status = neph_ablation_plot(ablation, publication->chart, diag);
-    neph_arena_finish(&arena);
-    return status;
+    return status ? status : neph_json_check(publication->json, diag);
 }
 
 static enum neph_status plan(struct request *request, struct neph_diag *diag)

@@ -24,18 +24,16 @@ struct request {
     int frames, steps, seed;
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
-     .at = offsetof(struct request, presets), .maximum = 16, .presets = neph_rt_presets,
-     .uses = NEPH_RT_CONVERGENCE},
-    {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, frames), .otherwise = "64", .minimum = 16,
-     .maximum = FRAMES_MAX},
+     AT(presets), .maximum = 16, .presets = neph_rt_presets, .uses = NEPH_RT_CONVERGENCE},
+    {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
+     FRAMES_MAX},
     {.name = "size", .otherwise = "96x54"},
     {"steps", 0, "N", "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, steps), .otherwise = "32", .minimum = 1, .maximum = 4096},
-    {"seed", 0, "N", "Of the noise of frames", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1 << 20},
+     AT(steps), "32", 1, 4096},
+    {"seed", 0, "N", "Of the noise of frames", NEPH_CLI_INTEGER, AT(seed), "1", 1, 1 << 20},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
@@ -44,6 +42,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {
     .shown = "SCENE...", .minimum = 1, .missing = "which scenes?"};
@@ -103,8 +102,7 @@ static void add_row(const struct request *request, const char *scene, const char
         settled--;
     neph_table_word(table, scene);
     neph_table_word(table, preset);
-    neph_table_number(table, settled < count ? settled + 1 : NAN);
-    neph_table_number(table, final);
+    neph_table_numbers(table, 2, (const double[]){settled < count ? settled + 1 : NAN, final});
     for (int i = 0; i < SHOWN; i++)
         neph_table_number(table, shown_frames[i] <= count ? errors[shown_frames[i] - 1] : NAN);
 }
@@ -173,8 +171,8 @@ static void begin_table(struct neph_table *table)
         char key[32], title[32];
         snprintf(key, sizeof(key), "error_%d", shown_frames[i]);
         snprintf(title, sizeof(title), "after %d", shown_frames[i]);
-        neph_table_columns(table,
-                           &(struct neph_column){.key = key, .title = title, .format = "%.4f"}, 1);
+        neph_table_column(table,
+                          (struct neph_column){.key = key, .title = title, .format = "%.4f"});
     }
 }
 
@@ -201,23 +199,15 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         neph_scene_destroy(scene);
     }
     neph_progress_end(&progress);
-    if (!status)
-        status = neph_table_check(&table, diag);
     if (publication->text)
         neph_table_print(&table, publication->text);
-    if (publication->csv)
-        neph_table_print_csv(&table, "\r\n", publication->csv);
     publication->json = json_pack("{s:s, s:i, s:o}", "format", "neph-convergence-study-1", "frames",
                                   request->frames, "rows", neph_table_json(&table));
-    neph_table_finish(&table);
+    neph_publication_csv(publication, "\r\n", &table);
     return status;
 }
 
-static bool part(void *request_, int index)
-{
-    struct request *request = request_;
-    return neph_cli_only_operand(&request->shared, index);
-}
-
-const struct neph_experiment neph_experiment_convergence = {
-    .syntax = &syntax, .request_size = sizeof(struct request), .part = part, .run = run};
+const struct neph_experiment neph_experiment_convergence = {.syntax = &syntax,
+                                                            .request_size = sizeof(struct request),
+                                                            .part = neph_experiment_operand,
+                                                            .run = run};

@@ -21,30 +21,28 @@ struct request {
     struct neph_cli_list presets;
 };
 
-#define AT(member) offsetof(struct request, member)
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B", "Presets to hold against each other; PRESET+KEY=VALUE changes one",
-     NEPH_CLI_LIST, .at = AT(presets), .presets = neph_rt_presets, .uses = NEPH_RT_FLICKER,
+     NEPH_CLI_LIST, AT(presets), .presets = neph_rt_presets, .uses = NEPH_RT_FLICKER,
      .maximum = NEPH_STUDY_PRESETS_MAX},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
      "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
-     NEPH_CLI_WORD, .at = AT(flicker.suite)},
+     NEPH_CLI_WORD, AT(flicker.suite)},
     {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
-     .at = AT(flicker.seed_count), .otherwise = "3", .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX},
+     AT(flicker.seed_count), "3", 1, NEPH_STUDY_SEEDS_MAX},
     {"frames", 0, "N",
      "Frames that flicker is measured in, a multiple of 4; a scene that moves has as many as it "
      "has",
-     NEPH_CLI_INTEGER, .at = AT(flicker.frame_count), .otherwise = "256", .minimum = 16,
-     .maximum = 4096},
+     NEPH_CLI_INTEGER, AT(flicker.frame_count), "256", 16, 4096},
     {.name = "size", .otherwise = "320x180"},
     {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
-     .at = AT(flicker.steps), .otherwise = "32", .minimum = 1, .maximum = 65536},
+     AT(flicker.steps), "32", 1, 65536},
     {"takes", 0, "A,B",
      "What is rendered of a scene: flicker (as it is), step (of the sun), sine (of the sun), cut "
      "(of the camera)",
-     NEPH_CLI_LIST, .at = AT(flicker.takes), .otherwise = "flicker,step,sine,cut",
-     .maximum = NEPH_STUDY_TAKES},
+     NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store and of flicker_lag.svg", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
@@ -185,6 +183,13 @@ static void print_head(const struct neph_flicker_study *study, FILE *out)
             params->frame_count, longest_period(params->frame_count));
 }
 
+/* People do not see the number before where the scene was left out. */
+static void show_nothing(struct neph_table *table, const char *left_out)
+{
+    if (left_out)
+        neph_table_shown(table, "%s", "");
+}
+
 static void fill_scenes(const struct neph_flicker_study *study, struct neph_table *table)
 {
     static const struct neph_column columns[] = {
@@ -202,25 +207,34 @@ static void fill_scenes(const struct neph_flicker_study *study, struct neph_tabl
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
     for (int i = 0; i < study->params->scene_count; i++) {
         const struct neph_study_scene *scene = &study->scenes[i];
-        const char *why = scene->left_out, *empty = why ? "" : NULL;
-        neph_table_row(table, "ssbsitsstitftft", scene->name, scene->title, scene->moves,
-                       why            ? "left out"
-                       : scene->moves ? "moves"
-                                      : "at rest",
-                       scene->frame_count, empty, why, scene->reference,
-                       why ? neph_arena_format(&table->arena, "cannot: %s", why) : NULL,
-                       scene->picture_count, empty, scene->reference_s, empty, scene->takes_s,
-                       empty);
+        const char *why = scene->left_out;
+        neph_table_word(table, scene->name);
+        neph_table_word(table, scene->title);
+        neph_table_flag(table, scene->moves);
+        neph_table_word(table, why ? "left out" : scene->moves ? "moves" : "at rest");
+        neph_table_count(table, scene->frame_count);
+        show_nothing(table, why);
+        neph_table_word(table, why);
+        neph_table_word(table, scene->reference);
+        if (why)
+            neph_table_shown(table, "cannot: %s", why);
+        neph_table_count(table, scene->picture_count);
+        show_nothing(table, why);
+        neph_table_number(table, scene->reference_s);
+        show_nothing(table, why);
+        neph_table_number(table, scene->takes_s);
+        show_nothing(table, why);
     }
 }
 
-static void print_scenes(const struct neph_flicker_study *study, struct neph_arena *arena,
-                         FILE *out)
+static void print_scenes(const struct neph_flicker_study *study,
+                         struct neph_publication *publication)
 {
+    FILE *out = publication->text;
     struct neph_table table = {.cells = NULL};
     fill_scenes(study, &table);
     fprintf(out, "\n**Scenes and their references**\n\n");
-    neph_table_end(&table, out, arena);
+    neph_publication_table(publication, &table);
     for (int i = 0; i < study->params->scene_count; i++) {
         const struct neph_study_scene *scene = &study->scenes[i];
         if (!scene->left_out && scene->frame_count < study->params->frame_count)
@@ -290,14 +304,14 @@ static void print_reasons(const struct neph_flicker_study *study, int metric, FI
 }
 
 static void print_metric(const struct neph_flicker_study *study, int metric,
-                         struct neph_arena *arena, FILE *out)
+                         struct neph_publication *publication)
 {
     const struct neph_flicker_study_params *params = study->params;
     struct neph_table table = {.cells = NULL};
-    neph_table_columns(&table, &(struct neph_column){.title = "scene"}, 1);
+    neph_table_column(&table, (struct neph_column){.title = "scene"});
     for (int preset = 0; preset < params->preset_count; preset++)
-        neph_table_columns(
-            &table, &(struct neph_column){.title = params->presets[preset], .format = "%g"}, 1);
+        neph_table_column(&table,
+                          (struct neph_column){.title = params->presets[preset], .format = "%g"});
     for (int scene = 0; scene < params->scene_count; scene++) {
         if (study->scenes[scene].left_out)
             continue;
@@ -305,9 +319,9 @@ static void print_metric(const struct neph_flicker_study *study, int metric,
         for (int preset = 0; preset < params->preset_count; preset++)
             add_means(study, metric, scene, preset, &table);
     }
-    fprintf(out, "\n**%s**\n\n", neph_study_metrics[metric].title);
-    neph_table_end(&table, out, arena);
-    print_reasons(study, metric, out);
+    fprintf(publication->text, "\n**%s**\n\n", neph_study_metrics[metric].title);
+    neph_publication_table(publication, &table);
+    print_reasons(study, metric, publication->text);
 }
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -370,15 +384,23 @@ static void add_pair(const struct neph_flicker_study *study, int metric, int dis
     const struct neph_study_display *at = &neph_study_displays[display];
     const struct neph_study_pair pair = pair_of(study, metric, display, first, second, table);
     const int verdict = neph_study_pair_verdict(&pair);
-    struct neph_arena *arena = &table->arena;
-    neph_table_row(
-        table, "ssffssifotiiistfs", of->metric, of->mask, at->frame_rate_hz, at->pixels_per_degree,
-        study->params->presets[first], study->params->presets[second], pair.scene_count, pair.mean,
-        pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null(),
-        pair.has_interval ? neph_arena_format(arena, "[%+.2f, %+.2f]", pair.low, pair.high) : "-",
-        pair.better, pair.worse, pair.alike, NULL,
-        neph_arena_format(arena, "%d, %d, %d", pair.better, pair.worse, pair.alike), pair.p_sign,
-        verdict_text(study, metric, first, second, verdict, table));
+    neph_table_word(table, of->metric);
+    neph_table_word(table, of->mask);
+    neph_table_numbers(table, 2, (const double[]){at->frame_rate_hz, at->pixels_per_degree});
+    neph_table_word(table, study->params->presets[first]);
+    neph_table_word(table, study->params->presets[second]);
+    neph_table_count(table, pair.scene_count);
+    neph_table_number(table, pair.mean);
+    neph_table_value(table,
+                     pair.has_interval ? json_pack("[f,f]", pair.low, pair.high) : json_null());
+    neph_table_shown(table, pair.has_interval ? "[%+.2f, %+.2f]" : "-", pair.low, pair.high);
+    neph_table_count(table, pair.better);
+    neph_table_count(table, pair.worse);
+    neph_table_count(table, pair.alike);
+    neph_table_word(table, NULL);
+    neph_table_shown(table, "%d, %d, %d", pair.better, pair.worse, pair.alike);
+    neph_table_number(table, pair.p_sign);
+    neph_table_word(table, verdict_text(study, metric, first, second, verdict, table));
 }
 
 /* Pairs of a metric at the first displays. */
@@ -393,19 +415,20 @@ static void add_pairs(const struct neph_flicker_study *study, int metric, int di
 }
 
 static void print_pairs(const struct neph_flicker_study *study, int metric,
-                        struct neph_arena *arena, FILE *out)
+                        struct neph_publication *publication)
 {
     struct neph_table table = {.cells = NULL};
     begin_pairs(&table);
     add_pairs(study, metric, 1, &table);
-    fprintf(out, "\nFirst over second in decades, below 0 the first is better; 95 %% intervals "
-                 "over scenes.\n\n");
-    neph_table_end(&table, out, arena);
+    fprintf(publication->text, "\nFirst over second in decades, below 0 the first is better; 95 %% "
+                               "intervals over scenes.\n\n");
+    neph_publication_table(publication, &table);
 }
 
-static void print_ranking(const struct neph_flicker_study *study, struct neph_arena *arena,
-                          FILE *out)
+static void print_ranking(const struct neph_flicker_study *study,
+                          struct neph_publication *publication)
 {
+    FILE *out = publication->text;
     int first[NEPH_STUDY_PRESETS_MAX] = {0};
     int agreeing = 0;
     fprintf(out,
@@ -414,7 +437,7 @@ static void print_ranking(const struct neph_flicker_study *study, struct neph_ar
             neph_study_metrics[neph_study_headline()].title);
     for (int display = 0; display < NEPH_STUDY_DISPLAYS; display++) {
         int order[NEPH_STUDY_PRESETS_MAX] = {0};
-        arena->is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
+        publication->arena.is_short |= neph_study_ranking(study, display, order, NULL) != NEPH_OK;
         if (display == 0)
             memcpy(first, order, sizeof(first));
         const bool is_same = memcmp(order, first, sizeof(first)) == 0;
@@ -432,12 +455,12 @@ static void print_ranking(const struct neph_flicker_study *study, struct neph_ar
                 NEPH_STUDY_DISPLAYS);
 }
 
-static void print_text(const struct neph_flicker_study *study, struct neph_arena *arena, FILE *out)
+static void print_text(const struct neph_flicker_study *study, struct neph_publication *publication)
 {
     const bool has_pairs = study->params->preset_count > 1;
-    print_head(study, out);
-    print_scenes(study, arena, out);
-    fprintf(out,
+    print_head(study, publication->text);
+    print_scenes(study, publication);
+    fprintf(publication->text,
             "\nIn brackets: the same number against centre rays. *: takes no part in pairs and "
             "ranking, for the reason below its table. <: cannot be told from the rest of what "
             "changes, all of which stands for it as a bound; in a pair what lies below the bound "
@@ -445,12 +468,12 @@ static void print_text(const struct neph_flicker_study *study, struct neph_arena
     for (int metric = 0; neph_study_metrics[metric].title; metric++) {
         if (!was_asked_for(study, metric))
             continue;
-        print_metric(study, metric, arena, out);
+        print_metric(study, metric, publication);
         if (has_pairs)
-            print_pairs(study, metric, arena, out);
+            print_pairs(study, metric, publication);
     }
     if (has_pairs && was_asked_for(study, neph_study_headline()))
-        print_ranking(study, arena, out);
+        print_ranking(study, publication);
 }
 
 /* ---- all numbers ----------------------------------------------------------------------------- */
@@ -475,7 +498,7 @@ static void begin_results(struct neph_table *table)
         char key[64];
         snprintf(key, sizeof(key), "at_%g_hz_%g_ppd", neph_study_displays[d].frame_rate_hz,
                  neph_study_displays[d].pixels_per_degree);
-        neph_table_columns(table, &(struct neph_column){.key = key, .forms = NEPH_TABLE_CSV}, 1);
+        neph_table_column(table, (struct neph_column){.key = key, .forms = NEPH_TABLE_CSV});
     }
 }
 
@@ -486,12 +509,17 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
     json_t *displays = json_array();
     for (int d = 0; d < NEPH_STUDY_DISPLAYS && neph_study_metrics[metric].of_the_eye; d++)
         neph_json_add(&displays, neph_json_number(cell->displays[d]));
-    neph_table_row(table, "ssissffbbso", study->scenes[scene].name, study->params->presets[preset],
-                   seed + 1, neph_study_metrics[metric].metric, neph_study_metrics[metric].mask,
-                   cell->value, cell->centre, cell->is_bound, cell->counts, cell->because,
-                   displays);
-    for (int d = 0; d < NEPH_STUDY_DISPLAYS; d++)
-        neph_table_number(table, cell->displays[d]);
+    neph_table_word(table, study->scenes[scene].name);
+    neph_table_word(table, study->params->presets[preset]);
+    neph_table_count(table, seed + 1);
+    neph_table_word(table, neph_study_metrics[metric].metric);
+    neph_table_word(table, neph_study_metrics[metric].mask);
+    neph_table_numbers(table, 2, (const double[]){cell->value, cell->centre});
+    neph_table_flag(table, cell->is_bound);
+    neph_table_flag(table, cell->counts);
+    neph_table_word(table, cell->because);
+    neph_table_value(table, displays);
+    neph_table_numbers(table, NEPH_STUDY_DISPLAYS, cell->displays);
 }
 
 static void fill_results(const struct neph_flicker_study *study, struct neph_table *table)
@@ -562,19 +590,17 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
                                       struct neph_publication *publication, struct neph_diag *diag)
 {
     struct neph_table results = {.cells = NULL};
+    enum neph_status status = NEPH_OK;
     fill_results(study, &results);
     if (publication->text)
-        print_text(study, &results.arena, publication->text);
-    if (publication->csv)
-        neph_table_print_csv(&results, "\r\n", publication->csv);
-    enum neph_status status = neph_table_check(&results, diag);
-    if (!status && publication->chart)
+        print_text(study, publication);
+    if (publication->chart)
         status = neph_flicker_study_plot(study, publication->chart, diag);
     if (!status && publication->places->json) {
         publication->json = study_json(study, &results);
         status = neph_json_check(publication->json, diag);
     }
-    neph_table_finish(&results);
+    neph_publication_csv(publication, "\r\n", &results);
     publication->broken_count = study->failed_count;
     publication->broken_words = "takes broke; their cells say why";
     return status;

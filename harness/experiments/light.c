@@ -14,46 +14,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define AT(member) .at = offsetof(struct neph_light_request, member)
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B",
      "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
      "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
-     NEPH_CLI_LIST, .at = offsetof(struct neph_light_request, models),
-     .maximum = NEPH_LIGHT_MODELS_MAX},
+     NEPH_CLI_LIST, AT(models), .maximum = NEPH_LIGHT_MODELS_MAX},
     {"suite", 0, "NAME",
      "tuning: what models were fitted on; test: others (default, without a SCENE: test); test2: "
      "others again",
-     NEPH_CLI_WORD, .at = offsetof(struct neph_light_request, suite)},
+     NEPH_CLI_WORD, AT(suite)},
     {"suns", 0, "E:A,E:A",
      "Elevations and azimuths of the sun in degrees; azimuth 0 is ahead of the camera, against the "
      "light, 180 behind it (default: as each SCENE has it; so are the next three)",
-     NEPH_CLI_LIST, .at = offsetof(struct neph_light_request, suns), .group = 1,
+     NEPH_CLI_LIST, AT(suns), .group = 1, .maximum = NEPH_LIGHT_SWEEP_MAX},
+    {"g", 0, "A,B", "Mean cosines of Henyey-Greenstein", NEPH_CLI_NUMBERS, AT(g), .group = 1,
      .maximum = NEPH_LIGHT_SWEEP_MAX},
-    {"g", 0, "A,B", "Mean cosines of Henyey-Greenstein", NEPH_CLI_NUMBERS,
-     .at = offsetof(struct neph_light_request, g), .group = 1, .maximum = NEPH_LIGHT_SWEEP_MAX},
-    {"albedo", 0, "A,B", "Albedos", NEPH_CLI_NUMBERS,
-     .at = offsetof(struct neph_light_request, albedo), .group = 1,
+    {"albedo", 0, "A,B", "Albedos", NEPH_CLI_NUMBERS, AT(albedo), .group = 1,
      .maximum = NEPH_LIGHT_SWEEP_MAX},
-    {"density", 0, "A,B", "Factors of the extinction", NEPH_CLI_NUMBERS,
-     .at = offsetof(struct neph_light_request, density), .group = 1,
+    {"density", 0, "A,B", "Factors of the extinction", NEPH_CLI_NUMBERS, AT(density), .group = 1,
      .maximum = NEPH_LIGHT_SWEEP_MAX},
     {"sun-speed", 0, "DEG",
      "What remembers pictures sees the sun sink to its place by so many degrees a second, in 32 "
      "pictures, 60 a second",
-     NEPH_CLI_REAL, .at = offsetof(struct neph_light_request, sun_speed_deg_per_s),
-     .otherwise = "0", .minimum = 0, .maximum = 50},
+     NEPH_CLI_REAL, AT(sun_speed_deg_per_s), "0", 0, 50},
     {.name = "size", .otherwise = "48x27"},
-    {"steps", 0, "N", "Steps of every view ray", NEPH_CLI_INTEGER,
-     .at = offsetof(struct neph_light_request, steps), .otherwise = "128", .minimum = 1,
-     .maximum = 65536},
+    {"steps", 0, "N", "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "128", 1, 65536},
     {"noise", 0, "X",
      "The tracer stops at this rms standard error over rms radiance; its noise is taken out of "
      "what is reported",
-     NEPH_CLI_REAL, .at = offsetof(struct neph_light_request, noise), .otherwise = "0.2",
-     .minimum = 1e-6, .maximum = 10},
-    {"samples", 0, "N", "Or at so many samples a pixel", NEPH_CLI_INTEGER,
-     .at = offsetof(struct neph_light_request, samples), .otherwise = "1024", .minimum = 2,
-     .maximum = 1 << 28},
+     NEPH_CLI_REAL, AT(noise), "0.2", 1e-6, 10},
+    {"samples", 0, "N", "Or at so many samples a pixel", NEPH_CLI_INTEGER, AT(samples), "1024", 2,
+     1 << 28},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store and of light.svg", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
@@ -62,14 +54,15 @@ static const struct neph_cli_option options[] = {
     {"laws", 0, NULL,
      "Also hold the models to what they owe whatever the cloud: a white furnace, the balance of "
      "energy and reciprocity, against closed forms",
-     NEPH_CLI_FLAG, .at = offsetof(struct neph_light_request, laws)},
+     NEPH_CLI_FLAG, AT(laws)},
     {"fit", 0, "FILE",
      "Also fit octaves to what the tracer found, and write their coefficients as the file that "
      "renderer/octaves_fitted.c includes; not on the suite that they are judged by",
-     NEPH_CLI_FILE, .at = offsetof(struct neph_light_request, fit)},
+     NEPH_CLI_FILE, AT(fit)},
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 

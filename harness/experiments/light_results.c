@@ -29,9 +29,8 @@ static const char *side_of(const struct neph_light_cell *cell)
 static void add_model_columns(const struct neph_light_study *study, struct neph_table *table)
 {
     for (int model = 0; model < study->request->models.count; model++)
-        neph_table_columns(
-            table,
-            &(struct neph_column){.title = study->request->models.words[model], .format = "%g"}, 1);
+        neph_table_column(table, (struct neph_column){.title = study->request->models.words[model],
+                                                      .format = "%g"});
 }
 
 static void print_head(const struct neph_light_study *study, FILE *out)
@@ -189,7 +188,7 @@ static void print_key(const struct neph_light_study *study, enum key key, enum n
                       struct neph_publication *publication)
 {
     struct neph_table table = {.cells = NULL};
-    neph_table_columns(&table, &(struct neph_column){.title = key_titles[key]}, 1);
+    neph_table_column(&table, (struct neph_column){.title = key_titles[key]});
     add_model_columns(study, &table);
     for (int i = 0; i < study->cell_count; i++) {
         const struct match match = match_of(&study->cells[i], key);
@@ -227,8 +226,7 @@ static void print_axis(const struct neph_light_study *study, enum neph_light_axi
     neph_table_columns(&table, columns, 3);
     add_model_columns(study, &table);
     for (int bin = 0; bin < NEPH_LIGHT_BINS; bin++) {
-        neph_table_number(&table, row->edges[bin]);
-        neph_table_number(&table, row->edges[bin + 1]);
+        neph_table_numbers(&table, 2, &row->edges[bin]);
         neph_table_count(&table, sums_along(study, 0, axis, bin).count);
         for (int model = 0; model < study->request->models.count; model++) {
             const struct neph_light_sums sums = sums_along(study, model, axis, bin);
@@ -254,9 +252,8 @@ static void add_cell_row(const struct neph_light_study *study, const struct neph
     neph_table_word(table, side_of(cell));
     neph_table_shown(table, "%s, %.0f, %.0f", side_of(cell), degrees(cell->light.sun_elevation_rad),
                      degrees(cell->light.sun_azimuth_rad));
-    neph_table_number(table, cell->light.g);
-    neph_table_number(table, cell->light.albedo);
-    neph_table_number(table, cell->optical_depth);
+    neph_table_numbers(table, 3,
+                       (const double[]){cell->light.g, cell->light.albedo, cell->optical_depth});
     neph_table_count(table, sums->count);
     if (cell->left_out[0]) {
         neph_table_shown(table, "left out: %s", cell->left_out);
@@ -315,17 +312,19 @@ static void print_text(const struct neph_light_study *study, struct neph_publica
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
 
-static double finite_or_none(double value)
+/* What is not finite is no number. */
+static void add_finite(struct neph_table *table, int count, const double *values)
 {
-    return isfinite(value) ? value : NAN;
+    for (int i = 0; i < count; i++)
+        neph_table_number(table, isfinite(values[i]) ? values[i] : NAN);
 }
 
 static void add_csv_sums(const struct neph_light_sums *sums, struct neph_table *table)
 {
+    const double numbers[] = {neph_light_bias(sums), neph_light_bias_noise(sums),
+                              neph_light_rms(sums)};
     neph_table_count(table, sums->count);
-    neph_table_number(table, finite_or_none(neph_light_bias(sums)));
-    neph_table_number(table, finite_or_none(neph_light_bias_noise(sums)));
-    neph_table_number(table, finite_or_none(neph_light_rms(sums)));
+    add_finite(table, 3, numbers);
 }
 
 static void add_csv_row(const struct neph_light_study *study, const struct neph_light_cell *cell,
@@ -339,14 +338,12 @@ static void add_csv_row(const struct neph_light_study *study, const struct neph_
                               cell->light.density,
                               cell->optical_depth};
     neph_table_word(table, cell->scene);
-    for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++)
-        neph_table_number(table, finite_or_none(numbers[i]));
+    add_finite(table, 6, numbers);
     neph_table_word(table, side_of(cell));
     neph_table_word(table, study->request->models.words[model]);
     add_csv_sums(&gap->dense, table);
     add_csv_sums(&gap->all, table);
-    neph_table_number(table, finite_or_none(gap->render_s));
-    neph_table_number(table, finite_or_none(cell->noise));
+    add_finite(table, 2, (const double[]){gap->render_s, cell->noise});
     neph_table_word(table, cell->left_out[0] ? cell->left_out : gap->because);
 }
 
@@ -375,13 +372,11 @@ static void print_csv(const struct neph_light_study *study, struct neph_publicat
                                         "because"};
     struct neph_table table = {.cells = NULL};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++)
-        neph_table_columns(&table, &(struct neph_column){.key = names[i]}, 1);
+        neph_table_column(&table, (struct neph_column){.key = names[i]});
     for (int i = 0; i < study->cell_count; i++)
         for (int model = 0; model < study->request->models.count; model++)
             add_csv_row(study, &study->cells[i], model, &table);
-    neph_table_print_csv(&table, "\r\n", publication->csv);
-    publication->is_short |= neph_table_check(&table, NULL) != NEPH_OK;
-    neph_table_finish(&table);
+    neph_publication_csv(publication, "\r\n", &table);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */

@@ -3,6 +3,7 @@
  * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --presets A,B
  * [SCENE...]`: a preset out of several, over many scenes.
  */
+#include "base/path.h"
 #include "harness/experiments/experiments.h"
 
 #include "base/files.h"
@@ -13,7 +14,6 @@
 #include "harness/sweep/pick.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -31,17 +31,18 @@ struct request {
     int scene_count;
 };
 
-#define BUDGET(number) offsetof(struct request, choice.budget[NEPH_CHOICE_##number])
+#define BUDGET(number) .at = offsetof(struct request, choice.budget[NEPH_CHOICE_##number])
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"error", 0, "E", "The most that the relative RMSE against the truth may be, such as 0.05",
-     NEPH_CLI_REAL, .at = BUDGET(ERROR), .minimum = 1e-6, .maximum = 1e6},
+     NEPH_CLI_REAL, BUDGET(ERROR), .minimum = 1e-6, .maximum = 1e6},
     {"flicker", 0, "F", "The most that flicker may be seen, 1 being the eye's threshold",
-     NEPH_CLI_REAL, .at = BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
-    {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL,
-     .at = BUDGET(TIME), .minimum = 1e-6, .maximum = 1e9},
+     NEPH_CLI_REAL, BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
+    {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL, BUDGET(TIME),
+     .minimum = 1e-6, .maximum = 1e9},
     {.name = "size", .otherwise = "320x180"},
     {"seed", 0, "N", "Of all that is random (default: 1); --presets have --seeds", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
+     AT(seed), .minimum = 1, .maximum = 1000000},
     {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
     {.name = "time-limit", .otherwise = "3600"},
     {.name = "jobs",
@@ -53,31 +54,29 @@ static const struct neph_cli_option options[] = {
     {"presets", 0, "A,B,..",
      "One of these presets over many scenes in place of a configuration of one; PRESET+KEY=VALUE "
      "changes one, and command is a renderer of your own",
-     NEPH_CLI_LIST, .at = offsetof(struct request, presets), .maximum = NEPH_STUDY_PRESETS_MAX,
-     .group = 1},
+     NEPH_CLI_LIST, AT(presets), .maximum = NEPH_STUDY_PRESETS_MAX, .group = 1},
     {"suite", 0, "NAME", "With --presets: the scenes of a suite (default, without a SCENE: tuning)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, suite), .group = 1},
+     NEPH_CLI_WORD, AT(suite), .group = 1},
     {"least", 0, "NUMBER",
      "With --presets: what the choice has the least of, within what is given: flicker, half-life, "
      "lag, error, evaluations or ms (default: evaluations)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, least), .group = 1},
+     NEPH_CLI_WORD, AT(least), .group = 1},
     {"half-life", 0, "N", "With --presets: the most frames to half of a step of the sun",
-     NEPH_CLI_REAL, .at = BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
+     NEPH_CLI_REAL, BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
     {"lag", 0, "N", "With --presets: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
-     .at = BUDGET(LAG), .minimum = 1e-6, .maximum = 1e6, .group = 1},
+     BUDGET(LAG), .minimum = 1e-6, .maximum = 1e6, .group = 1},
     {"evaluations", 0, "N", "With --presets: the most evaluations of density a pixel",
-     NEPH_CLI_REAL, .at = BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
+     NEPH_CLI_REAL, BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
     {"seeds", 0, "N", "With --presets: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, seeds), .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX,
-     .group = 1},
+     AT(seeds), .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX, .group = 1},
     {"frames", 0, "N",
      "With --presets: frames that flicker is measured in, a multiple of 4 (default: 32)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frames), .minimum = 16, .maximum = 4096,
-     .group = 1},
+     NEPH_CLI_INTEGER, AT(frames), .minimum = 16, .maximum = 4096, .group = 1},
     {"steps", 0, "N", "With --presets: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, steps), .minimum = 1, .maximum = 65536, .group = 1},
+     AT(steps), .minimum = 1, .maximum = 65536, .group = 1},
     {.name = NULL},
 };
+#undef AT
 
 #undef BUDGET
 
@@ -327,23 +326,21 @@ static enum neph_status pick_configuration(const struct request *request,
                                             .quiet = shared->quiet || shared->json,
                                             .times = &times};
     struct neph_pick pick;
-    char *path = neph_path_join(run->output, "pick.json");
-    enum neph_status status = path ? neph_times_open_in(run->output, &times, diag)
-                                   : neph_fail_memory(diag);
+    enum neph_status status = neph_times_open_in(run->output, &times, diag);
     if (!status)
         status = neph_pick_run(&params, run->store, &pick, diag);
     if (!status) {
         publication->json = pick_json(&params, &pick);
         if (publication->text) {
             print_pick(&params, &pick, publication->text);
-            fprintf(publication->text, "neph render %s --config %s\n", params.scene, path);
+            fprintf(publication->text, "neph render %s --config %s\n", params.scene,
+                    neph_path_in(run->output, "pick.json").text);
         }
         if (!pick.found)
             publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
                                              "nothing is good enough for what was asked");
     }
     neph_times_close(&times);
-    free(path);
     return status;
 }
 

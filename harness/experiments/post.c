@@ -32,22 +32,21 @@ struct request {
     double rate_hz;
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 0, "NAME", "Of realtime, whose frames they are; NAME+KEY=VALUE changes it",
-     NEPH_CLI_WORD, .at = offsetof(struct request, preset), .otherwise = "ours"},
-    {"frames", 0, "N", "That are measured, a multiple of 4", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, frames), .otherwise = "32", .minimum = 16, .maximum = 1024},
-    {"warm-up", 0, "N", "Before them, a multiple of 4", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, warm_up), .otherwise = "32", .minimum = 0, .maximum = 1024},
-    {"fps", 0, "HZ", "Frames a second", NEPH_CLI_REAL, .at = offsetof(struct request, rate_hz),
-     .otherwise = "30", .minimum = 1, .maximum = 1000},
+     NEPH_CLI_WORD, AT(preset), "ours"},
+    {"frames", 0, "N", "That are measured, a multiple of 4", NEPH_CLI_INTEGER, AT(frames), "32", 16,
+     1024},
+    {"warm-up", 0, "N", "Before them, a multiple of 4", NEPH_CLI_INTEGER, AT(warm_up), "32", 0,
+     1024},
+    {"fps", 0, "HZ", "Frames a second", NEPH_CLI_REAL, AT(rate_hz), "30", 1, 1000},
     {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, .at = offsetof(struct request, steps),
-     .otherwise = "32", .minimum = 1, .maximum = 4096},
-    {"seed", 0, "N", "Of the noise of frames and grain", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, seed), .otherwise = "1", .minimum = 1, .maximum = 1 << 20},
+    {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, AT(steps), "32", 1, 4096},
+    {"seed", 0, "N", "Of the noise of frames and grain", NEPH_CLI_INTEGER, AT(seed), "1", 1,
+     1 << 20},
     {"chains", 0, "A,B", "Those with A or B in their names, and the curve alone (default: all)",
-     NEPH_CLI_LIST, .at = offsetof(struct request, chains), .maximum = ROWS_MAX},
+     NEPH_CLI_LIST, AT(chains), .maximum = ROWS_MAX},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
@@ -56,6 +55,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {.shown = "SCENE...",
                                                   .minimum = 1,
@@ -432,14 +432,13 @@ static json_t *scene_json(const struct study *study, int scene)
     return json_pack("{s:s, s:o}", "scene", study->names[scene], "chains", chains);
 }
 
-static void print_csv(const struct study *study, FILE *out)
+static void print_csv(const struct study *study, struct neph_publication *publication)
 {
     struct neph_table table = {.cells = NULL};
     begin_table(NULL, &table);
     for (int i = 0; i < study->request->shared.operand_count; i++)
         add_rows(study, i, ALL, &table);
-    neph_table_print_csv(&table, "\n", out);
-    neph_table_finish(&table);
+    neph_publication_csv(publication, "\n", &table);
 }
 
 static enum neph_status write_results(const struct study *study,
@@ -457,8 +456,7 @@ static enum neph_status write_results(const struct study *study,
         plot.base++;
     if (publication->text)
         print_text(study, publication->text);
-    if (publication->csv)
-        print_csv(study, publication->csv);
+    print_csv(study, publication);
     json_t *scenes = json_array();
     for (int i = 0; i < plot.scene_count; i++)
         neph_json_add(&scenes, scene_json(study, i));
@@ -488,15 +486,8 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
     return status;
 }
 
-/* A scene. */
-static bool part(void *request_, int index)
-{
-    struct request *request = request_;
-    return neph_cli_only_operand(&request->shared, index);
-}
-
 const struct neph_experiment neph_experiment_post = {.syntax = &syntax,
                                                      .request_size = sizeof(struct request),
                                                      .chart = "post.svg",
-                                                     .part = part,
+                                                     .part = neph_experiment_operand,
                                                      .run = run};

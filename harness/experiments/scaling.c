@@ -16,18 +16,17 @@ struct request {
     json_t *there; /* what `against` holds; owned */
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 'p', "NAME", "Of realtime, beside the march; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, .at = offsetof(struct request, params.preset), .otherwise = "ours"},
+     NEPH_CLI_WORD, AT(params.preset), "ours"},
     {"against", 0, "FILE", "scaling.json of another device: times of the same pictures there",
-     NEPH_CLI_WORD, .at = offsetof(struct request, against)},
+     NEPH_CLI_WORD, AT(against)},
     {"untimed", 0, NULL, "No times: evaluations of density alone", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, params.untimed)},
+     AT(params.untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, params.seed), .otherwise = "1", .minimum = 1,
-     .maximum = 1000000},
+     AT(params.retimes)},
+    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
     {.name = "size", .help = "Of the largest picture", .otherwise = "320x180"},
     {.name = "output", .help = "Folder of the store and of scaling.json", .otherwise = "out"},
     {.name = "jobs", .otherwise = "1"},
@@ -35,6 +34,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static void check(const void *request_, const struct argp_state *state)
 {

@@ -5,6 +5,7 @@
 #include "harness/experiments/screen.h"
 
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
@@ -13,32 +14,26 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#define AT(member) .at = offsetof(struct neph_screen_request, member)
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
-     NEPH_CLI_LIST, .at = offsetof(struct neph_screen_request, models), .otherwise = "screen",
-     .between = ",screen+preset=", .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY,
-     .maximum = NEPH_LIGHT_MODELS_MAX},
+     NEPH_CLI_LIST, AT(models), "screen", .between = ",screen+preset=",
+     .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY, .maximum = NEPH_LIGHT_MODELS_MAX},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
-     .at = offsetof(struct neph_screen_request, radius_m), .otherwise = "1", .minimum = 1e-3,
-     .maximum = 1e6},
+     AT(radius_m), "1", 1e-3, 1e6},
     {.name = "size", .otherwise = "96x54"},
-    {"samples", 0, "N", "Samples a pixel of the truth", NEPH_CLI_INTEGER,
-     .at = offsetof(struct neph_screen_request, samples), .otherwise = "256", .minimum = 2,
-     .maximum = 1 << 24},
-    {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER,
-     .at = offsetof(struct neph_screen_request, rays), .otherwise = "64", .minimum = 1,
-     .maximum = 1 << 16},
+    {"samples", 0, "N", "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
+     1 << 24},
+    {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER, AT(rays), "64", 1,
+     1 << 16},
     {"cycles", 0, "N",
      "Hold them against Cycles' passes, too, with N samples a pixel; 0: it is not asked",
-     NEPH_CLI_INTEGER, .at = offsetof(struct neph_screen_request, cycles_samples), .otherwise = "0",
-     .minimum = 0, .maximum = 1 << 16},
+     NEPH_CLI_INTEGER, AT(cycles_samples), "0", 0, 1 << 16},
     {"frames", 0, "N",
      "Pictures, over which error and flicker of the whole are measured, at least 16; a scene that "
      "moves has as many as it has; 0: none",
-     NEPH_CLI_INTEGER, .at = offsetof(struct neph_screen_request, frame_count), .otherwise = "0",
-     .minimum = 0, .maximum = 1024},
+     NEPH_CLI_INTEGER, AT(frame_count), "0", 0, 1024},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
@@ -46,6 +41,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {
     .shown = "[SCENE...]", .maximum = NEPH_SCREEN_SCENES_MAX, .surplus = "so many scenes"};
@@ -95,12 +91,10 @@ static enum neph_status load_scenes(struct neph_screen_request *request, struct 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct neph_screen_request *request = request_;
-    char *page = neph_path_join(request->shared.output, "screen");
-    enum neph_status status = page ? load_scenes(request, diag) : neph_fail_memory(diag);
-    if (!status)
-        status = neph_screen_page_claim(page, diag);
-    free(page);
-    return status;
+    const enum neph_status status = load_scenes(request, diag);
+    return status
+               ? status
+               : neph_screen_page_claim(neph_path_in(request->shared.output, "screen").text, diag);
 }
 
 static void finish(void *request_)
@@ -158,10 +152,7 @@ static void add_names(struct neph_table *table, const char *scene, const char *m
 
 static void add_truth(struct neph_table *table, const struct neph_screen_truth *truth)
 {
-    neph_table_number(table, truth->beyond);
-    neph_table_number(table, NAN);
-    neph_table_number(table, NAN);
-    neph_table_number(table, truth->noise);
+    neph_table_numbers(table, 4, (const double[]){truth->beyond, NAN, NAN, truth->noise});
     neph_table_shown(table, "noise %.2f", 100.0 * truth->noise);
     neph_table_number(table, truth->lost);
     neph_table_shown(table, "lost %.0f %% of %d px: %d off, %d behind, %d thin, %d else",
@@ -211,8 +202,7 @@ static void print_losses(const struct neph_screen_study *study,
         for (int far = 0; far < 2; far++) {
             const struct neph_screen_scene *scene = &study->scenes[s];
             add_names(&table, study->request->scenes[s]->name, far ? "all the way" : radius);
-            for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
-                neph_table_number(&table, far ? scene->far[i] : scene->near[i]);
+            neph_table_numbers(&table, NEPH_SCREEN_LOSSES, far ? scene->far : scene->near);
         }
     fprintf(publication->text, "\n**Why** [%% of the hemisphere over surfaces in the picture]\n\n");
     neph_publication_table(publication, &table);
@@ -265,7 +255,7 @@ static void print_flicker(const struct neph_screen_study *study,
     const struct neph_screen_request *request = study->request;
     struct neph_table table = {.cells = NULL};
     neph_table_columns(&table, name_columns, 2);
-    neph_table_columns(&table, &frames, 1);
+    neph_table_column(&table, frames);
     neph_table_fields(&table, flicker_fields + 1, FLICKER_FIELDS - 1);
     neph_table_fields(&table, flicker_fields, 1); /* milliseconds, which are first in JSON */
     for (int s = 0; s < request->scene_count; s++)
@@ -366,15 +356,6 @@ static json_t *scene_json(const struct neph_screen_study *study, int s)
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-static enum neph_status write_page(const struct neph_screen_study *study, struct neph_diag *diag)
-{
-    char *page = neph_path_join(study->run->output, "screen");
-    const enum neph_status status = page ? neph_screen_page_write(study, page, diag)
-                                         : neph_fail_memory(diag);
-    free(page);
-    return status;
-}
-
 static void write_results(const struct neph_screen_study *study,
                           struct neph_publication *publication)
 {
@@ -399,7 +380,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     study->run = run;
     enum neph_status status = neph_screen_measure(study, diag);
     if (!status && !request->is_part)
-        status = write_page(study, diag);
+        status = neph_screen_page_write(study, neph_path_in(study->run->output, "screen").text,
+                                        diag);
     if (!status && !request->is_part)
         write_results(study, publication);
     neph_arena_finish(&study->arena);

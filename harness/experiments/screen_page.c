@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/path.h"
 #include "harness/experiments/screen.h"
 
 #include "base/files.h"
@@ -80,12 +81,10 @@ static enum neph_status write_frames(const struct neph_screen_study *study, cons
         for (int part = 0; part < NEPH_SCREEN_PARTS && !status; part++) {
             if (study->scenes[s].truths[part].pixels == 0)
                 continue;
-            char *path = neph_format("%s/%s_%s.png", folder, study->request->scenes[s]->name,
-                                     part_files[part]);
-            status = path ? write_frame(&study->scenes[s], part, size->width_px, size->height_px,
-                                        path, diag)
-                          : neph_fail_memory(diag);
-            free(path);
+            const struct neph_path path = neph_path_format(
+                "%s/%s_%s.png", folder, study->request->scenes[s]->name, part_files[part]);
+            status = write_frame(&study->scenes[s], part, size->width_px, size->height_px,
+                                 path.text, diag);
         }
     return status;
 }
@@ -209,13 +208,11 @@ enum neph_status neph_screen_page_claim(const char *folder, struct neph_diag *di
 static enum neph_status write_text(const struct neph_screen_study *study, neph_writer *write,
                                    const char *folder, const char *name, struct neph_diag *diag)
 {
-    char *text = NULL, *path = neph_path_join(folder, name);
-    enum neph_status status = path ? neph_written(write, study, &text, diag)
-                                   : neph_fail_memory(diag);
+    char *text = NULL;
+    enum neph_status status = neph_written(write, study, &text, diag);
     if (!status)
-        status = neph_file_write(path, text, strlen(text), diag);
+        status = neph_file_write(neph_path_in(folder, name).text, text, strlen(text), diag);
     free(text);
-    free(path);
     return status;
 }
 

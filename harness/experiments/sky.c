@@ -45,27 +45,25 @@ struct request {
     struct neph_scene *scene; /* owned */
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"models", 0, "A,B", "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
-     NEPH_CLI_LIST, .at = offsetof(struct request, models), .otherwise = "sky,sky+multiple=closure",
-     .maximum = NEPH_LIGHT_MODELS_MAX},
+     NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
      "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
      "tables leave, without noise",
-     NEPH_CLI_WORD, .at = offsetof(struct request, truth), .otherwise = "tracer"},
-    {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS,
-     .at = offsetof(struct request, suns), .otherwise = "90,60,30,15,10,5,2,0,-1,-2",
-     .maximum = LIST_MAX},
-    {"altitudes", 0, "A,B", "Altitudes of the camera [m]", NEPH_CLI_NUMBERS,
-     .at = offsetof(struct request, altitudes), .otherwise = "2,10000", .maximum = LIST_MAX},
+     NEPH_CLI_WORD, AT(truth), "tracer"},
+    {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
+     "90,60,30,15,10,5,2,0,-1,-2", .maximum = LIST_MAX},
+    {"altitudes", 0, "A,B", "Altitudes of the camera [m]", NEPH_CLI_NUMBERS, AT(altitudes),
+     "2,10000", .maximum = LIST_MAX},
     {.name = "size", .otherwise = "48x32"},
-    {"tile", 0, "N", "Pixels along a side of a direction", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, tile_px), .otherwise = "4", .minimum = 1, .maximum = 64},
+    {"tile", 0, "N", "Pixels along a side of a direction", NEPH_CLI_INTEGER, AT(tile_px), "4", 1,
+     64},
     {"steps", 0, "N", "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, steps), .otherwise = "48", .minimum = 2, .maximum = 4096},
-    {"samples", 0, "N", "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, samples), .otherwise = "4096", .minimum = 2,
-     .maximum = 1 << 28},
+     AT(steps), "48", 2, 4096},
+    {"samples", 0, "N", "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER, AT(samples),
+     "4096", 2, 1 << 28},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
@@ -73,6 +71,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static const struct neph_cli_operands operands = {
     .shown = "[SCENE]", .maximum = 1, .surplus = "one scene"};
@@ -425,8 +424,7 @@ static void add_gap_row(const struct cell *cell, const struct gap *gap, struct n
     const bool has_numbers = !gap->because[0] && !isnan(gap->mean);
     const double numbers[] = {gap->mean,        gap->worst, gap->worst_elevation_deg,
                               gap->worst_noise, gap->bias,  cell->noise};
-    neph_table_number(table, cell->sun_deg);
-    neph_table_number(table, cell->altitude_m / 1000.0);
+    neph_table_numbers(table, 2, (const double[]){cell->sun_deg, cell->altitude_m / 1000.0});
     for (size_t i = 0; i < sizeof(numbers) / sizeof(numbers[0]); i++) {
         neph_table_number(table, has_numbers ? numbers[i] : NAN);
         if (i == 2 && has_numbers)

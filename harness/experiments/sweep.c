@@ -2,6 +2,7 @@
  *
  * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
  */
+#include "base/path.h"
 #include "harness/experiments/experiments.h"
 
 #include "base/arena.h"
@@ -32,27 +33,25 @@ struct request {
     const char *only_words[NEPH_SWEEP_SERIES_MAX + 1];
 };
 
+#define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"plan", 0, "FILE",
      "What is swept: a YAML file, or the name of one that comes with neph (scenes/studies)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, plan_name), .otherwise = "sweep"},
-    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD,
-     .at = offsetof(struct request, only)},
+     NEPH_CLI_WORD, AT(plan_name), "sweep"},
+    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD, AT(only)},
     {"against", 0, "NAME",
      "The series that others are held against at equal error and in equal time (default: the "
      "first)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, params.against)},
+     NEPH_CLI_WORD, AT(params.against)},
     {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
-     NEPH_CLI_FLAG, .at = offsetof(struct request, params.untimed)},
+     NEPH_CLI_FLAG, AT(params.untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
-     .at = offsetof(struct request, params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER,
-     .at = offsetof(struct request, params.seed), .otherwise = "1", .minimum = 1,
-     .maximum = 1000000},
+     AT(params.retimes)},
+    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
     {"seeds", 0, "N",
      "So many sweeps with seeds from --seed on, each in a store of its own, DIR/seed_K: do the "
      "fronts hold?",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, seeds), .minimum = 2, .maximum = SEEDS_MAX},
+     NEPH_CLI_INTEGER, AT(seeds), .minimum = 2, .maximum = SEEDS_MAX},
     {.name = "size", .help = "Pixels, in place of the plan's"},
     {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
@@ -62,6 +61,7 @@ static const struct neph_cli_option options[] = {
     {.name = "quiet"},
     {.name = NULL},
 };
+#undef AT
 
 static void check(const void *request_, const struct argp_state *state)
 {
@@ -318,7 +318,6 @@ static enum neph_status judge_fronts(const struct request *request, const struct
 {
     const enum neph_sweep_cost cost = request->params.untimed ? NEPH_SWEEP_COST_WORK
                                                               : NEPH_SWEEP_COST_TIME;
-    char *path = neph_path_join(request->shared.output, "stability.json");
     publication->json = neph_stability_json(sweeps, request->seeds, cost);
     if (publication->text)
         neph_stability_print(publication->json, publication->text);
@@ -327,11 +326,8 @@ static enum neph_status judge_fronts(const struct request *request, const struct
         publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
                                          "%d points left a front by more than their intervals",
                                          moved);
-    const enum neph_status status = path ? neph_json_write(publication->json, JSON_INDENT(1), path,
-                                                           diag)
-                                         : neph_fail_memory(diag);
-    free(path);
-    return status;
+    return neph_json_write(publication->json, JSON_INDENT(1),
+                           neph_path_in(request->shared.output, "stability.json").text, diag);
 }
 
 static enum neph_status run_seeds(const struct request *request,
@@ -341,9 +337,9 @@ static enum neph_status run_seeds(const struct request *request,
     struct neph_sweep_params params = request->params;
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->seeds && !status; i++, params.seed++) {
-        char *folder = neph_format("%s/seed_%d", request->shared.output, params.seed);
-        status = folder ? run_in(folder, &params, &sweeps[i], diag) : neph_fail_memory(diag);
-        free(folder);
+        const struct neph_path folder = neph_path_format("%s/seed_%d", request->shared.output,
+                                                         params.seed);
+        status = run_in(folder.text, &params, &sweeps[i], diag);
     }
     if (!status)
         status = judge_fronts(request, sweeps, publication, diag);

@@ -378,7 +378,7 @@ static void fill(const struct neph_light_laws *laws, struct neph_table *table)
                                               laws->looks[model]  ? ", a look"
                                               : laws->once[model] ? ", scattered once"
                                                                   : "");
-        neph_table_columns(table, &(struct neph_column){.title = title, .format = "%.4f"}, 1);
+        neph_table_column(table, (struct neph_column){.title = title, .format = "%.4f"});
     }
     for (int i = 0; i < NEPH_LIGHT_LAWS; i++) {
         neph_table_word(table, name_of(neph_light_law_cases[i].law));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/page.h"
 
-#include "base/arena.h"
 #include "base/files.h"
 #include "base/path.h"
 #include "base/written.h"
@@ -84,26 +83,21 @@ static void print_index(const void *index_, FILE *out)
 static enum neph_status write_index(const char *source, const char *folder,
                                     const struct neph_page_parts *parts, struct neph_diag *diag)
 {
-    struct neph_arena arena = {0};
     char *shell = NULL, *words = NULL, *text = NULL;
     size_t size;
-    const char *const paths[] = {neph_arena_format(&arena, "%s/page.html", source),
-                                 neph_arena_format(&arena, "%s/%s", source, parts->files[0]),
-                                 neph_arena_format(&arena, "%s/index.html", folder)};
-    enum neph_status status = neph_arena_check(&arena, diag);
+    enum neph_status status = neph_file_read(neph_path_in(source, "page.html").text, PART_BYTES_MAX,
+                                             &shell, &size, diag);
     if (!status)
-        status = neph_file_read(paths[0], PART_BYTES_MAX, &shell, &size, diag);
-    if (!status)
-        status = neph_file_read(paths[1], PART_BYTES_MAX, &words, &size, diag);
+        status = neph_file_read(neph_path_in(source, parts->files[0]).text, PART_BYTES_MAX, &words,
+                                &size, diag);
     const struct index index = {parts, shell, words};
     if (!status)
         status = neph_written(print_index, &index, &text, diag);
     if (!status)
-        status = neph_file_write(paths[2], text, strlen(text), diag);
+        status = neph_file_write(neph_path_in(folder, "index.html").text, text, strlen(text), diag);
     free(shell);
     free(words);
     free(text);
-    neph_arena_finish(&arena);
     return status;
 }
 

@@ -53,8 +53,8 @@ static enum neph_status print_table(const struct neph_stress_suite *suite,
     struct neph_table table = {.cells = NULL};
     neph_table_columns(&table, fixed, 3);
     for (int c = 0; c < suite->column_count; c++)
-        neph_table_columns(&table,
-                           &(struct neph_column){.title = suite->columns[c].name, .width = -16}, 1);
+        neph_table_column(&table,
+                          (struct neph_column){.title = suite->columns[c].name, .width = -16});
     for (int i = 0; i < count; i++)
         if (is_first_of_row(spots, i))
             add_row(suite, spots[i].row, &table);

@@ -102,7 +102,7 @@ static const struct {
 static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
 {
     for (size_t i = 0; i < sizeof(cheaper) / sizeof(cheaper[0]); i++)
-        if (strcmp(cheaper[i].engine, job->engine->name) == 0)
+        if (neph_engine_is(job->engine, cheaper[i].engine))
             return neph_settings_set(job->engine, &job->shot.settings, cheaper[i].setting, diag);
     return NEPH_OK;
 }

@@ -18,14 +18,13 @@ _Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
 _Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
 
 const struct neph_ablation_measure neph_ablation_measures[] = {
-    {"error", "error", "relative RMSE", "rel_rmse", "all", .is_time = false},
-    {"flicker", "flicker", "flicker seen", "seen_contrast", "all", .is_time = false},
-    {"edge_flicker", "at edges", "flicker seen at depth edges", "seen_contrast", "depth_edge",
-     .is_time = false},
-    {"four_frame", "four-frame", "four-frame flicker at depth edges", "a4_p95", "depth_edge",
-     .is_time = false},
-    {"half_life", "half-life", "half-life after a step of the sun", "half_life_p50", "all",
-     .is_time = false},
+    {"error", "error", "relative RMSE", "rel_rmse", .mask = "all"},
+    {"flicker", "flicker", "flicker seen", "seen_contrast", .mask = "all"},
+    {"edge_flicker", "at edges", "flicker seen at depth edges", "seen_contrast",
+     .mask = "depth_edge"},
+    {"four_frame", "four-frame", "four-frame flicker at depth edges", "a4_p95",
+     .mask = "depth_edge"},
+    {"half_life", "half-life", "half-life after a step of the sun", "half_life_p50", .mask = "all"},
     {"evaluations", "evaluations", "density evaluations a pixel",
      .cost = offsetof(struct neph_study_cost, density_evaluations)},
     {"traffic", "bytes", "bytes that passes read and write a pixel",

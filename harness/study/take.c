@@ -3,10 +3,12 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "base/png.h"
 #include "base/written.h"
 #include "harness/compare/comparison.h"
 #include "harness/engines/frame_stats.h"
+#include "harness/json_file.h"
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/statistics.h"
@@ -58,14 +60,13 @@ static enum neph_status write_flip(const struct neph_take *take, const struct ne
         return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
     const float *const constant[3] = {planes[0], planes[1], planes[2]};
     uint8_t *rgb = malloc(3 * neph_image_pixel_count(image));
-    char *path = neph_format("%s/flip_%d.png", folder, number);
-    enum neph_status status = rgb && path ? NEPH_OK : neph_fail_memory(diag);
+    enum neph_status status = rgb ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_display_encode(constant, neph_image_pixel_count(image),
                                      take->job.shot.scene->exposure_ev, rgb, diag);
     if (!status)
-        status = neph_png_write_rgb8(path, image->width_px, image->height_px, rgb, diag);
-    free(path);
+        status = neph_png_write_rgb8(neph_path_format("%s/flip_%d.png", folder, number).text,
+                                     image->width_px, image->height_px, rgb, diag);
     free(rgb);
     return status;
 }
@@ -223,12 +224,8 @@ static enum neph_status write_document(const char *folder, const char *name,
     json_t *document = kept ? json_pack("{s:o}", "measurements",
                                         neph_measurements_json(&compared->numbers))
                             : neph_compared_json(compared);
-    char *path = neph_format("%s/%s.json", folder, name);
-    char *text = json_dumps(document, JSON_COMPACT);
-    const enum neph_status status = path && text ? neph_file_write(path, text, strlen(text), diag)
-                                                 : neph_fail_memory(diag);
-    free(text);
-    free(path);
+    const enum neph_status status = neph_json_write(
+        document, JSON_COMPACT, neph_path_format("%s/%s.json", folder, name).text, diag);
     json_decref(document);
     return status;
 }
@@ -470,16 +467,11 @@ enum neph_status neph_take_run(const struct neph_take *take, struct neph_store *
 enum neph_status neph_take_document(const char *folder, const char *reading, json_t **document,
                                     struct neph_diag *diag)
 {
-    char *path = neph_format("%s/%s.json", folder, reading);
+    const struct neph_path path = neph_path_format("%s/%s.json", folder, reading);
     json_error_t error;
-    if (!path)
-        return neph_fail_memory(diag);
-    *document = json_load_file(path, 0, &error);
-    const enum neph_status status = *document ? NEPH_OK
-                                              : neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s",
-                                                          path, error.text);
-    free(path);
-    return status;
+    *document = json_load_file(path.text, 0, &error);
+    return *document ? NEPH_OK
+                     : neph_fail(diag, NEPH_ERR_IO, "cannot read '%s': %s", path.text, error.text);
 }
 
 const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask)

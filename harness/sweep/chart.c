@@ -414,37 +414,42 @@ static enum neph_status fill(const struct neph_sweep *sweep, const struct neph_s
     json_t *title = json_object_get(layer_named(spec, "title"), "encoding");
     for (int i = 0; i < count; i++)
         neph_json_add(&points, mark_json(sweep, &marks[i], x, y));
-    enum neph_status status = neph_json_put(data, "points", points, diag);
-    if (!status)
-        status = find_names(&place, marks, count, &labels, diag);
-    if (!status)
-        status = neph_json_put(data, "labels", names_json(marks, labels, count), diag);
-    if (!status)
-        status = neph_json_put(data, "leaders", leaders_json(&place, marks, labels, count), diag);
+    enum neph_status status = find_names(&place, marks, count, &labels, diag);
+    if (status) {
+        json_decref(points);
+        return status;
+    }
+    const struct {
+        json_t *object;
+        const char *key;
+        json_t *value;
+    } fields[] = {
+        {data, "points", points},
+        {data, "labels", names_json(marks, labels, count)},
+        {data, "leaders", leaders_json(&place, marks, labels, count)},
+        {data, "front", front_json(marks, count, x, y)},
+        {data, "slopes", slopes_json(marks, count, chart)},
+        {data, "floor", floor_json(floor, y)},
+        {spec, "width", json_integer(size->width_px)},
+        {spec, "height", json_integer(size->height_px)},
+        {json_object_get(json_object_get(spec, "config"), "legend"), "columns",
+         json_integer(size->legend_columns)},
+        {json_object_get(title, "text"), "value",
+         json_string(neph_sweep_number_texts[chart->y].title)},
+    };
+    for (size_t i = 0; i < sizeof(fields) / sizeof(fields[0]); i++) {
+        const enum neph_status put = neph_json_put(fields[i].object, fields[i].key, fields[i].value,
+                                                   diag);
+        status = status ? status : put;
+    }
     if (!status)
         status = set_series(spec, sweep, diag);
     if (!status)
         status = set_legend(spec, marks, count, diag);
     if (!status)
-        status = neph_json_put(data, "front", front_json(marks, count, x, y), diag);
-    if (!status)
-        status = neph_json_put(data, "slopes", slopes_json(marks, count, chart), diag);
-    if (!status)
-        status = neph_json_put(data, "floor", floor_json(floor, y), diag);
-    if (!status)
-        status = neph_json_put(spec, "width", json_integer(size->width_px), diag);
-    if (!status)
-        status = neph_json_put(spec, "height", json_integer(size->height_px), diag);
-    if (!status)
-        status = neph_json_put(json_object_get(json_object_get(spec, "config"), "legend"),
-                               "columns", json_integer(size->legend_columns), diag);
-    if (!status)
         status = set_axis(spec, "x", x, axis_titles[chart->x], diag);
     if (!status)
         status = set_axis(spec, "y", y, NULL, diag);
-    if (!status)
-        status = neph_json_put(json_object_get(title, "text"), "value",
-                               json_string(neph_sweep_number_texts[chart->y].title), diag);
     free(labels);
     return status;
 }

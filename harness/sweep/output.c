@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/sweep/output.h"
 
+#include "base/written.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/look.h"
 #include "harness/sweep/equal.h"
@@ -36,16 +37,19 @@ void neph_sweep_finish(struct neph_sweep *sweep)
 
 /* --- words ---------------------------------------------------------------------------------- */
 
-char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep_point *point)
+struct swept {
+    const struct neph_sweep *sweep;
+    const struct neph_sweep_point *point;
+};
+
+static void print_command(const void *swept, FILE *out)
 {
+    const struct neph_sweep *sweep = ((const struct swept *)swept)->sweep;
+    const struct neph_sweep_point *point = ((const struct swept *)swept)->point;
     const struct neph_shot *shot = &point->job.shot;
     const struct neph_engine *engine = point->job.engine;
     const char *words = point->series->preset; /* its changes follow as settings */
-    char preset[64] = "", *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
+    char preset[64] = "";
     fprintf(out, "neph render %s -e %s --size %dx%d", sweep->scene->name, engine->name,
             sweep->plan->width_px, sweep->plan->height_px);
     if (words) {
@@ -65,10 +69,13 @@ char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep
     else if (sweep->frame > 0)
         fprintf(out, " --frame %d", sweep->frame);
     fprintf(out, " --seed %llu", (unsigned long long)shot->seed);
-    if (fclose(out) == 0)
-        return text;
-    free(text);
-    return NULL;
+}
+
+char *neph_sweep_command(const struct neph_sweep *sweep, const struct neph_sweep_point *point)
+{
+    char *text = NULL;
+    neph_written(print_command, &(struct swept){sweep, point}, &text, NULL);
+    return text;
 }
 
 const char *neph_sweep_device(const struct neph_sweep *sweep)

@@ -3,6 +3,7 @@
 
 #include "base/exr.h"
 #include "base/files.h"
+#include "base/path.h"
 #include "harness/engines/engines.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/study/flicker_metrics.h"
@@ -155,10 +156,8 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
                                       struct neph_diag *diag)
 {
     json_t *document = NULL;
-    char *last = neph_path_join(folder, "frame.exr");
-    enum neph_status status = last ? neph_take_document(folder, take->readings[0].name, &document,
-                                                        diag)
-                                   : neph_fail_memory(diag);
+    const struct neph_path last = neph_path_in(folder, "frame.exr");
+    enum neph_status status = neph_take_document(folder, take->readings[0].name, &document, diag);
     if (!status) {
         if (!point->job.engine->is_guest) /* whose own model nobody knows */
             numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
@@ -166,12 +165,11 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
         numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
         if (point->series->flicker)
             bench->mask = neph_take_find(document, "seen_contrast", masks[0]) ? masks[0] : masks[1];
-        status = neph_sweep_truth_error(bench->truth, last, &numbers[NEPH_SWEEP_ERROR], diag);
+        status = neph_sweep_truth_error(bench->truth, last.text, &numbers[NEPH_SWEEP_ERROR], diag);
     }
     if (!status && counts)
-        status = neph_sweep_point_count(last, point, diag);
+        status = neph_sweep_point_count(last.text, point, diag);
     json_decref(document);
-    free(last);
     return status;
 }
 

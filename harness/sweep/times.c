@@ -2,6 +2,8 @@
 #include "harness/sweep/times.h"
 
 #include "base/files.h"
+#include "base/path.h"
+#include "harness/json_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,11 +34,7 @@ enum neph_status neph_times_open(const char *path, struct neph_times *times, str
 enum neph_status neph_times_open_in(const char *folder, struct neph_times *times,
                                     struct neph_diag *diag)
 {
-    char *path = neph_path_join(folder, "times.json");
-    const enum neph_status status = path ? neph_times_open(path, times, diag)
-                                         : neph_fail_memory(diag);
-    free(path);
-    return status;
+    return neph_times_open(neph_path_in(folder, "times.json").text, times, diag);
 }
 
 void neph_times_close(struct neph_times *times)
@@ -82,9 +80,5 @@ enum neph_status neph_times_put(struct neph_times *times, const struct neph_job 
 
 enum neph_status neph_times_save(const struct neph_times *times, struct neph_diag *diag)
 {
-    char *text = json_dumps(times->list, JSON_INDENT(1) | JSON_SORT_KEYS);
-    const enum neph_status status = text ? neph_file_write(times->path, text, strlen(text), diag)
-                                         : neph_fail_memory(diag);
-    free(text);
-    return status;
+    return neph_json_write(times->list, JSON_INDENT(1) | JSON_SORT_KEYS, times->path, diag);
 }

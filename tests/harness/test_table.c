@@ -30,8 +30,12 @@ static void fill(struct neph_table *table)
     static const struct row rows[] = {{0.125, NAN}, {NAN, 0.25}};
     neph_table_columns(table, fixed, 5);
     neph_table_fields(table, numbers, 2);
-    neph_table_row(table, "sitsbot", "fog, \"thin\"", 3, NULL, "left out", true,
-                   json_pack("[f,f]", 1.5, 2.0), "1.5 to 2");
+    neph_table_word(table, "fog, \"thin\"");
+    neph_table_count(table, 3);
+    neph_table_word(table, "left out");
+    neph_table_flag(table, true);
+    neph_table_value(table, json_pack("[f,f]", 1.5, 2.0));
+    neph_table_shown(table, "%g to %d", 1.5, 2);
     neph_table_field_cells(table, numbers, 2, &rows[0]);
     neph_table_word(table, "cloud");
     neph_table_count(table, 0);
@@ -85,7 +89,7 @@ static void test_words_are_cleaned(void **state)
 {
     struct neph_table table = {.cells = NULL};
     char *text;
-    neph_table_columns(&table, &(struct neph_column){.key = "name", .title = "name"}, 1);
+    neph_table_column(&table, (struct neph_column){.key = "name", .title = "name"});
     neph_table_word(&table, "a\x1b[31mb");
     assert_int_equal(neph_written(print, &table, &text, NULL), NEPH_OK);
     assert_null(strchr(text, '\x1b'));
@@ -131,7 +135,7 @@ static void test_a_row_may_end_early(void **state)
     const double value = 0.5;
     struct neph_table table = {.cells = NULL};
     char *text, *csv;
-    neph_table_columns(&table, &(struct neph_column){.key = "a", .title = "a"}, 1);
+    neph_table_column(&table, (struct neph_column){.key = "a", .title = "a"});
     neph_table_fields(&table, &field, 1);
     neph_table_word(&table, "left out");
     neph_table_end_row(&table);
