@@ -236,14 +236,8 @@ static enum neph_status read_sum(const struct neph_stage *stage, const struct ne
     return status;
 }
 
-/* What draws samples may go on with those of the picture before, which had another sun: it begins
- * anew for each. */
-static bool may_share(const struct neph_engine *engine)
-{
-    return !engine->remembers && !engine->stochastic;
-}
-
-/* From the store, or rendered. */
+/* From the store, or rendered. An engine with a history or with samples begins a sequence for each
+ * frame: the frame before had another sun. */
 static enum neph_status render(struct run *run, const struct neph_stage *stage,
                                const struct neph_check_view *view, double *sum,
                                struct neph_diag *diag)
@@ -256,7 +250,8 @@ static enum neph_status render(struct run *run, const struct neph_stage *stage,
     enum neph_status status = neph_job_reuse(&run->job, run->store, &result, &found, diag);
     if (!status && !found) {
         neph_job_result_finish(&result);
-        if (!run->job.sequence && may_share(run->model.engine))
+        const struct neph_engine *engine = run->model.engine;
+        if (!run->job.sequence && !engine->remembers && !engine->stochastic)
             status = neph_job_open(&run->job, diag);
         if (!status)
             status = neph_job_run(&run->job, run->store, &result, diag);

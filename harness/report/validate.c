@@ -79,15 +79,6 @@ static enum neph_status apply_setting(const char *text, struct neph_run_engines 
     return NEPH_ERR_USAGE;
 }
 
-static enum neph_status choose_settings(const struct neph_validate_params *params,
-                                        struct neph_run_engines *field, struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < params->setting_count && !status; i++)
-        status = apply_setting(params->settings[i], field, diag);
-    return status;
-}
-
 static enum neph_status begin(struct run *run, struct neph_diag *diag)
 {
     const struct neph_validate_params *params = run->params;
@@ -275,13 +266,6 @@ static enum neph_status work(struct neph_worker *worker, void *context, struct n
     return NEPH_OK;
 }
 
-static enum neph_status run_with_workers(struct run *run, struct neph_diag *diag)
-{
-    const int most = run->params->scene_count, jobs = run->params->jobs;
-    run->progress.workers = jobs < most ? jobs : most;
-    return neph_pool_run(run->progress.workers, run->params->device, work, hear, run, diag);
-}
-
 enum neph_status neph_validate(const struct neph_validate_params *params, struct neph_store *store,
                                struct neph_validation *validation, struct neph_diag *diag)
 {
@@ -290,14 +274,15 @@ enum neph_status neph_validate(const struct neph_validate_params *params, struct
     enum neph_status status = neph_data_check_scenes(params->scenes, params->scene_count, diag);
     if (!status)
         status = choose_engines(params, &validation->field, diag);
-    if (!status)
-        status = choose_settings(params, &validation->field, diag);
+    for (int i = 0; i < params->setting_count && !status; i++)
+        status = apply_setting(params->settings[i], &validation->field, diag);
     if (!status)
         status = begin(&run, diag);
     if (status)
         return status;
     expect_all(&run);
-    status = run_with_workers(&run, diag);
+    run.progress.workers = params->jobs < params->scene_count ? params->jobs : params->scene_count;
+    status = neph_pool_run(run.progress.workers, params->device, work, hear, &run, diag);
     neph_progress_end(&run.progress);
     if (status == NEPH_ERR_INTERRUPTED)
         judge_so_far(&run, NEPH_VERDICT_INTERRUPTED);

@@ -101,11 +101,6 @@ static json_t *head_json(const struct neph_validation *validation)
                      "charts", charts);
 }
 
-static bool is_over(const struct neph_validation *validation)
-{
-    return validation->verdict == NEPH_VERDICT_PASS || validation->verdict == NEPH_VERDICT_FAIL;
-}
-
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -124,7 +119,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "counts",
                   json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",
                             counts->reported, "compared", counts->compared));
-    if (!is_over(validation))
+    if (validation->verdict != NEPH_VERDICT_PASS && validation->verdict != NEPH_VERDICT_FAIL)
         neph_json_set(
             &json, "progress",
             json_pack("{s:i, s:i, s:o}", "done", validation->steps_done, "total",

@@ -174,11 +174,6 @@ static enum neph_status ship(void *shop_, const char *key, const float *const *p
                        (size_t)shop->made.width_px * (size_t)shop->made.height_px, diag);
 }
 
-static bool is_wanted(const struct neph_viewer *view, const struct neph_quantity *quantity)
-{
-    return view->quantities == 0 || (view->quantities & (unsigned)quantity->bit);
-}
-
 /* All of a frame that is wanted; `found`: what the first frame of its set has of that. */
 static enum neph_status ship_frame(struct shop *shop, int set, int frame, const char *path,
                                    const struct neph_image *image, unsigned *found,
@@ -189,7 +184,8 @@ static enum neph_status ship_frame(struct shop *shop, int set, int frame, const 
         const struct neph_quantity *quantity = neph_quantity_at(q);
         const float *planes[3];
         char key[64];
-        const bool has = is_wanted(shop->view, quantity) &&
+        const unsigned wanted = shop->view->quantities;
+        const bool has = (wanted == 0 || (wanted & (unsigned)quantity->bit)) &&
                          neph_quantity_planes(quantity, image, planes);
         if (frame == 0 && has)
             *found |= (unsigned)quantity->bit;

@@ -16,7 +16,7 @@
 _Static_assert(NEPH_STRESS_STATE_COUNT == 3, "a new kind");
 
 static const struct neph_page_parts parts = {.title = "Nephelometer stress tests",
-                                              .files = {"stress.html", "stress.js"}};
+                                             .files = {"stress.html", "stress.js"}};
 
 /* ---- evidence -------------------------------------------------------------------------------- */
 

@@ -192,8 +192,9 @@ static enum neph_status choose_scenes(const struct neph_stress_params *params,
     char **names = NULL;
     int count = 0;
     enum neph_status status = neph_data_list_scenes(NEPH_DATA_STRESS, &names, &count, diag);
-    if (!status && !(suite->scenes = calloc((size_t)count + 1, sizeof(struct neph_scene *))))
-        status = neph_fail_memory(diag);
+    suite->scenes = neph_arena_zeroed(&suite->arena, (size_t)count, sizeof(*suite->scenes));
+    if (!status)
+        status = neph_arena_check(&suite->arena, diag);
     for (int i = 0; i < count && !status; i++)
         status = add_scene(params, names[i], suite, diag);
     neph_data_free_names(names);

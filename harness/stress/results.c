@@ -102,7 +102,6 @@ void neph_stress_finish(struct neph_stress_suite *suite)
 {
     for (int s = 0; s < suite->scene_count; s++)
         neph_scene_destroy(suite->scenes[s]);
-    free(suite->scenes);
     neph_arena_finish(&suite->arena);
     *suite = (struct neph_stress_suite){.scenes = NULL};
 }

@@ -137,7 +137,7 @@ struct neph_stress_suite {
     int column_count;
     struct neph_stress_column columns[NEPH_STRESS_COLUMNS_MAX];
     int scene_count, row_count;
-    struct neph_scene **scenes; /* owned */
+    struct neph_scene **scenes; /* owned, and their list in the arena */
     struct neph_stress_row *rows;
     struct neph_stress_counts counts;
     bool passes; /* nothing new, and something was compared */

@@ -59,11 +59,12 @@ static void list_point(const struct neph_stress_suite *suite, const struct neph_
         }
 }
 
-enum neph_status neph_stress_list_trials(const struct neph_stress_suite *suite, bool are_spread,
+enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool are_spread,
                                          struct neph_stress_trials *trials, struct neph_diag *diag)
 {
     const size_t most = (size_t)suite->row_count * (size_t)suite->column_count;
-    *trials = (struct neph_stress_trials){.list = calloc(most + 1, sizeof(*trials->list))};
+    *trials = (struct neph_stress_trials){
+        .list = neph_arena_zeroed(&suite->arena, most, sizeof(*trials->list))};
     if (!trials->list)
         return neph_fail_memory(diag);
     for (int row = 0; row < suite->row_count;) {
@@ -355,7 +356,6 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
     if (!status)
         status = neph_pool_run(params->jobs, params->device, run_trials, hear, &work, diag);
     json_decref(work.bench.expectations);
-    free(work.trials.list);
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     if (status == NEPH_ERR_INTERRUPTED) {

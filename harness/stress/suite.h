@@ -22,7 +22,7 @@ struct neph_stress_trial {
     double cost;     /* samples along rays of all its frames, about */
 };
 
-/* Start from {0}; free the list. */
+/* The list is in the suite's arena. */
 struct neph_stress_trials {
     struct neph_stress_trial *list;
     int count;
@@ -31,7 +31,7 @@ struct neph_stress_trials {
 /* All trials of a suite. For one process: from point to point, so that a loaded scene serves
  * several. For several processes: a trial that makes a reference before those that need it, so that
  * it is made once, and long ones before short ones, so that in the end all are busy. */
-enum neph_status neph_stress_list_trials(const struct neph_stress_suite *suite, bool are_spread,
+enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool are_spread,
                                          struct neph_stress_trials *trials, struct neph_diag *diag);
 
 /* ---- its parts ------------------------------------------------------------------------------- */

@@ -438,7 +438,6 @@ static void test_one_process_goes_from_point_to_point(void **state)
     assert_all_once(&suite, &trials);
     for (int i = 1; i < trials.count; i++)
         assert_true(trials.list[i].row >= trials.list[i - 1].row);
-    free(trials.list);
     neph_stress_finish(&suite);
 }
 
@@ -466,7 +465,6 @@ static void test_several_begin_with_truths_and_with_what_takes_long(void **state
         later_count += later->is_later;
     }
     assert_true(later_count > 0 && later_count < trials.count);
-    free(trials.list);
     neph_stress_finish(&suite);
 }
 
