@@ -16,7 +16,7 @@ typedef void neph_writer(const void *what, FILE *out);
 enum neph_status neph_written(neph_writer *write, const void *what, char **text,
                               struct neph_diag *diag);
 
-/* A file with what `write` says of `what`. NEPH_ERR_MEMORY, and errors of neph_file_write(). */
+/* Write what neph_written() would give to a file; errors of neph_file_write(), too. */
 enum neph_status neph_written_file(const char *path, neph_writer *write, const void *what,
                                    struct neph_diag *diag);
 

@@ -203,7 +203,7 @@ static inline double test_largest_difference(const struct neph_image *a, const s
     return largest;
 }
 
-/* Of all three colours. */
+/* Root of the mean squared difference of all three colours. */
 static inline double test_rmse(const struct neph_image *image, const struct neph_image *truth)
 {
     const struct test_rgb one = test_layer(image, NULL), other = test_layer(truth, NULL);

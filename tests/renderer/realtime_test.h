@@ -83,7 +83,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
         test->twin.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
 }
 
-/* The same at the first corner of the buffers, of settings as test_settings() has them. */
+/* Passes at the first corner of their buffers, with settings as test_settings() has them. */
 static inline void test_open_words(struct neph_vulkan *vulkan, const int size_px[2], uint64_t seed,
                                    struct test_passes *test, const char *format, va_list arguments)
 {

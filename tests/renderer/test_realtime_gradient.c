@@ -304,8 +304,8 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     }
 }
 
-/* Preset `ours`, with the digits of whose settings all tests share its kernels. Numbers that are not
- * to count are too small for halves, and for whole frames. */
+/* Preset `ours`, with the digits of whose settings all tests share its kernels. Numbers that are
+ * not to count are too small for halves, and for whole frames. */
 static struct neph_realtime *open_watched(struct neph_vulkan *vulkan, const struct test_scene *test,
                                           const char *assignments, struct changes *changes)
 {

@@ -180,8 +180,8 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
 }
 
 /* Each bilinear sample between pixels widens by v (1 - v) px^2, and a frame of age k has had k:
- * (1 - a) / a v (1 - v) in all. What is older than 10 / a frames is missing: at most 0.96^250 of it,
- * times its age in mean ages, 4e-4. */
+ * (1 - a) / a v (1 - v) in all. What is older than 10 / a frames is missing: at most 0.96^250 of
+ * it, times its age in mean ages, 4e-4. */
 static void test_bilinear_history_blurs_as_alpha_says(void **state)
 {
     static const double table_px[] = {2.45, 1.50, 1.00, 0.50};
