@@ -427,9 +427,10 @@ static void print_benchmark(const struct neph_benchmark *benchmark, FILE *out)
 
 /* --- results of pictures in flight --------------------------------------------------------- */
 
-static void print_times(struct neph_spread s, FILE *out)
+static void print_times(const char *name, struct neph_spread s, const char *end, FILE *out)
 {
-    fprintf(out, " %10.3f %10.3f %10.3f", 1e3 * s.median, 1e3 * s.low, 1e3 * s.high);
+    fprintf(out, "  %-20s %10.3f %10.3f %10.3f%s", name, 1e3 * s.median, 1e3 * s.low, 1e3 * s.high,
+            end);
 }
 
 static void print_pass(const struct neph_benchmark_frames *benchmark,
@@ -439,8 +440,7 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
     const char *limit;
     const double share = neph_benchmark_share(benchmark, engine, pass, &limit);
     const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine, pass);
-    fprintf(out, "  %-20s", pass->name);
-    print_times(pass->gpu_s, out);
+    print_times(pass->name, pass->gpu_s, "", out);
     if (isfinite(pass->traffic_bytes))
         fprintf(out, "  %.4g MB", 1e-6 * pass->traffic_bytes);
     if (isfinite(pass->density_evaluations))
@@ -461,14 +461,12 @@ static void print_chain(const struct neph_post_params *params,
 {
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     const int count = neph_post_sequence(params->order, &params->settings, stages);
-    fprintf(out, "  to the display, %d times; least %.3f ms\n  %-20s", engine->chain.count,
-            1e3 * engine->chain.all.least_s, "all stages");
-    print_times(engine->chain.all.spread_s, out);
-    for (int i = 0; i < count; i++) {
-        fprintf(out, "\n  %-20s", stages[i]->name);
-        print_times(engine->chain.stages[stages[i] - neph_post_stages].spread_s, out);
-    }
-    fprintf(out, "\n");
+    fprintf(out, "  to the display, %d times; least %.3f ms\n", engine->chain.count,
+            1e3 * engine->chain.all.least_s);
+    print_times("all stages", engine->chain.all.spread_s, "\n", out);
+    for (int i = 0; i < count; i++)
+        print_times(stages[i]->name, engine->chain.stages[stages[i] - neph_post_stages].spread_s,
+                    "\n", out);
 }
 
 /* Where pictures of two kinds are in one median, that is said. */
@@ -491,13 +489,9 @@ static void print_flight(const struct neph_benchmark_frames *benchmark,
             engine->job.engine->name, engine->frame_count, 1.0 / engine->mean_s,
             100.0 * engine->error, engine->reference->name);
     fprintf(out, "  %-20s %10s %10s %10s\n", "[ms]", "median", "10 %", "90 %");
-    fprintf(out, "  %-20s", "picture to picture");
-    print_times(engine->frame_s, out);
-    fprintf(out, "\n  %-20s", "on the device");
-    print_times(engine->gpu_s, out);
-    fprintf(out, "\n  %-20s", "until it is sent");
-    print_times(engine->cpu_s, out);
-    fprintf(out, "\n");
+    print_times("picture to picture", engine->frame_s, "\n", out);
+    print_times("on the device", engine->gpu_s, "\n", out);
+    print_times("until it is sent", engine->cpu_s, "\n", out);
     for (int p = 0; p < engine->pass_count; p++)
         print_pass(benchmark, engine, &engine->passes[p], out);
     if (benchmark->showing)

@@ -342,19 +342,6 @@ static enum neph_status take_document(struct neph_database *index, const char *s
     return document ? status : NEPH_OK;
 }
 
-static enum neph_status take_documents(struct neph_database *index, const char *store_folder,
-                                       enum neph_document kind, const struct neph_names *names,
-                                       struct neph_diag *diag)
-{
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < names->count && !status; i++) {
-        const int64_t number = neph_document_number(names->list[i], kind);
-        if (number > 0)
-            status = take_document(index, store_folder, kind, number, diag);
-    }
-    return status;
-}
-
 enum neph_status neph_history_list(const char *store_folder, struct neph_arena *arena,
                                    struct neph_names *names, struct neph_diag *diag)
 {
@@ -366,13 +353,16 @@ enum neph_status neph_history_list(const char *store_folder, struct neph_arena *
 enum neph_status neph_history_refresh(struct neph_database *index, const char *store_folder,
                                       struct neph_diag *diag)
 {
+    static const enum neph_document kinds[] = {NEPH_DOCUMENT_NIGHT, NEPH_DOCUMENT_ACCEPTANCE};
     struct neph_arena arena = {NULL};
     struct neph_names names;
     enum neph_status status = neph_history_list(store_folder, &arena, &names, diag);
-    if (!status) /* acceptances are of nights */
-        status = take_documents(index, store_folder, NEPH_DOCUMENT_NIGHT, &names, diag);
-    if (!status)
-        status = take_documents(index, store_folder, NEPH_DOCUMENT_ACCEPTANCE, &names, diag);
+    for (size_t k = 0; k < 2; k++) /* acceptances are of nights */
+        for (int i = 0; i < names.count && !status; i++) {
+            const int64_t number = neph_document_number(names.list[i], kinds[k]);
+            if (number > 0)
+                status = take_document(index, store_folder, kinds[k], number, diag);
+        }
     neph_arena_finish(&arena);
     return status;
 }
@@ -607,19 +597,12 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
     return status;
 }
 
-/* It is accepted without its copy, too. */
-static void write_copy(const char *store_folder, int64_t number, const json_t *document)
-{
-    struct neph_diag why = {.line = 0};
-    if (neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, &why))
-        neph_progress_warn("acceptance %lld has no copy: %s", (long long)number, why.message);
-}
-
 /* Number, document and rows while nobody else writes: of two at once, each has its own. */
 static enum neph_status number_acceptance(struct neph_database *index, const char *store_folder,
                                           json_t *document, struct neph_diag *diag)
 {
     int64_t number = 0;
+    struct neph_diag why = {.line = 0};
     enum neph_status status = neph_database_count(
         index, &number, diag, "SELECT coalesce(max(id), 0) + 1 FROM acceptances", "");
     number = next_number(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number);
@@ -627,8 +610,9 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
         status = neph_json_put(document, "acceptance", json_integer(number), diag);
     if (!status)
         status = write_new_document(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, document, diag);
-    if (!status)
-        write_copy(store_folder, number, document);
+    /* It is accepted without its copy, too. */
+    if (!status && neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, &why))
+        neph_progress_warn("acceptance %lld has no copy: %s", (long long)number, why.message);
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 

@@ -107,43 +107,31 @@ static const struct neph_owned_kind store_kind = {
 
 /* ---- leftovers ------------------------------------------------------------------------------- */
 
-/* Call `visit` with the path of everything in `folder` whose name fits. */
+static bool is_finished(const struct neph_store *store, const char *folder, const char *key)
+{
+    (void)folder;
+    return neph_path_exists(neph_path_in(store->frames.text, key).text);
+}
+
+static bool is_old_rest(const struct neph_store *store, const char *folder, const char *key)
+{
+    struct stat info;
+    return is_finished(store, folder, key) || (stat(neph_path_in(folder, key).text, &info) == 0 &&
+                                               time(NULL) - info.st_mtime > rest_limit_s);
+}
+
+/* Remove the entries of a folder whose name fits and that are over; `is_over` NULL: all are. */
 static void
-visit_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
-              void (*visit)(const struct neph_store *, const char *path, const char *name))
+remove_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
+               bool (*is_over)(const struct neph_store *, const char *folder, const char *name))
 {
     struct neph_arena arena = {NULL};
     struct neph_names names;
     neph_dir_list(folder, &arena, &names, NULL);
     for (int i = 0; i < names.count; i++)
-        if (fits(names.list[i]))
-            visit(store, neph_path_in(folder, names.list[i]).text, names.list[i]);
+        if (fits(names.list[i]) && (!is_over || is_over(store, folder, names.list[i])))
+            neph_dir_remove(neph_path_in(folder, names.list[i]).text, NULL);
     neph_arena_finish(&arena);
-}
-
-static bool is_finished(const struct neph_store *store, const char *key)
-{
-    return neph_path_exists(neph_path_in(store->frames.text, key).text);
-}
-
-static void remove_entry(const struct neph_store *store, const char *path, const char *name)
-{
-    (void)store, (void)name;
-    neph_dir_remove(path, NULL);
-}
-
-static void remove_if_finished(const struct neph_store *store, const char *path, const char *name)
-{
-    if (is_finished(store, name))
-        neph_dir_remove(path, NULL);
-}
-
-static void remove_rest_if_old(const struct neph_store *store, const char *path, const char *name)
-{
-    struct stat info;
-    const bool old = stat(path, &info) == 0 && time(NULL) - info.st_mtime > rest_limit_s;
-    if (old || is_finished(store, name))
-        neph_dir_remove(path, NULL);
 }
 
 static void sweep(const struct neph_store *store)
@@ -151,9 +139,9 @@ static void sweep(const struct neph_store *store)
     neph_scratch_sweep(store->tmp.text, work_prefix);
     neph_file_sweep(store->folder.text);
     neph_file_sweep(store->resting.text);
-    visit_entries(store, store->tmp.text, is_old_work, remove_entry);
-    visit_entries(store, store->failed.text, neph_entry_is_key, remove_if_finished);
-    visit_entries(store, store->resting.text, neph_entry_is_key, remove_rest_if_old);
+    remove_entries(store, store->tmp.text, is_old_work, NULL);
+    remove_entries(store, store->failed.text, neph_entry_is_key, is_finished);
+    remove_entries(store, store->resting.text, neph_entry_is_key, is_old_rest);
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
