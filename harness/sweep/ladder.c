@@ -199,7 +199,8 @@ static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_l
     return any;
 }
 
-/* A light of one pipeline, a preset or NULL; of realtime also with the parts of the air, where there are any. */
+/* A light of one pipeline, a preset or NULL; of realtime also with the parts of the air, where
+ * there are any. */
 static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *preset,
                                  const struct neph_ladder_light *light,
                                  const struct neph_scene *scene, struct neph_diag *diag)
