@@ -84,44 +84,24 @@ static bool fits(const struct neph_usage *usage)
            usage->entries <= NEPH_KEPT_ENTRIES;
 }
 
+static void remove_folders(const char *folder)
+{
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    const bool is_listed = neph_dir_list(folder, &arena, &names, NULL) == NEPH_OK;
+    for (int i = 0; is_listed && i < names.count; i++) {
+        const char *path = neph_arena_format(&arena, "%s/%s", folder, names.list[i]);
+        struct stat info;
+        if (lstat(path, &info) == 0 && S_ISDIR(info.st_mode))
+            neph_dir_remove(path, NULL);
+    }
+    neph_arena_finish(&arena);
+}
+
 struct file {
-    const char *name;
+    const char *path;
     int64_t bytes;
 };
-
-struct files {
-    struct neph_arena arena;
-    struct file *list;
-    int count, room;
-};
-
-static bool add_file(struct files *files, const char *name, int64_t bytes)
-{
-    const char *copy = neph_arena_text(&files->arena, name);
-    files->list = neph_arena_grown(&files->arena, files->list, files->count, &files->room,
-                                   sizeof(*files->list));
-    if (files->arena.is_short)
-        return false;
-    files->list[files->count++] = (struct file){copy, bytes};
-    return true;
-}
-
-/* List the files of `folder` itself. */
-static bool list_files(const char *folder, struct files *files)
-{
-    DIR *directory = opendir(folder);
-    bool is_listed = directory != NULL;
-    for (const struct dirent *entry; is_listed && (entry = readdir(directory));) {
-        struct stat info;
-        if (is_entry(entry->d_name) &&
-            fstatat(dirfd(directory), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
-            !S_ISDIR(info.st_mode))
-            is_listed = add_file(files, entry->d_name, (int64_t)info.st_blocks * BLOCK_BYTES);
-    }
-    if (directory)
-        closedir(directory);
-    return is_listed;
-}
 
 static int by_size(const void *a, const void *b)
 {
@@ -129,34 +109,27 @@ static int by_size(const void *a, const void *b)
     return (first < second) - (first > second);
 }
 
-static void remove_folders(const char *folder)
-{
-    DIR *directory = opendir(folder);
-    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
-        char *path = is_entry(entry->d_name) ? neph_path_join(folder, entry->d_name) : NULL;
-        struct stat info;
-        if (path && lstat(path, &info) == 0 && S_ISDIR(info.st_mode))
-            neph_dir_remove(path, NULL);
-        free(path);
-    }
-    if (directory)
-        closedir(directory);
-}
-
 static void remove_largest(const char *folder, struct neph_usage *usage)
 {
-    struct files files = {.list = NULL};
-    if (list_files(folder, &files))
-        qsort(files.list, (size_t)files.count, sizeof(*files.list), by_size);
-    for (int i = 0; i < files.count && !fits(usage) && files.list; i++) {
-        char *path = neph_path_join(folder, files.list[i].name);
-        if (path && unlink(path) == 0) {
-            usage->bytes -= files.list[i].bytes;
+    struct neph_arena arena = {NULL};
+    struct neph_names names;
+    const bool is_listed = neph_dir_list(folder, &arena, &names, NULL) == NEPH_OK;
+    struct file *files = neph_arena_zeroed(&arena, (size_t)names.count, sizeof(*files));
+    int count = 0;
+    for (int i = 0; is_listed && files && i < names.count; i++) {
+        const char *path = neph_arena_format(&arena, "%s/%s", folder, names.list[i]);
+        struct stat info;
+        if (lstat(path, &info) == 0 && !S_ISDIR(info.st_mode))
+            files[count++] = (struct file){path, (int64_t)info.st_blocks * BLOCK_BYTES};
+    }
+    if (count > 0)
+        qsort(files, (size_t)count, sizeof(*files), by_size);
+    for (int i = 0; i < count && !fits(usage); i++)
+        if (unlink(files[i].path) == 0) {
+            usage->bytes -= files[i].bytes;
             usage->entries--;
         }
-        free(path);
-    }
-    neph_arena_finish(&files.arena);
+    neph_arena_finish(&arena);
 }
 
 static void leave_note(const char *folder, const struct neph_usage *before)

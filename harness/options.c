@@ -18,6 +18,10 @@ _Static_assert(NEPH_CLI_KIND_COUNT == 12, "a new kind");
 enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
 
 static const struct neph_cli_option shared_options[] = {
+    {"blender", 0, "PATH",
+     "Blender of engine cycles in place of NEPH_BLENDER: a program, or the folder of an unpacked "
+     "archive; further ones, behind colons, are further engines",
+     NEPH_CLI_WORD, .at = offsetof(struct neph_cli_shared, blender)},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
     {"engine", 'e', "NAME", "Engine; `neph engines` lists them", NEPH_CLI_WORD,
@@ -324,6 +328,9 @@ void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv,
                               .doc = syntax->doc,
                               .help_filter = describe};
     run_argp(&argp, argc, argv, &parse);
+    const struct neph_cli_shared *shared = request;
+    if (shared->blender && setenv("NEPH_BLENDER", shared->blender, 1) != 0)
+        fprintf(stderr, "neph: --blender is ignored: %s\n", strerror(errno));
 }
 
 bool neph_cli_only_operand(struct neph_cli_shared *shared, int index)

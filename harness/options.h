@@ -75,7 +75,7 @@ struct neph_cli_option {
 struct neph_cli_shared {
     const char *const *operands; /* of argv */
     int operand_count;
-    const char *engine, *output, *csv, *markdown;
+    const char *engine, *blender, *output, *csv, *markdown;
     struct neph_cli_words settings;
     struct neph_cli_size size;
     int time_limit_s, jobs;

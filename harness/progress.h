@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-enum { NEPH_PROGRESS_KINDS = 48 };
+enum { NEPH_PROGRESS_KINDS = 64 };
 
 struct neph_progress {
     bool quiet, terminal;

@@ -100,8 +100,8 @@ struct neph_extractor {
     /* Beyond what all is alike to it, but to its metrics in the unit of the quantity. NULL hook:
      * NEPH_BOUND_NONE. */
     enum neph_display_bound (*bound)(const struct neph_settings *settings);
-    /* `state` is zeroed memory of state_size; `first` lives for this call only. NULL hook: nothing is
-     * to be set up. */
+    /* `state` is zeroed memory of state_size; `first` lives for this call only. NULL hook: there is
+     * nothing to set up. */
     enum neph_status (*init)(void *state, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag);
     /* Look at a frame. What `rows` needs of a frame of an extractor that is not temporal may be

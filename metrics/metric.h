@@ -125,8 +125,8 @@ const struct neph_quantity *neph_quantity_find(const char *name);
 bool neph_quantity_planes(const struct neph_quantity *quantity, const struct neph_image *image,
                           const float *planes[3]);
 
-/* Mean luminance (depth: mean over what is not the sky) of a whole frame of `width_px` to a row; NaN
- * when it is not positive and finite. */
+/* Mean luminance (depth: mean over all but the sky) of a whole frame; NaN when it is not positive
+ * and finite. */
 double neph_quantity_mean(const struct neph_quantity *quantity, const float *const planes[3],
                           int width_px, int height_px);
 
@@ -139,7 +139,7 @@ static inline double neph_luminance(double r, double g, double b)
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 }
 
-/* Of a pixel of three planes. */
+/* Luminance of a pixel of three planes. */
 static inline double neph_luminance_at(const float *const planes[3], size_t pixel)
 {
     return neph_luminance((double)planes[0][pixel], (double)planes[1][pixel],

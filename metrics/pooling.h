@@ -19,7 +19,7 @@ struct neph_pool_mask {
     struct neph_resampling resampling; /* of the last interval over it; owned */
 };
 
-/* In the arena, but for the resampling, which ends with neph_resampling_finish(). NEPH_ERR_MEMORY. */
+/* The arena has the counts; the resampling ends with neph_resampling_finish(). NEPH_ERR_MEMORY. */
 enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph_arena *memory,
                                        struct neph_pool_mask *pooled, struct neph_diag *diag);
 

@@ -102,7 +102,7 @@ static enum neph_status blame(const struct neph_kernel *kernel, enum neph_status
     char constants[512] = "";
     size_t length = 0;
     for (int i = 0; i < kernel->params.constant_count && length + 24 < sizeof(constants); i++)
-        if (neph_shader_has_constant(kernel->params.code, i))
+        if (neph_shader_constant_bits(kernel->params.code, i))
             length += (size_t)snprintf(constants + length, sizeof(constants) - length, " %d:%u", i,
                                        kernel->params.constants[i]);
     neph_prefix(diag, "shader %s with the constants%s: ", kernel->params.name, constants);
@@ -216,16 +216,16 @@ enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct nep
 
 /* --- all of a device ---------------------------------------------------------------------- */
 
-/* Texels are a CPU's. Constants that the shader does not have become 0: they make no other kernel.
- */
+/* Texels are a CPU's. Bits of constants that the shader does not read become 0: they make no other
+ * kernel. */
 static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
                                             const struct neph_kernel_params *params)
 {
     struct neph_kernel_params own = *params;
     own.texels_count = vulkan->description.is_cpu ? params->texels_count : 0;
     for (int i = 0; i < NEPH_KERNEL_CONSTANTS_MAX; i++)
-        if (i >= params->constant_count || !neph_shader_has_constant(params->code, i))
-            own.constants[i] = 0;
+        own.constants[i] &= i < params->constant_count ? neph_shader_constant_bits(params->code, i)
+                                                       : 0u;
     return own;
 }
 

@@ -8,12 +8,11 @@
 
 #include "base/status.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Whether the shader has the specialization constant of this number. */
-bool neph_shader_has_constant(const uint32_t *code, int constant);
+/* The bits of a specialization constant that the shader reads; 0: it does not have the constant. */
+uint32_t neph_shader_constant_bits(const uint32_t *code, int constant);
 
 /* Its SPIR-V. For the caller to free. NEPH_ERR_INTERNAL: `code` is not what pack_shader.py
  * writes. */

@@ -57,71 +57,33 @@ double neph_injected_exposure_at(const struct neph_injections *injections, int f
 
 /* --- in words -------------------------------------------------------------------------------- */
 
-static void put_history(FILE *out, const char *before, const struct neph_injected_history *history)
-{
-    fprintf(out, "%shistory %s%s at %d", before, neph_injected_value_name(history->value),
-            history->first ? " as if first" : "", history->frame);
-}
-
-static void put_rays(FILE *out, const char *before, const struct neph_injected_rays *rays)
-{
-    fprintf(out, "%srays %d %s at %d", before, rays->count, neph_injected_value_name(rays->value),
-            rays->frame);
-}
-
-static void put_size(FILE *out, const char *before, const struct neph_injected_size *size)
-{
-    fprintf(out, "%ssize by %.17g at %d", before, size->scale, size->frame);
-}
-
-static void put_view(FILE *out, const char *before, const struct neph_injected_view *view)
-{
-    fprintf(out, "%sview within %d %d %d %d px of %s", before, view->left_px, view->top_px,
-            view->right_px, view->bottom_px, neph_injected_value_name(view->value));
-}
-
-static void put_mirror(FILE *out, const char *before, const struct neph_injected_mirror *mirror)
-{
-    fprintf(out, "%smirror at %.17g m in %d from %d", before, mirror->height_m, mirror->count,
-            mirror->frame);
-}
-
-static void put_origin(FILE *out, const char *before, const struct neph_injected_origin *origin)
-{
-    fprintf(out, "%sorigin by %.17g %.17g %.17g m at %d", before, origin->by_m.x, origin->by_m.y,
-            origin->by_m.z, origin->frame);
-}
-
-static void put_exposure(FILE *out, const char *before,
-                         const struct neph_injected_exposure *exposure)
-{
-    fprintf(out, "%sexposure by %.17g at %d", before, exposure->factor, exposure->frame);
-}
-
-static bool has_view(const struct neph_injected_view *view)
-{
-    return view->left_px + view->top_px + view->right_px + view->bottom_px > 0;
-}
-
-static void put_all(FILE *out, const struct neph_injections *injections)
+static void put_all(FILE *out, const struct neph_injections *all)
 {
     const char *before = "";
-    for (int i = 0; i < injections->history_count; i++, before = ", ")
-        put_history(out, before, &injections->histories[i]);
-    for (int i = 0; i < injections->ray_count; i++, before = ", ")
-        put_rays(out, before, &injections->rays[i]);
-    for (int i = 0; i < injections->size_count; i++, before = ", ")
-        put_size(out, before, &injections->sizes[i]);
-    for (int i = 0; i < injections->origin_count; i++, before = ", ")
-        put_origin(out, before, &injections->origins[i]);
-    for (int i = 0; i < injections->exposure_count; i++, before = ", ")
-        put_exposure(out, before, &injections->exposures[i]);
-    if (has_view(&injections->view)) {
-        put_view(out, before, &injections->view);
+    for (int i = 0; i < all->history_count; i++, before = ", ")
+        fprintf(out, "%shistory %s%s at %d", before,
+                neph_injected_value_name(all->histories[i].value),
+                all->histories[i].first ? " as if first" : "", all->histories[i].frame);
+    for (int i = 0; i < all->ray_count; i++, before = ", ")
+        fprintf(out, "%srays %d %s at %d", before, all->rays[i].count,
+                neph_injected_value_name(all->rays[i].value), all->rays[i].frame);
+    for (int i = 0; i < all->size_count; i++, before = ", ")
+        fprintf(out, "%ssize by %.17g at %d", before, all->sizes[i].scale, all->sizes[i].frame);
+    for (int i = 0; i < all->origin_count; i++, before = ", ")
+        fprintf(out, "%sorigin by %.17g %.17g %.17g m at %d", before, all->origins[i].by_m.x,
+                all->origins[i].by_m.y, all->origins[i].by_m.z, all->origins[i].frame);
+    for (int i = 0; i < all->exposure_count; i++, before = ", ")
+        fprintf(out, "%sexposure by %.17g at %d", before, all->exposures[i].factor,
+                all->exposures[i].frame);
+    const struct neph_injected_view *view = &all->view;
+    if (view->left_px + view->top_px + view->right_px + view->bottom_px > 0) {
+        fprintf(out, "%sview within %d %d %d %d px of %s", before, view->left_px, view->top_px,
+                view->right_px, view->bottom_px, neph_injected_value_name(view->value));
         before = ", ";
     }
-    if (injections->mirror.count > 0)
-        put_mirror(out, before, &injections->mirror);
+    if (all->mirror.count > 0)
+        fprintf(out, "%smirror at %.17g m in %d from %d", before, all->mirror.height_m,
+                all->mirror.count, all->mirror.frame);
 }
 
 char *neph_injections_text(const struct neph_injections *injections)

@@ -3,16 +3,21 @@
 
 Run inside an empty folder as
     blender -b --factory-startup --python-exit-code 7 --python blender_render.py -- spec.json
-It writes <pass>.exr for every pass of the spec and timing.json. With a second argument
-`--save NAME.blend` it saves the scenes for a person to open and renders nothing.
+It writes <pass>.exr for every pass of the spec, about.json (what this Blender has) and timing.json.
+With a second argument `--save NAME.blend` it saves the scenes for a person to open and renders
+nothing.
 
-The spec comes from harness/engines/cycles.c. It is data: its strings are compared with the words
-known here and are never executed, imported or used as a path.
+Written for Blender 3.4, 4.3 and 5.2. Where they differ it looks for the property or the choice that
+only some of them have, and never for a number of a version. Every setting is read back: Blender
+takes an unknown name, or cuts a value, without a word.
 
-Laws of Cycles 3.4 that this file relies on, all measured (tests/harness/test_cycles.c):
+The spec comes from harness/engines/cycles_spec.c. It is data: its strings are compared with the
+words known here and are never executed, imported or used as a path.
+
+Laws of Cycles that this file relies on, all measured (tests/harness/test_cycles.c):
 - World (x, y, z) is Blender's (x, -z, y).
 - A closure whose weight is below 1e-5 per Blender unit is dropped: thin air would not scatter. So
-  a unit is not a metre but `unit_m`, chosen by cycles.c to make the numbers large; the origin is
+  a unit is not a metre but `unit_m`, chosen by cycles_spec.c to make numbers large; the origin is
   at `origin_m`, the camera, where single precision is finest. Radiances do not change with either.
 - VolumeScatter(color c, density s) has sigma_s = c s and no absorption; VolumeAbsorption(c, s) has
   sigma_a = (1 - c) s. With c = albedo and s = sigma_t their sum is a grey medium.
@@ -21,15 +26,18 @@ Laws of Cycles 3.4 that this file relies on, all measured (tests/harness/test_cy
   uneven media scattering came out 10 % too low and the background 11 % too bright. So such media
   are rendered channel by channel.
 - A volume file's voxels are trilinear between the places half a voxel beyond what OpenVDB means,
-  clipped to the active ones; cycles.c writes files that undo both (NEPH_VDB_BLENDER).
+  clipped to the active ones; cycles_frame.c writes files that undo both (NEPH_VDB_BLENDER).
 - Emission(color c, strength s) of a volume adds c s of radiance per unit, exactly within each step.
   Seen by a camera ray it goes to the pass Emit, met by a later ray of a path to the pass of what
   that ray left, and is met even where bounces are at their end. So where light is to be scattered
   once or not at all, emission has a picture of its own, of media that only absorb.
 - A sun of angle 0 and energy E gives the irradiance E across its direction.
 - A point or spot light of radius 0 and power P has the radiant intensity P / (4 pi). Of a spot it
-  falls as cos * smoothstep(cos outer, cos inner, cos), `spot_blend` being the part of 1 - cos
-  outer. Its nodes divide by the cosine, which is the Z of its normal in its own axes.
+  falls as smoothstep(cos outer, cos inner, cos), `spot_blend` being the part of 1 - cos outer; in
+  3.4 times the cosine. There its nodes divide by the cosine, the Z of its normal in its own axes.
+- From 5.0 on a heterogeneous volume is drawn without steps and without bias (null scattering),
+  unless `volume_biased` is on; then, and in all versions before, as follows. Images of one sample
+  (transmittance, emission) are always marched: without steps one sample is 0 or 1.
 - A ray through a heterogeneous volume takes steps of 0.1 * mean edge of the bounding box *
   step rate of the scene * step rate of the material. A ray that would need more than
   volume_max_steps takes longer ones, and loses half a step at its end.
@@ -48,7 +56,7 @@ import time
 import bpy
 from mathutils import Matrix, Vector
 
-FORMAT = 4  # of the spec; raised together with cycles.c
+FORMAT = 5  # of the spec; raised together with cycles_spec.c
 
 # The largest that Blender takes. The furnace reads 1.00000 with it (0.967 with Cycles' default of
 # 12) at optical depths of 16; some of the light that leaves a medium of 64 has scattered more
@@ -86,6 +94,66 @@ CYCLES_SETTINGS = {
     "min_light_bounces": ALL_BOUNCES,  # no Russian roulette before
     "min_transparent_bounces": ALL_BOUNCES,
 }
+
+
+# -- Versions --------------------------------------------------------------------------------------
+
+
+def has(thing, name: str) -> bool:
+    return name in thing.bl_rna.properties
+
+
+def choices(thing, name: str) -> list[str]:
+    """Of a property that is a choice; without it there are none."""
+    return [item.identifier for item in thing.bl_rna.properties[name].enum_items] if has(
+        thing, name) else []
+
+
+def put(thing, name: str, value) -> None:
+    """Set a property that must be there and must keep the value."""
+    if not has(thing, name):
+        raise AttributeError(f"Blender {bpy.app.version_string} has no setting '{name}' of "
+                             f"{thing.bl_rna.identifier}")
+    setattr(thing, name, value)
+    kept = getattr(thing, name)
+    if isinstance(value, float):
+        is_kept = abs(kept - value) <= 1e-6 * abs(value)
+    else:
+        is_kept = kept == value
+    if not is_kept:
+        raise ValueError(f"Blender {bpy.app.version_string} made {kept} of '{name}' = {value}")
+
+
+def stored_settings(material):
+    """The material's settings of Cycles as they are stored, without the properties' ranges."""
+    if hasattr(material, "bl_system_properties_get"):
+        return material.bl_system_properties_get(do_create=True)["cycles"]
+    return material["cycles"]
+
+
+def volume_phases() -> list[str]:
+    """The phase functions that a volume's node has; up to Blender 4.2 it has no choice."""
+    material = bpy.data.materials.new("phases")
+    node = Nodes(material).add("ShaderNodeVolumeScatter")
+    words = choices(node, "phase") or ["HENYEY_GREENSTEIN"]
+    bpy.data.materials.remove(material)
+    return words
+
+
+def spot_cosine():
+    """Whether a spot's light falls with the cosine, too; None: not measured in this version. No
+    property tells."""
+    return True if bpy.app.version[:2] == (3, 4) else False if bpy.app.version >= (4, 3) else None
+
+
+def about() -> dict:
+    """What this Blender has, for harness/engines/cycles_probe.c."""
+    return {
+        "version": list(bpy.app.version),
+        "has_unbiased": has(bpy.context.scene.cycles, "volume_biased"),
+        "phases": volume_phases(),
+        "has_spots": spot_cosine() is not None,
+    }
 
 
 def file_root() -> str:
@@ -198,6 +266,17 @@ def add_emission(nodes: Nodes, shader, emission, density):
     return both.outputs[0]
 
 
+def set_phase(nodes: Nodes, scatter, medium: dict) -> None:
+    if medium["phase"] not in ("HENYEY_GREENSTEIN", "RAYLEIGH"):
+        raise ValueError("unknown phase function")
+    if has(scatter, "phase"):
+        put(scatter, "phase", medium["phase"])
+    elif medium["phase"] != "HENYEY_GREENSTEIN":
+        raise ValueError(f"Blender {bpy.app.version_string} has no phase function of Rayleigh")
+    if medium["phase"] == "HENYEY_GREENSTEIN":
+        nodes.set(scatter, "Anisotropy", medium["g"])
+
+
 def medium_material(medium: dict, color, emission, scatters: bool, units: Units):
     """sigma_t = color * density and sigma_s = albedo * sigma_t, where the densities of the two
     nodes stand for the brightest channel and their colours are within 0..1. The emission is per
@@ -215,9 +294,8 @@ def medium_material(medium: dict, color, emission, scatters: bool, units: Units)
     passed = tuple(1.0 - (c - s) for c, s in zip(color, scattering))
     shader = nodes.add("ShaderNodeVolumeAbsorption", Color=passed, Density=density).outputs[0]
     if max(scattering) > 0.0:
-        scatter = nodes.add(
-            "ShaderNodeVolumeScatter", Color=scattering, Density=density, Anisotropy=medium["g"]
-        )
+        scatter = nodes.add("ShaderNodeVolumeScatter", Color=scattering, Density=density)
+        set_phase(nodes, scatter, medium)
         both = nodes.add("ShaderNodeAddShader")
         nodes.tree.links.new(shader, both.inputs[0])
         nodes.tree.links.new(scatter.outputs[0], both.inputs[1])
@@ -232,8 +310,11 @@ def medium_material(medium: dict, color, emission, scatters: bool, units: Units)
 def set_step(material, medium: dict, step_m: float) -> None:
     """Written past the property, which stops at 0.001 (a step of 14 m in a box of 100 km)."""
     edges_m = [b - a for a, b in zip(medium["min_m"], medium["max_m"])]
+    rate = step_m / (0.1 * sum(edges_m) / 3.0)
     material.cycles.volume_step_rate = 1.0
-    material["cycles"]["volume_step_rate"] = step_m / (0.1 * sum(edges_m) / 3.0)
+    stored_settings(material)["volume_step_rate"] = rate
+    if abs(material.cycles.volume_step_rate - rate) > 1e-6 * rate:
+        raise ValueError(f"Blender {bpy.app.version_string} keeps no step rate of {rate}")
 
 
 def picture_of(texture: dict):
@@ -284,7 +365,11 @@ def solid_material(look: str, is_light: bool):
     nodes = Nodes(material)
     if is_light:
         shader = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0), Strength=1.0).outputs[0]
-        material.cycles.sample_as_light = False
+        # It is seen and lights nothing.
+        if has(material.cycles, "emission_sampling"):
+            put(material.cycles, "emission_sampling", "NONE")
+        else:
+            put(material.cycles, "sample_as_light", False)
     else:
         albedo, surface = json.loads(look)
         shader = surface_shader(nodes, tuple(albedo), surface)
@@ -472,14 +557,19 @@ def add_lamp(scene, lamp: dict, units: Units) -> None:
         light.spot_blend = (inner - outer) / (1.0 - outer)
         thing.rotation_mode = "QUATERNION"
         thing.rotation_quaternion = axes_to_blender(cone["axis"]).to_track_quat("-Z", "Y")
-        nodes = Nodes(light)
-        normal = nodes.add("ShaderNodeTexCoord").outputs["Normal"]
-        along = nodes.add("ShaderNodeSeparateXYZ", Vector=normal).outputs["Z"]
-        cosine = nodes.math("ABSOLUTE", along)
-        emitter = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0),
-                            Strength=nodes.math("DIVIDE", 1.0, cosine))
-        output = nodes.add("ShaderNodeOutputLight")
-        nodes.tree.links.new(emitter.outputs[0], output.inputs["Surface"])
+        if spot_cosine():
+            divide_by_cosine(light)
+
+
+def divide_by_cosine(light) -> None:
+    nodes = Nodes(light)
+    normal = nodes.add("ShaderNodeTexCoord").outputs["Normal"]
+    along = nodes.add("ShaderNodeSeparateXYZ", Vector=normal).outputs["Z"]
+    cosine = nodes.math("ABSOLUTE", along)
+    emitter = nodes.add("ShaderNodeEmission", Color=(1.0, 1.0, 1.0),
+                        Strength=nodes.math("DIVIDE", 1.0, cosine))
+    output = nodes.add("ShaderNodeOutputLight")
+    nodes.tree.links.new(emitter.outputs[0], output.inputs["Surface"])
 
 
 def add_camera(scene, camera: dict, units: Units) -> None:
@@ -509,7 +599,11 @@ def add_camera(scene, camera: dict, units: Units) -> None:
 def set_cycles(scene, spec: dict, render_pass: dict) -> None:
     scene.render.engine = "CYCLES"
     for name, value in CYCLES_SETTINGS.items():
-        setattr(scene.cycles, name, value)
+        put(scene.cycles, name, value)
+    if has(scene.cycles, "volume_biased"):
+        put(scene.cycles, "volume_biased", not render_pass["is_unbiased"])
+    elif render_pass["is_unbiased"]:
+        raise ValueError(f"Blender {bpy.app.version_string} has volumes in steps only")
     multiple = spec["scattering"] == "multiple" and render_pass["kind"] == "radiance"
     scene.cycles.diffuse_bounces = ALL_BOUNCES if multiple else 0
     scene.cycles.volume_bounces = ALL_BOUNCES if multiple else 0
@@ -531,9 +625,14 @@ def set_output(scene, spec: dict, path: str) -> None:
     render.use_compositing = render.use_sequencer = False
     render.threads_mode = "FIXED"
     render.threads = spec["threads"]
-    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-    render.image_settings.color_depth = "32"
-    render.image_settings.exr_codec = "ZIP"
+    image = render.image_settings
+    if "MULTI_LAYER_IMAGE" in choices(image, "media_type"):
+        put(image, "media_type", "MULTI_LAYER_IMAGE")
+    image.file_format = "OPEN_EXR_MULTILAYER"
+    image.color_depth = "32"
+    image.exr_codec = "ZIP"
+    if has(image, "use_exr_interleave"):  # else it has a part for each layer
+        put(image, "use_exr_interleave", True)
     render.use_file_extension = True
     render.filepath = path
     scene.view_settings.view_transform = "Raw"
@@ -618,6 +717,8 @@ def main(arguments: list[str]) -> None:
         bpy.data.scenes.remove(empty)
         bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments[2]))
         return
+    with open("about.json", "w", encoding="utf-8") as file:
+        json.dump(about(), file)
     seconds = {scene.name: render(scene) for scene in scenes}
     with open("timing.json", "w", encoding="utf-8") as file:
         json.dump(seconds, file)

@@ -146,7 +146,7 @@ static void assert_every_failure_is_told(const char *name, allocation_user *work
     const int count = atomic_load(&allocation_plan()->done);
     if (count == 0)
         fail_msg("%s allocates nothing", name);
-    assert_in_range(count, 1, ALLOCATIONS_MAX);
+    neph_assert_in_range(count, 1, ALLOCATIONS_MAX);
     int failed = 0;
     for (int k = 0; k < 2 * count; k++) {
         if (is_repeated(k / 2, count))

@@ -37,6 +37,21 @@ static inline void neph_assert_close_at(double actual, double expected, double r
     _fail(file, line);
 }
 
+/* minimum <= value <= maximum. cmocka's assert_in_range() is deprecated from 2.0 on, and what takes
+ * its place is not in 1.1. */
+#define neph_assert_in_range(value, minimum, maximum)                                              \
+    neph_assert_in_range_at((intmax_t)(value), (intmax_t)(minimum), (intmax_t)(maximum), #value,   \
+                            __FILE__, __LINE__)
+
+static inline void neph_assert_in_range_at(intmax_t value, intmax_t minimum, intmax_t maximum,
+                                           const char *text, const char *file, int line)
+{
+    if (minimum <= value && value <= maximum)
+        return;
+    print_error("%s = %jd is not in %jd..%jd\n", text, value, minimum, maximum);
+    _fail(file, line);
+}
+
 /* Passes when the status is NEPH_OK; prints the diagnostic otherwise. */
 #define neph_assert_ok(status, diag) neph_assert_ok_at((status), (diag), __FILE__, __LINE__)
 
@@ -80,15 +95,15 @@ static inline void neph_test_waits_for_the_night(void)
  * a table of cases that differ in their numbers alone (11 has no factor in common with the 2, 3, 4,
  * 5 that tests cycle through): what sanitizers find shows in any of them. Whether the numbers are
  * right is for the release build to say, by day with a third of the paths, by night with all.
- * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is for
- * all paths, and neph_test_noise() is what it is for these. */
+ * Tolerances in standard errors of the estimate follow by themselves; a bound on those errors is
+ * for all paths, and neph_test_noise() is what it is for these. */
 #ifdef NEPH_SANITIZED
 enum { NEPH_TEST_EVERY = 11 };
 #else
 enum { NEPH_TEST_EVERY = 1 };
 #endif
 
-/* Of how many paths one is drawn. */
+/* One of so many paths is drawn. */
 static inline int neph_test_path_step(void)
 {
     return NEPH_TEST_EVERY > 1 ? NEPH_TEST_EVERY : neph_test_by_day(3, 1);

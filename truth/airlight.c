@@ -94,14 +94,6 @@ static void source(double x, void *context, double value[3])
     value[2] = through(scattered.b, depth.b);
 }
 
-static bool is_rough(const struct neph_scene *scene)
-{
-    for (int m = 0; m < scene->medium_count; m++)
-        if (neph_medium_facts(scene->media[m].kind)->has_kinks)
-            return true;
-    return false;
-}
-
 /* The pieces within a zone, by what it counts by. */
 static int pieces_of_zone(const struct airlight *a, struct neph_interval *places)
 {
@@ -127,9 +119,8 @@ static double add_zone(struct airlight *a, struct neph_rgb *radiance)
     const int count = pieces_of_zone(a, places);
     if (count == 0)
         return 0.0;
-    double error = is_rough(a->pieces->scene)
-                       ? neph_integrate_rough(source, a, places, count, rough_tolerance, result)
-                       : neph_integrate(source, a, places, count, result);
+    const double error = neph_pieces_integrate(a->pieces->scene, source, a, places, count,
+                                               rough_tolerance, result);
     const double per = a->zone == NEAR ? 1.0 / a->height_m : 1.0;
     *radiance = neph_rgb_add(
         *radiance, neph_rgb_scale((struct neph_rgb){result[0], result[1], result[2]}, per));

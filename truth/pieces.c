@@ -32,3 +32,14 @@ struct neph_rgb neph_pieces_depth_to(const struct neph_pieces *pieces, double t_
     return neph_rgb_add(pieces->depth_before[low],
                         depth_between(pieces, pieces->at_m[low].low, t_m));
 }
+
+double neph_pieces_integrate(const struct neph_scene *scene, neph_integrand *integrand,
+                             void *context, const struct neph_interval *pieces, int piece_count,
+                             double rough_tolerance, double result[3])
+{
+    for (int m = 0; m < scene->medium_count; m++)
+        if (neph_medium_facts(scene->media[m].kind)->has_kinks)
+            return neph_integrate_rough(integrand, context, pieces, piece_count, rough_tolerance,
+                                        result);
+    return neph_integrate(integrand, context, pieces, piece_count, result);
+}

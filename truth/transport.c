@@ -124,25 +124,14 @@ static void source(double t_m, void *context, double value[3])
     value[2] = light.b > 0.0 ? scattered.b * light.b : 0.0;
 }
 
-/* Whether the integrand may have kinks inside the pieces. */
-static bool is_rough(const struct neph_scene *scene)
-{
-    for (int m = 0; m < scene->medium_count; m++)
-        if (neph_medium_facts(scene->media[m].kind)->has_kinks)
-            return true;
-    return false;
-}
-
 static double integrate_pieces(neph_integrand *integrand, struct work *work,
                                struct neph_rgb *volume)
 {
     double result[3];
     struct neph_pieces *pieces = &work->pieces;
     neph_pieces_sum_depths(pieces);
-    const double error = is_rough(work->ray->scene)
-                             ? neph_integrate_rough(integrand, work, pieces->at_m, pieces->count,
-                                                    rough_tolerance, result)
-                             : neph_integrate(integrand, work, pieces->at_m, pieces->count, result);
+    const double error = neph_pieces_integrate(work->ray->scene, integrand, work, pieces->at_m,
+                                               pieces->count, rough_tolerance, result);
     *volume = (struct neph_rgb){result[0], result[1], result[2]};
     return error;
 }

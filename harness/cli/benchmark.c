@@ -55,8 +55,9 @@ struct both {
 
 static const struct neph_cli_option options[] = {
     {"engines", 'e', "A,B",
-     "Engines; of those with noise the first is the one that the others are measured by",
-     NEPH_CLI_WORD, .at = offsetof(struct request, engines), .otherwise = "tracer,cycles"},
+     "Engines; of those with noise the first is the one that the others are measured by (default: "
+     "tracer and the Cycles of each Blender)",
+     NEPH_CLI_WORD, .at = offsetof(struct request, engines)},
     {"frames", 0, "N",
      "How many pictures of march*, realtime and screen are timed, in 10 s at most (default: 200)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .minimum = 1,
@@ -85,6 +86,7 @@ static const struct neph_cli_option options[] = {
     {"no-ceilings", 0, NULL,
      "Do not measure what the device can do at most, which takes a GPU 15 s: no shares of it",
      NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
+    {.name = "blender"},
     {.name = "output", .help = "Folder for scratch files", .otherwise = "out"},
     {.name = "json"},
     {.name = "quiet"},
@@ -294,12 +296,28 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
     return status;
 }
 
+/* The tracer, and as many Blenders as there is room for. */
+static void list_default(char names[256])
+{
+    int count, room = NEPH_BENCHMARK_ENGINES_MAX - 1;
+    const struct neph_engine *const *engines = neph_engines(&count);
+    snprintf(names, 256, "tracer");
+    for (int i = 0; i < count; i++) {
+        const size_t length = strlen(names);
+        if (neph_engine_is(engines[i], "cycles") && room-- > 0)
+            snprintf(names + length, 256 - length, ",%s", engines[i]->name);
+    }
+}
+
 static enum neph_status fill_both(const struct request *request, struct neph_shared_device *device,
                                   struct neph_diag *diag)
 {
     struct both *both = request->both;
     char names[256];
-    snprintf(names, sizeof(names), "%s", request->engines);
+    if (request->engines)
+        snprintf(names, sizeof(names), "%s", request->engines);
+    else
+        list_default(names);
     char *rest = names;
     enum neph_status status = NEPH_OK;
     for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))

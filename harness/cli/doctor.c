@@ -11,12 +11,14 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/fly/window.h"
 #include "harness/host.h"
+#include "harness/packages.h"
 #include "scenes/volume_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static const struct neph_cli_option options[] = {
+    {.name = "blender"},
     {.name = "json"},
     {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},
@@ -49,20 +51,72 @@ static bool has_confinement(const char *name)
 static const struct {
     const char *program;
     bool (*is_there)(const char *program);
-    const char *needed_for, *install_line;
+    const char *needed_for;
+    struct neph_packages packages; /* that have it; {NULL}: */
+    const char *otherwise;         /* what else gets it, or what more is to be done */
 } tools[] = {
-    {"neph-vdb", has_openvdb, "OpenVDB files, and voxels in cycles",
+    {"neph-vdb",
+     has_openvdb,
+     "OpenVDB files, and voxels in cycles",
+     {NULL},
      "copy it from the build folder into that of neph, or let NEPH_VDB name it"},
-    {"node", neph_child_program_exists, "static charts in the report",
-     "apt-get install nodejs npm"},
-    {"chromium", neph_child_program_exists, "the browser test of the report",
-     "apt-get install chromium"},
-    {"sbatch", neph_child_program_exists, "nights by Slurm", "apt-get install slurm-client"},
-    {"confine", has_confinement, "user engines, which then change files in their folder only",
+    {"node",
+     neph_child_program_exists,
+     "static charts in the report",
+     {"nodejs npm", "nodejs npm", "nodejs npm"},
+     ""},
+    {"chromium",
+     neph_child_program_exists,
+     "the browser test of the report",
+     {"chromium", "chromium", "chromium"},
+     ""},
+    {"sbatch",
+     neph_child_program_exists,
+     "nights by Slurm",
+     {"slurm-client", "slurm", "slurm-llnl"},
+     ""},
+    {"confine",
+     has_confinement,
+     "user engines, which then change files in their folder only",
+     {NULL},
      "a Linux kernel of 5.13 or later with Landlock, and user namespaces that users may make; "
      "docs/command.md says what a user engine can change without"},
-    {"SDL 2", has_windows, "neph fly", "apt-get install libsdl2-dev, and build neph again"},
+    {"SDL 2",
+     has_windows,
+     "neph fly",
+     {"libsdl2-dev", "SDL2-devel", "sdl2"},
+     ", and build neph again"},
 };
+
+static void how_to_get(size_t tool, char line[512])
+{
+    char command[256] = "";
+    if (tools[tool].packages.debian)
+        neph_install_line(&tools[tool].packages, command, sizeof(command));
+    snprintf(line, 512, "%s%s", command, tools[tool].otherwise);
+}
+
+static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    return json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s}", "name", engine->name,
+                     "available", info->available, "broken", info->broken, "version", info->version,
+                     "device", info->device, "missing", info->missing, "install_line",
+                     info->install_line, "can", info->can, "warning", info->warning);
+}
+
+static void print_engine(const struct neph_engine *engine, const struct neph_engine_info *info)
+{
+    if (info->available)
+        printf("ok       %-10s %s; %s%s%s\n", engine->name, info->version, info->device,
+               info->can[0] ? "; " : "", info->can);
+    else if (info->broken)
+        printf("broken   %-10s %s\n", engine->name, info->missing);
+    else
+        printf("missing  %-10s %s\n         get it:   %s\n", engine->name, info->missing,
+               info->install_line);
+    if (info->warning[0])
+        printf("         warning:  %s\n", info->warning);
+}
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
@@ -86,28 +140,21 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
             continue;
         missing += !info.available;
         broken += info.broken;
-        neph_json_add(&list, json_pack("{s:s, s:b, s:b, s:s, s:s, s:s, s:s}", "name",
-                                       engines[i]->name, "available", info.available, "broken",
-                                       info.broken, "version", info.version, "device", info.device,
-                                       "missing", info.missing, "install_line", info.install_line));
-        if (!request.json && info.available)
-            printf("ok       %-9s %s; %s\n", engines[i]->name, info.version, info.device);
-        else if (!request.json && info.broken)
-            printf("broken   %-9s %s\n", engines[i]->name, info.missing);
-        else if (!request.json)
-            printf("missing  %-9s %s\n         get it:   %s\n", engines[i]->name, info.missing,
-                   info.install_line);
+        neph_json_add(&list, engine_json(engines[i], &info));
+        if (!request.json)
+            print_engine(engines[i], &info);
     }
     neph_shared_device_close(&device);
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
         const bool there = tools[i].is_there(tools[i].program);
-        neph_json_add(&list, json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program,
-                                       "available", there, "needed_for", tools[i].needed_for,
-                                       "install_line", tools[i].install_line));
+        char get_it[512];
+        how_to_get(i, get_it);
+        neph_json_add(&list,
+                      json_pack("{s:s, s:b, s:s, s:s}", "name", tools[i].program, "available",
+                                there, "needed_for", tools[i].needed_for, "install_line", get_it));
         if (!request.json)
-            printf("%-8s %-9s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
-                   tools[i].needed_for,
-                   there ? "" : "\n         get it:   ", there ? "" : tools[i].install_line);
+            printf("%-8s %-10s for %s%s%s\n", there ? "ok" : "missing", tools[i].program,
+                   tools[i].needed_for, there ? "" : "\n         get it:   ", there ? "" : get_it);
     }
     char *data = neph_data_directory();
     if (!request.json)

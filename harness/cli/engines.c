@@ -11,6 +11,7 @@
 #include <string.h>
 
 static const struct neph_cli_option options[] = {
+    {.name = "blender"},
     {.name = "json"},
     {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},
@@ -47,12 +48,13 @@ static void print_passes(const struct neph_engine *engine)
 static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
     return json_pack(
-        "{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "name",
+        "{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o}", "name",
         engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung), "bias",
         engine->bias, "available", info->available, "broken", info->broken, "version",
         info->version, "device", info->device, "missing", info->missing, "install_line",
-        info->install_line, "options", neph_cli_options_json(engine->options), "presets",
-        neph_cli_presets_json(engine->presets), "passes", passes_json(engine), "display_stages",
+        info->install_line, "can", info->can, "warning", info->warning, "options",
+        neph_cli_options_json(engine->options), "presets", neph_cli_presets_json(engine->presets),
+        "passes", passes_json(engine), "display_stages",
         engine->describe_pass ? neph_cli_post_stages_json() : json_array());
 }
 
@@ -63,6 +65,10 @@ static void print_engine(const struct neph_engine *engine, const struct neph_eng
            : info->broken  ? "broken: "
                            : "missing: ",
            info->available ? "" : info->missing);
+    if (info->can[0])
+        printf("    can do: %s\n", info->can);
+    if (info->warning[0])
+        printf("    warning: %s\n", info->warning);
     if (engine->bias)
         printf("    known bias: %s\n", engine->bias);
     neph_cli_print_options(engine->options);

@@ -96,6 +96,7 @@ static const struct neph_cli_option options[] = {
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
      "chance know theirs",
      NEPH_CLI_FLAG, AT(noise)},
+    {.name = "blender"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -189,6 +190,7 @@ static enum neph_status make_job(const struct request *request, const struct nep
         .engine = engine,
         .info = info,
         .shot = {.scene = scene,
+                 .engine = engine,
                  .settings = request->config ? request->configuration.settings
                                              : neph_settings_default(engine),
                  .layers = NEPH_LAYERS_ALL,
@@ -504,7 +506,8 @@ static enum neph_status export_files(const struct request *request, struct neph_
         return neph_fail(diag, NEPH_ERR_USAGE,
                          "engine %s has nothing to export; use --engine cycles or povray",
                          job->engine->name);
-    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
+    if (!neph_engine_can_render(job->engine, job->shot.scene, &job->shot.settings, reason,
+                                sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s cannot: %s", job->engine->name, reason);
     enum neph_status status = neph_owned_claim(request->shared.output, &export_folder, diag);
     if (!status)

@@ -312,7 +312,7 @@ static json_t *scene_json(const struct neph_scene *scene)
     for (int i = 0; i < count; i++) {
         char reason[512] = "";
         const struct neph_settings settings = neph_settings_default(list[i]);
-        const bool can = list[i]->can_render(scene, &settings, reason, sizeof(reason));
+        const bool can = neph_engine_can_render(list[i], scene, &settings, reason, sizeof(reason));
         neph_json_add(&engines, json_pack("{s:s, s:b, s:s}", "engine", list[i]->name, "can_render",
                                           can, "reason", reason));
     }
@@ -364,7 +364,7 @@ static void print_scene(const struct neph_scene *scene)
     for (int i = 0; i < count; i++) {
         char reason[512];
         const struct neph_settings settings = neph_settings_default(engines[i]);
-        if (engines[i]->can_render(scene, &settings, reason, sizeof(reason)))
+        if (neph_engine_can_render(engines[i], scene, &settings, reason, sizeof(reason)))
             printf("%-11s can\n", engines[i]->name);
         else
             printf("%-11s cannot: %s\n", engines[i]->name, reason);

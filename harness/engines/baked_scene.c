@@ -78,3 +78,11 @@ double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bo
         sum_per_m += neph_fog_layer_per_m(&medium->layers[i], bounds->min_m.y);
     return sum_per_m;
 }
+
+bool neph_scene_needs_voxels(const struct neph_scene *scene)
+{
+    bool needs = false;
+    for (int i = 0; i < scene->medium_count; i++)
+        needs |= !neph_medium_is_fog(&scene->media[i]) && scene->media[i].extinction_per_m > 0.0;
+    return needs;
+}

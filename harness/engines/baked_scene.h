@@ -38,4 +38,7 @@ double neph_densest_per_m(const struct neph_medium *medium, const struct neph_bo
 
 void neph_baked_scene_finish(struct neph_baked_scene *baked);
 
+/* Whether an external renderer gets a medium of the scene as voxels. */
+bool neph_scene_needs_voxels(const struct neph_scene *scene);
+
 #endif

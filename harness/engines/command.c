@@ -55,9 +55,10 @@ static const char *program_of_the_user(void)
     return program && program[0] ? program : NULL;
 }
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
-    (void)device;
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = false};
     const char *program = program_of_the_user();
     snprintf(info->install_line, sizeof(info->install_line), "%s", install_line);

@@ -18,11 +18,12 @@
 #include <stdio.h>
 
 /* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 enum {
-    SPEC_FORMAT = 4, /* raised together with blender_render.py */
+    SPEC_FORMAT = 5, /* raised together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
@@ -122,17 +123,39 @@ static double asymmetry(const struct neph_phase *phase)
 }
 
 /* A switch, so that a new phase function does not compile before it is known here. */
-static bool has_phase(const struct neph_phase *phase)
+static const char *phase_word(const struct neph_phase *phase)
 {
     switch (phase->kind) {
     case NEPH_PHASE_ISOTROPIC:
     case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return true;
+        return "HENYEY_GREENSTEIN";
     case NEPH_PHASE_RAYLEIGH:
+        return "RAYLEIGH";
     case NEPH_PHASE_KIND_COUNT:
-        return false;
+        break;
     }
-    return false;
+    return "";
+}
+
+/* Cycles 3.4 has one phase function, to which versions from 4.3 on add others. */
+static bool has_other_phase(const struct neph_medium *medium)
+{
+    return medium->phase.kind == NEPH_PHASE_RAYLEIGH && brightest(medium->albedo) > 0.0 &&
+           has_extinction(medium);
+}
+
+bool neph_cycles_needs_rayleigh(const struct neph_scene *scene)
+{
+    bool needs = false;
+    for (int i = 0; i < scene->medium_count; i++)
+        needs |= has_other_phase(&scene->media[i]);
+    return needs && scene->scattering != NEPH_SCATTERING_NONE;
+}
+
+static bool same_phase(const struct neph_phase *a, const struct neph_phase *b)
+{
+    return asymmetry(a) == asymmetry(b) &&
+           (a->kind == NEPH_PHASE_RAYLEIGH) == (b->kind == NEPH_PHASE_RAYLEIGH);
 }
 
 /* Cycles 3.4 weighs the scattering of overlapping media by the plain sum of their phase functions
@@ -144,7 +167,7 @@ static enum neph_status check_phases(const struct neph_scene *scene,
         for (int j = 0; j < i; j++) {
             const struct neph_medium *a = &scene->media[i], *b = &scene->media[j];
             if (world->used[i] && world->used[j] && brightest(a->albedo) > 0.0 &&
-                brightest(b->albedo) > 0.0 && asymmetry(&a->phase) != asymmetry(&b->phase) &&
+                brightest(b->albedo) > 0.0 && !same_phase(&a->phase, &b->phase) &&
                 boxes_overlap(&world->containers[i], &world->containers[j]))
                 return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                                  "media of different phase functions in one place (Cycles 3.4 adds "
@@ -199,8 +222,6 @@ static enum neph_status adapt_medium(const struct neph_scene *scene, int index,
 {
     const struct neph_medium *medium = &scene->media[index];
     double cut_error = 0.0;
-    if (!has_phase(&medium->phase) && scene->scattering != NEPH_SCATTERING_NONE)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "Rayleigh phase function");
     world->containers[index] = neph_medium_container(scene, medium, &cut_error);
     if (!is_box(&world->containers[index]))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a medium that cannot be cut to a finite box");
@@ -359,12 +380,12 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
 static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
-    json_t *json = json_pack("{s:o, s:o, s:o, s:o, s:f, s:o}", "min_m",
-                             neph_vector_json(container->min_m), "max_m",
-                             neph_vector_json(container->max_m), "extinction_color",
-                             neph_colour_json(medium->extinction_color), "albedo",
-                             neph_colour_json(medium->albedo), "g", asymmetry(&medium->phase),
-                             "feature_m", isinf(length_m) ? json_null() : json_real(length_m));
+    json_t *json = json_pack(
+        "{s:o, s:o, s:o, s:o, s:s, s:f, s:o}", "min_m", neph_vector_json(container->min_m), "max_m",
+        neph_vector_json(container->max_m), "extinction_color",
+        neph_colour_json(medium->extinction_color), "albedo", neph_colour_json(medium->albedo),
+        "phase", phase_word(&medium->phase), "g", asymmetry(&medium->phase), "feature_m",
+        isinf(length_m) ? json_null() : json_real(length_m));
     char file[NEPH_CYCLES_FILE_NAME_MAX];
     neph_cycles_grid_name(index, file);
     if (neph_medium_is_fog(medium))
@@ -405,13 +426,14 @@ static int fold_seed(uint64_t seed)
     return (int)((seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffff);
 }
 
-/* `channel` below 0: all three at a time. */
+/* `channel` below 0: all three at a time. `is_unbiased`: volumes without steps. */
 static json_t *pass_json(const char *kind, int channel, int samples, double step, double grid_step,
-                         uint64_t seed)
+                         uint64_t seed, bool is_unbiased)
 {
-    return json_pack("{s:s, s:o, s:i, s:f, s:f, s:i}", "kind", kind, "channel",
+    return json_pack("{s:s, s:o, s:i, s:f, s:f, s:i, s:b}", "kind", kind, "channel",
                      channel < 0 ? json_null() : json_integer(channel), "samples", samples, "step",
-                     step, "grid_step", grid_step, "seed", fold_seed(seed));
+                     step, "grid_step", grid_step, "seed", fold_seed(seed), "is_unbiased",
+                     is_unbiased);
 }
 
 bool neph_cycles_is_coloured(const struct neph_scene *scene)
@@ -436,15 +458,17 @@ static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycle
     json_t *passes = json_array();
     for (int channel = coloured ? 0 : -1;
          (shot->layers & NEPH_LAYER_RADIANCE) && channel < (coloured ? 3 : 0); channel++) {
-        neph_json_add(&passes,
-                      pass_json("radiance", channel, quality->samples, step, step, shot->seed));
+        neph_json_add(&passes, pass_json("radiance", channel, quality->samples, step, step,
+                                         shot->seed, quality->is_unbiased));
         if (emits) /* it has no noise: one sample, with the steps of the transmittance pass */
-            neph_json_add(&passes, pass_json("emission", channel, 1, fine, fine_grid, shot->seed));
+            neph_json_add(&passes,
+                          pass_json("emission", channel, 1, fine, fine_grid, shot->seed, false));
     }
     if (shot->layers & NEPH_LAYER_TRANSMITTANCE)
-        neph_json_add(&passes, pass_json("transmittance", -1, 1, fine, fine_grid, shot->seed));
+        neph_json_add(&passes,
+                      pass_json("transmittance", -1, 1, fine, fine_grid, shot->seed, false));
     if (shot->layers & NEPH_LAYER_DEPTH)
-        neph_json_add(&passes, pass_json("depth", -1, 1, step, step, shot->seed));
+        neph_json_add(&passes, pass_json("depth", -1, 1, step, step, shot->seed, false));
     return passes;
 }
 

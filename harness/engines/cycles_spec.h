@@ -37,6 +37,7 @@ struct neph_cycles_quality {
     int samples;
     double step; /* of the radiance pass, as a fraction of feature_m */
     int threads;
+    bool is_unbiased;     /* volumes of the radiance without steps; of Blenders that can */
     bool surface_layers;  /* the light of solids in parts (cycles_surface.h), too */
     double ao_distance_m; /* of their layer ao; 0: no limit */
 };
@@ -47,6 +48,9 @@ enum neph_status neph_cycles_spec(const struct neph_shot *shot,
                                   const struct neph_cycles_world *world,
                                   const struct neph_cycles_quality *quality, json_t **spec,
                                   double *sphere_error_px, struct neph_diag *diag);
+
+/* Whether media need a phase function that Blender has from 4.3 on. */
+bool neph_cycles_needs_rayleigh(const struct neph_scene *scene);
 
 /* Whether any extinction has colour: then radiance comes in three pictures, radiance0 to radiance2,
  * of which each is right in one channel (blender_render.py says why). */

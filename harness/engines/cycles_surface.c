@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/cycles_surface.h"
 
+#include "harness/engines/cycles_layers.h"
+
 #include <math.h>
 
 /* A new kind does not compile before this file was looked through for it. */
@@ -54,14 +56,14 @@ static enum neph_status copy_layer(const struct neph_image *picture, const char 
                                    struct neph_image *frame, const char *to, struct neph_diag *diag)
 {
     float *source[3], *target[3];
-    if (!neph_image_rgb(picture, from, source))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no layer '%s'", from);
-    const enum neph_status status = neph_image_add_rgb(frame, to, target, diag);
+    enum neph_status status = neph_cycles_layer(picture, from, source, diag);
+    if (!status)
+        status = neph_image_add_rgb(frame, to, target, diag);
     for (int j = 0; j < 3 && !status; j++)
         for (size_t p = 0; p < neph_image_pixel_count(frame); p++) {
             if (!isfinite(source[j][p]))
                 return neph_fail(diag, NEPH_ERR_ENGINE,
-                                 "Blender's layer %s holds a value that is not finite", from);
+                                 "Blender's layer pass.%s holds a value that is not finite", from);
             target[j][p] = source[j][p];
         }
     return status;
@@ -87,18 +89,16 @@ enum neph_status neph_cycles_surface_layers(const struct neph_image *picture,
         const char *from, *to;
         float sky;
     } layers[] = {
-        {"pass.DiffDir", "diffuse_direct", 0},
-        {"pass.DiffInd", "diffuse_indirect", 0},
-        {"pass.GlossDir", "glossy_direct", 0},
-        {"pass.GlossInd", "glossy_indirect", 0},
-        {"pass.DiffCol", "diffuse_color", 0},
-        {"pass.GlossCol", "glossy_color", 0},
-        {"pass.AO", "ao", 1},
+        {"DiffDir", "diffuse_direct", 0},
+        {"DiffInd", "diffuse_indirect", 0},
+        {"GlossDir", "glossy_direct", 0},
+        {"GlossInd", "glossy_indirect", 0},
+        {"DiffCol", "diffuse_color", 0},
+        {"GlossCol", "glossy_color", 0},
+        {"AO", "ao", 1},
     };
-    const float *depth = neph_image_channel(picture, "pass.Depth.Z");
-    if (!depth)
-        return neph_fail(diag, NEPH_ERR_ENGINE, "Blender's image has no depth");
-    enum neph_status status = NEPH_OK;
+    const float *depth = NULL;
+    enum neph_status status = neph_cycles_depth(picture, &depth, diag);
     for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]) && !status; i++) {
         status = copy_layer(picture, layers[i].from, frame, layers[i].to, diag);
         if (!status)

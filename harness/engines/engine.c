@@ -45,12 +45,32 @@ static void name_own_build(struct neph_engine_info *info)
 void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_device *device,
                        struct neph_engine_info *info)
 {
-    engine->probe(device, info);
+    engine->probe(engine, device, info);
     name_own_build(info);
     neph_text_clean(info->version, sizeof(info->version));
     neph_text_clean(info->device, sizeof(info->device));
     neph_text_clean(info->missing, sizeof(info->missing));
+    neph_text_clean(info->warning, sizeof(info->warning));
+    neph_text_clean(info->can, sizeof(info->can));
     neph_text_clean(info->install_line, sizeof(info->install_line));
+}
+
+bool neph_engine_can_render(const struct neph_engine *engine, const struct neph_scene *scene,
+                            const struct neph_settings *settings, char *reason, size_t reason_size)
+{
+    return engine->can_render(scene, settings, reason, reason_size) &&
+           !(engine->lacks && engine->lacks(engine, scene, settings, reason, reason_size));
+}
+
+bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_engine_info *info,
+                           const struct neph_settings *settings)
+{
+    return engine->step.option && (!engine->step.is_taken || engine->step.is_taken(info, settings));
+}
+
+bool neph_engine_is(const struct neph_engine *engine, const char *name)
+{
+    return strcmp(engine->first ? engine->first->name : engine->name, name) == 0;
 }
 
 struct neph_settings neph_settings_default(const struct neph_engine *engine)

@@ -34,6 +34,9 @@ struct neph_engine_info {
     char device[128];       /* where it runs, and what of its surroundings decides bits; job key */
     char missing[512];      /* why it is not available or is broken, in words */
     char install_line[256]; /* the exact command that would mend it */
+    char warning[256];      /* available, but of a version that was not measured: in words */
+    char can[160];          /* of an external program: what it was seen to do, in words */
+    bool is_unstepped;      /* it takes no steps through media unless a setting asks for them */
 };
 
 /* Which layers of the frame are wanted; what is not wanted is not paid for. */
@@ -55,10 +58,16 @@ struct neph_shot {
     const char *scratch_directory; /* exists, empty, is ours: inputs, logs and outputs go there */
     double time_limit_s;           /* per child process */
     struct neph_shared_device *device; /* that engines on Vulkan share; NULL: each opens its own */
+    const struct neph_engine *engine;  /* that renders; set by neph_engine_render(). NULL: the first
+                                         of its kind */
     const struct neph_image *given; /* engines that take one: Z and R G B in place of the solids */
     const char *checkpoint; /* engines that `rests`: file to leave unfinished work in and to go on
                                from; NULL: none */
 };
+
+/* The attribute of a frame whose radiance may be below 0 where noise makes it so; its text says how
+ * often it is. */
+#define NEPH_SIGNED_NOISE_ATTRIBUTE "neph.signed_noise"
 
 /* What it cost. */
 struct neph_cost {
@@ -75,6 +84,8 @@ struct neph_engine_step {
     double refine;      /* factor from one level to the next: 0.5 for lengths, 2 for counts */
     int level_count;
     double order; /* error ~ step^order */
+    /* Whether steps are taken with these settings; NULL: always. */
+    bool (*is_taken)(const struct neph_engine_info *info, const struct neph_settings *settings);
 };
 
 enum { NEPH_FLIGHT_PASSES_MAX = 32, NEPH_FLIGHT_PICTURES_MAX = 3 };
@@ -160,6 +171,10 @@ struct neph_engine {
     double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time
                          left, before anything is measured */
     bool stochastic;  /* another seed gives another frame of the same mean */
+    const struct neph_engine
+        *first;  /* of several programs of a kind, the engine of the first; NULL:
+                                        this one */
+    int program; /* which of them, from 0 on */
     struct neph_engine_step step;
 
     /* The passes of a frame in their order; false beyond the last. NULL: it is not made of
@@ -169,12 +184,18 @@ struct neph_engine {
     /* Look for the engine. Never fails and ends in bounded time: `available`, `broken` and
      * `missing` say how it is. `device`: as neph_shot.device. Called through
      * neph_engine_probe(). */
-    void (*probe)(struct neph_shared_device *device, struct neph_engine_info *info);
+    void (*probe)(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info);
 
     /* Fills `reason` with what it cannot model with these settings ("multiple scattering") and
      * returns false, or returns true. */
     bool (*can_render)(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size);
+
+    /* As can_render, of the installed program: true, with the reason, where it lacks what other
+     * versions or builds of it have. NULL: it lacks nothing. May run the program, once. */
+    bool (*lacks)(const struct neph_engine *engine, const struct neph_scene *scene,
+                  const struct neph_settings *settings, char *reason, size_t reason_size);
 
     /* Render one frame; NULL: the first of a sequence (neph_engine_render() in gpu_frames.h). The
      * caller adds the common attributes (scene hash, engine, settings, seed, seconds) and checks
@@ -193,6 +214,18 @@ struct neph_engine {
  * driver or program is called. */
 void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_device *device,
                        struct neph_engine_info *info);
+
+/* Whether the engine models the scene, and the installed program, if it is one, has what that
+ * takes; else `reason` says what is missing. */
+bool neph_engine_can_render(const struct neph_engine *engine, const struct neph_scene *scene,
+                            const struct neph_settings *settings, char *reason, size_t reason_size);
+
+/* Whether media are marched in steps with these settings. */
+bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_engine_info *info,
+                           const struct neph_settings *settings);
+
+/* Whether an engine is `name`, or another program of that kind: "cycles@5.2" is a "cycles". */
+bool neph_engine_is(const struct neph_engine *engine, const char *name);
 
 /* The first choice of its option "lighting" with which an engine can render a scene that it cannot
  * with these settings: "octaves". NULL: there is none. */

@@ -1,25 +1,86 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/engines/engines.h"
 
+#include "harness/engines/blender.h"
+
+#include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define LISTED(name) &neph_engine_##name,
-static const struct neph_engine *const registry[] = {NEPH_ENGINES(LISTED)};
+static const struct neph_engine *const own[] = {NEPH_ENGINES(LISTED)};
 #undef LISTED
+enum { OWN_COUNT = sizeof(own) / sizeof(own[0]) };
+_Static_assert((int)NEPH_ENGINE_PROGRAMS_MAX + 1 == (int)NEPH_EXTERNAL_PROGRAMS_MAX, "Blenders");
+
+/* The engines of this process: those above, and behind `cycles` one for each further Blender. It is
+ * made once, for the environment names them and a name takes the version that a program tells. */
+static struct registry {
+    pthread_once_t once;
+    int count, further_count;
+    const struct neph_engine *engines[NEPH_ENGINE_COUNT];
+    struct neph_engine further[NEPH_ENGINE_PROGRAMS_MAX];
+    char names[NEPH_ENGINE_PROGRAMS_MAX][32];
+} registry = {.once = PTHREAD_ONCE_INIT};
+
+static bool has_name(const char *name)
+{
+    for (int i = 0; i < registry.count; i++)
+        if (strcmp(registry.engines[i]->name, name) == 0)
+            return true;
+    return false;
+}
+
+/* "cycles@5.2", and behind another one of that version "cycles@5.2-2". */
+static void name_program(const struct neph_engine *first, int program, char name[32])
+{
+    char version[64] = "unknown";
+    int major, minor;
+    if (neph_external_version(&neph_blender, program, version) &&
+        sscanf(version, "%3d.%3d", &major, &minor) == 2)
+        snprintf(version, sizeof(version), "%d.%d", major, minor);
+    snprintf(name, 32, "%s@%.16s", first->name, version);
+    for (int twin = 2; has_name(name); twin++)
+        snprintf(name, 32, "%s@%.12s-%d", first->name, version, twin);
+}
+
+static void add_further(const struct neph_engine *first)
+{
+    const int most = NEPH_EXTERNAL_PROGRAMS_MAX, named = neph_external_count(&neph_blender);
+    for (int program = 1; program < (named < most ? named : most); program++) {
+        const int i = registry.further_count++;
+        name_program(first, program, registry.names[i]);
+        registry.further[i] = *first;
+        registry.further[i].name = registry.names[i];
+        registry.further[i].first = first;
+        registry.further[i].program = program;
+        registry.engines[registry.count++] = &registry.further[i];
+    }
+}
+
+static void make_registry(void)
+{
+    for (int i = 0; i < OWN_COUNT; i++) {
+        registry.engines[registry.count++] = own[i];
+        if (own[i] == &neph_engine_cycles)
+            add_further(own[i]);
+    }
+}
 
 const struct neph_engine *const *neph_engines_and_guests(int *count)
 {
-    *count = (int)(sizeof(registry) / sizeof(registry[0]));
-    return registry;
+    pthread_once(&registry.once, make_registry);
+    *count = registry.count;
+    return registry.engines;
 }
 
 const struct neph_engine *const *neph_engines(int *count)
 {
     neph_engines_and_guests(count);
-    while (registry[*count - 1]->is_guest)
+    while (registry.engines[*count - 1]->is_guest)
         (*count)--;
-    return registry;
+    return registry.engines;
 }
 
 bool neph_engine_draws(const struct neph_engine *engine)
@@ -28,8 +89,14 @@ bool neph_engine_draws(const struct neph_engine *engine)
            (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic);
 }
 
+/* No Blender is run for the name of another engine. */
 const struct neph_engine *neph_engine_find(const char *name)
 {
+    for (int i = 0; i < OWN_COUNT; i++)
+        if (strcmp(own[i]->name, name) == 0)
+            return own[i];
+    if (!strchr(name, '@'))
+        return NULL;
     int count;
     const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     for (int i = 0; i < count; i++)
@@ -41,13 +108,11 @@ const struct neph_engine *neph_engine_find(const char *name)
 /* The guest that is named; NULL: the words are of a preset. */
 static const struct neph_engine *guest_in(const char *words)
 {
-    int count;
-    const struct neph_engine *const *engines = neph_engines_and_guests(&count);
     const size_t length = strcspn(words, "+");
-    for (int i = 0; i < count; i++)
-        if (engines[i]->is_guest && strncmp(engines[i]->name, words, length) == 0 &&
-            engines[i]->name[length] == '\0')
-            return engines[i];
+    for (int i = 0; i < OWN_COUNT; i++)
+        if (own[i]->is_guest && strncmp(own[i]->name, words, length) == 0 &&
+            own[i]->name[length] == '\0')
+            return own[i];
     return NULL;
 }
 

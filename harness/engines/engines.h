@@ -35,9 +35,12 @@
 NEPH_ENGINES(NEPH_ENGINE_DECLARED)
 #undef NEPH_ENGINE_DECLARED
 
-/* How many there are, guests among them: what holds one of each has room for so many. */
+/* Engines of further Blenders (blender.h), at most. */
+enum { NEPH_ENGINE_PROGRAMS_MAX = 7 };
+
+/* How many there may be, guests among them: what holds one of each has room for so many. */
 #define NEPH_ENGINE_COUNTED(name) +1
-enum { NEPH_ENGINE_COUNT = 0 NEPH_ENGINES(NEPH_ENGINE_COUNTED) };
+enum { NEPH_ENGINE_COUNT = NEPH_ENGINE_PROGRAMS_MAX NEPH_ENGINES(NEPH_ENGINE_COUNTED) };
 #undef NEPH_ENGINE_COUNTED
 
 /* All engines but guests; `*count` receives how many. */

@@ -33,9 +33,10 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return neph_own_frame(status, image, start, NAN, frame, cost);
 }
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
-    (void)device;
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "closed forms and quadrature, revision %u",
              (unsigned)neph_engine_exact.version);

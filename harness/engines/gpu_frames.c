@@ -132,8 +132,10 @@ enum neph_status neph_engine_render(const struct neph_engine *engine, const stru
                                     struct neph_image **frame, struct neph_cost *cost,
                                     struct neph_diag *diag)
 {
+    struct neph_shot own = *shot;
+    own.engine = engine;
     if (engine->render)
-        return engine->render(shot, frame, cost, diag);
+        return engine->render(&own, frame, cost, diag);
     const struct neph_stopwatch start = neph_stopwatch_start();
     void *sequence = NULL;
     enum neph_status status = engine->sequence->open(engine, shot, &sequence, diag);

@@ -26,6 +26,8 @@
 
 #include "harness/engines/baked_scene.h"
 #include "harness/engines/povray_exposure.h"
+#include "harness/engines/povray_solids.h"
+#include "harness/engines/povray_text.h"
 #include "scenes/bounds.h"
 #include "scenes/emission.h"
 #include "scenes/lights.h"
@@ -33,12 +35,10 @@
 #include "scenes/solids.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
@@ -89,168 +89,58 @@ static int povray_phase_type(enum neph_phase_kind kind)
     return 0;
 }
 
-/* ---- The text ------------------------------------------------------------------------------- */
-
-struct writer {
-    FILE *stream;
-    const struct neph_povray_world *world;
-    const struct neph_povray_pass *pass;
-    bool not_a_number; /* something infinite or undefined was to be written */
-};
-
-/* Everything but fixed words goes through here. */
-static void number(struct writer *writer, double value)
-{
-    if (!isfinite(value))
-        writer->not_a_number = true;
-    fprintf(writer->stream, "%.17g", value);
-}
-
-static void triple(struct writer *writer, double a, double b, double c)
-{
-    fputs("<", writer->stream);
-    number(writer, a);
-    fputs(", ", writer->stream);
-    number(writer, b);
-    fputs(", ", writer->stream);
-    number(writer, c);
-    fputs(">", writer->stream);
-}
-
-/* Light: of the beauty as it is; else gain * value in three brackets, but for photons, which would
- * lose the darkest of them. */
-static void light_colour(struct writer *writer, struct neph_rgb value)
-{
-    static const double alike[] = {1.0, 1.0, 1.0};
-    const double gain = writer->pass->gain;
-    const double bright = gain * neph_povray_component(value, writer->pass->channel);
-    const double *scales = neph_povray_has_photons(writer->world->scene)
-                               ? alike
-                               : neph_povray_bracket_scales;
-    if (writer->pass->kind == NEPH_POVRAY_BEAUTY)
-        triple(writer, gain * value.r, gain * value.g, gain * value.b);
-    else
-        triple(writer, scales[0] * bright, scales[1] * bright, scales[2] * bright);
-}
-
-/* A property of matter, without gain. */
-static void matter_colour(struct writer *writer, struct neph_rgb value)
-{
-    const double grey = neph_povray_component(value, writer->pass->channel);
-    if (writer->pass->kind == NEPH_POVRAY_BEAUTY)
-        triple(writer, value.r, value.g, value.b);
-    else
-        triple(writer, grey, grey, grey);
-}
-
-static void vector(struct writer *writer, struct neph_vec3 v)
-{
-    triple(writer, v.x, v.y, v.z);
-}
-
-static void write_value(struct writer *writer, char kind, va_list *values)
-{
-    switch (kind) {
-    case 'n':
-        number(writer, va_arg(*values, double));
-        break;
-    case 'i':
-        number(writer, va_arg(*values, int));
-        break;
-    case 's':
-        fputs(va_arg(*values, const char *), writer->stream);
-        break;
-    case 'v':
-        vector(writer, va_arg(*values, struct neph_vec3));
-        break;
-    case 'p':
-        fputs("P(", writer->stream);
-        vector(writer, va_arg(*values, struct neph_vec3));
-        fputs(")", writer->stream);
-        break;
-    case 'l':
-        fputs("rgb ", writer->stream);
-        light_colour(writer, va_arg(*values, struct neph_rgb));
-        break;
-    case 'm':
-        fputs("rgb ", writer->stream);
-        matter_colour(writer, va_arg(*values, struct neph_rgb));
-        break;
-    }
-}
-
-/* Write a text. In it stand for a value: %n a double, %i an int, %s fixed words, %v a vector, %p a
- * position in metres, which the macro P brings to units, %l the colour of light, and %m that of
- * matter. */
-static void put(struct writer *writer, const char *text, ...)
-{
-    va_list values;
-    va_start(values, text);
-    for (const char *at = text; *at; at++)
-        if (*at == '%')
-            write_value(writer, *++at, &values);
-        else
-            fputc(*at, writer->stream);
-    va_end(values);
-}
-
-/* Is light between solids part of this picture? */
-static bool has_radiosity(const struct writer *writer)
-{
-    return writer->world->radiosity.rays > 0 &&
-           (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
-}
-
 /* Places are found before the picture, down to each pixel, and none is added while it is made: that
  * would depend on the order of its threads. */
-static void write_radiosity(struct writer *writer)
+static void write_radiosity(struct neph_povray_writer *writer)
 {
     const struct neph_povray_world *world = writer->world;
-    put(writer,
-        "  radiosity { count %i error_bound %n pretrace_end %n pretrace_start 0.08 "
-        "nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
-        "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
-        "adc_bailout 1e-12 always_sample off }",
-        world->radiosity.rays, world->radiosity.error_bound, 1.0 / world->width_px);
+    neph_povray_put(writer,
+                    "  radiosity { count %i error_bound %n pretrace_end %n pretrace_start 0.08 "
+                    "nearest_count 8 recursion_limit 6 low_error_factor 0.7\n"
+                    "    brightness 1 gray_threshold 0 minimum_reuse 0.005 maximum_reuse 0.1 "
+                    "adc_bailout 1e-12 always_sample off }",
+                    world->radiosity.rays, world->radiosity.error_bound, 1.0 / world->width_px);
     if (neph_povray_has_photons(world->scene))
-        put(writer, "\n  photons { count %i autostop 0 jitter 0 media 0 }",
-            world->radiosity.photons);
+        neph_povray_put(writer, "\n  photons { count %i autostop 0 jitter 0 media 0 }",
+                        world->radiosity.photons);
 }
 
-static void write_header(struct writer *writer)
+static void write_header(struct neph_povray_writer *writer)
 {
-    put(writer,
+    neph_povray_put(
+        writer,
         "// A frame of Nephelometer for POV-Ray 3.7.\n"
         "// World: metres, right-handed, +Y up. POV-Ray's tolerances are fixed lengths, so the\n"
         "// world is blown up: U units are one metre, and O is moved to the origin.\n"
         "#version 3.7;\n"
         "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0");
-    if (has_radiosity(writer))
+    if (neph_povray_has_radiosity(writer))
         write_radiosity(writer);
-    put(writer, " }\n#declare U = %n;\n#declare O = %v;\n#macro P(A) (U*((A) - O)) #end\n\n",
-        writer->world->units_per_m, writer->world->origin_m);
+    neph_povray_put(writer,
+                    " }\n#declare U = %n;\n#declare O = %v;\n#macro P(A) (U*((A) - O)) #end\n\n",
+                    writer->world->units_per_m, writer->world->origin_m);
 }
 
 /* The lengths of up and right are the sides of the picture at the distance 1, or those of an
  * orthographic one in POV-Ray's units. */
-static void write_camera(struct writer *writer)
+static void write_camera(struct neph_povray_writer *writer)
 {
     const struct neph_camera *camera = &writer->world->camera;
     const bool is_parallel = camera->orthographic_height_m > 0.0;
     const double height = is_parallel ? camera->orthographic_height_m * writer->world->units_per_m
                                       : 2.0 * tan(0.5 * camera->vertical_fov_rad);
     const double width = height * writer->world->width_px / writer->world->height_px;
-    put(writer, "%s\n  location %p\n  right %v\n  up %v\n  direction %v\n}\n\n",
-        is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
-                      "camera { orthographic"
-                    : "// Camera: the lengths of up and right are the angles of view.\n"
-                      "camera { perspective",
-        camera->position_m, neph_vec3_scale(camera->right, width),
-        neph_vec3_scale(camera->up, height), camera->forward);
+    neph_povray_put(writer, "%s\n  location %p\n  right %v\n  up %v\n  direction %v\n}\n\n",
+                    is_parallel ? "// Camera: up and right are as long as the picture's sides.\n"
+                                  "camera { orthographic"
+                                : "// Camera: the lengths of up and right are the angles of view.\n"
+                                  "camera { perspective",
+                    camera->position_m, neph_vec3_scale(camera->right, width),
+                    neph_vec3_scale(camera->up, height), camera->forward);
 }
 
 /* Are sun and lights part of this picture? */
-static bool is_lit(const struct writer *writer)
+static bool is_lit(const struct neph_povray_writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
     return kind != NEPH_POVRAY_EMISSION && kind != NEPH_POVRAY_TRANSMITTANCE &&
@@ -259,13 +149,13 @@ static bool is_lit(const struct writer *writer)
 
 /* ---- Containers ------------------------------------------------------------------------------ */
 
-static void box(struct writer *writer, struct neph_bounds bounds)
+static void box(struct neph_povray_writer *writer, struct neph_bounds bounds)
 {
-    put(writer, "\n  box { %p, %p }", bounds.min_m, bounds.max_m);
+    neph_povray_put(writer, "\n  box { %p, %p }", bounds.min_m, bounds.max_m);
 }
 
 static struct neph_bounds grown(const struct neph_bounds *bounds, double by_units,
-                                const struct writer *writer)
+                                const struct neph_povray_writer *writer)
 {
     const double by_m = by_units / writer->world->units_per_m;
     const struct neph_vec3 by = {by_m, by_m, by_m};
@@ -283,7 +173,7 @@ static void copy_face(struct neph_bounds *to, int to_side, const struct neph_bou
 /* The first parts of a difference: a box whose marked faces are cut from a larger one. POV-Ray's
  * bounding box of a difference is its first part's; which side of a marked face a ray begins on is
  * then decided by the cut, in doubles. */
-static void cut_box(struct writer *writer, const struct neph_bounds *bounds,
+static void cut_box(struct neph_povray_writer *writer, const struct neph_bounds *bounds,
                     const bool is_marked[3][2])
 {
     const struct neph_bounds large = grown(bounds, face_margin_units, writer);
@@ -310,7 +200,8 @@ static bool has_marked_face(const struct neph_povray_container *container)
 
 /* A shadow ray is attenuated where it leaves a medium: around a light inside there is a hole for it
  * to leave by. A cube, for POV-Ray's spheres of that size are lost in their rounding. */
-static void write_container(struct writer *writer, const struct neph_povray_container *container)
+static void write_container(struct neph_povray_writer *writer,
+                            const struct neph_povray_container *container)
 {
     const struct neph_scene *scene = writer->world->scene;
     const struct neph_bounds reach = grown(&container->bounds, 2.0 * hole_units, writer);
@@ -318,10 +209,10 @@ static void write_container(struct writer *writer, const struct neph_povray_cont
     for (int i = 0; i < scene->light_count; i++)
         is_difference |= neph_bounds_contain(&reach, scene->lights[i].position_m);
     if (!is_difference) {
-        put(writer, "box { %p, %p", container->bounds.min_m, container->bounds.max_m);
+        neph_povray_put(writer, "box { %p, %p", container->bounds.min_m, container->bounds.max_m);
         return;
     }
-    put(writer, "difference {");
+    neph_povray_put(writer, "difference {");
     cut_box(writer, &container->bounds, container->is_near_an_eye);
     for (int i = 0; i < scene->light_count; i++) {
         const struct neph_vec3 at_m = scene->lights[i].position_m;
@@ -329,13 +220,13 @@ static void write_container(struct writer *writer, const struct neph_povray_cont
         if (neph_bounds_contain(&reach, at_m))
             box(writer, grown(&point, hole_units, writer));
     }
-    put(writer, "\n ");
+    neph_povray_put(writer, "\n ");
 }
 
 /* ---- Lights ---------------------------------------------------------------------------------- */
 
 /* Do media scatter light in this picture? */
-static bool has_scattering(const struct writer *writer)
+static bool has_scattering(const struct neph_povray_writer *writer)
 {
     const enum neph_povray_kind kind = writer->pass->kind;
     return kind == NEPH_POVRAY_VOLUME ||
@@ -343,69 +234,72 @@ static bool has_scattering(const struct writer *writer)
 }
 
 /* What a spot lets through of a light all around, at a place x, y, z from it. */
-static void write_mask(struct writer *writer, const struct neph_light *light)
+static void write_mask(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     static const bool all[3][2] = {{true, true}, {true, true}, {true, true}};
     const struct neph_bounds point = {light->position_m, light->position_m};
     const struct neph_bounds cube = grown(&point, mask_units, writer);
-    put(writer, "difference {");
+    neph_povray_put(writer, "difference {");
     cut_box(writer, &cube, all);
-    put(writer,
-        "\n  hollow no_image no_reflection\n"
-        "  pigment { function { Soft(min(1, max(0, ((x*(%n) + y*(%n) + z*(%n))"
-        "/sqrt(x*x + y*y + z*z) - (%n))*%n))) }\n"
-        "    color_map { [0 rgbt 0] [%n rgbt 1] } translate %p } "
-        "finish { ambient 0 diffuse 0 } }\n",
-        light->axis.x, light->axis.y, light->axis.z, light->outer_cosine,
-        1.0 / (light->inner_cosine - light->outer_cosine), density_peak, light->position_m);
+    neph_povray_put(writer,
+                    "\n  hollow no_image no_reflection\n"
+                    "  pigment { function { Soft(min(1, max(0, ((x*(%n) + y*(%n) + z*(%n))"
+                    "/sqrt(x*x + y*y + z*z) - (%n))*%n))) }\n"
+                    "    color_map { [0 rgbt 0] [%n rgbt 1] } translate %p } "
+                    "finish { ambient 0 diffuse 0 } }\n",
+                    light->axis.x, light->axis.y, light->axis.z, light->outer_cosine,
+                    1.0 / (light->inner_cosine - light->outer_cosine), density_peak,
+                    light->position_m);
 }
 
-static void write_clear(struct writer *writer)
+static void write_clear(struct neph_povray_writer *writer)
 {
-    put(writer, " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
+    neph_povray_put(writer,
+                    " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
 }
 
 /* Where a ray enters or leaves a cone, where it is wide enough not to be a plane. */
-static void write_cone_cut(struct writer *writer, const struct neph_light *light)
+static void write_cone_cut(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     const double length = 2.0 * writer->world->radius_units;
     const double tangent = sqrt(1.0 - light->outer_cosine * light->outer_cosine) /
                            light->outer_cosine;
     if (!(tangent < 10.0))
         return;
-    put(writer, "cone { %p, 0, %p + %v, %n", light->position_m, light->position_m,
-        neph_vec3_scale(light->axis, length), length * tangent);
+    neph_povray_put(writer, "cone { %p, 0, %p + %v, %n", light->position_m, light->position_m,
+                    neph_vec3_scale(light->axis, length), length * tangent);
     write_clear(writer);
 }
 
 /* Clear cubes, which cut the rays of pixels and no shadow ray. As one object, whose bounding box is
  * the largest. */
-static void write_cubes(struct writer *writer, const struct neph_povray_lamp *lamp,
+static void write_cubes(struct neph_povray_writer *writer, const struct neph_povray_lamp *lamp,
                         struct neph_vec3 at_m)
 {
     if (lamp->cube_count == 0)
         return;
-    put(writer, "union {");
+    neph_povray_put(writer, "union {");
     for (int i = 0; i < lamp->cube_count; i++)
         box(writer, neph_bounds_around(at_m, lamp->half_sides_m[i]));
-    put(writer, "\n ");
+    neph_povray_put(writer, "\n ");
     write_clear(writer);
 }
 
-static bool is_masked(const struct writer *writer, int light)
+static bool is_masked(const struct neph_povray_writer *writer, int light)
 {
     return has_scattering(writer) && writer->world->lamps[light].is_masked;
 }
 
 /* Beside the sources of light: masks of spots, and what cuts rays near a light (povray_lamps.h). */
-static void write_lamps(struct writer *writer)
+static void write_lamps(struct neph_povray_writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
     bool is_first = true;
     for (int i = 0; i < scene->light_count && has_scattering(writer); i++) {
         if (is_masked(writer, i)) {
             if (is_first)
-                put(writer, "#declare Soft = function(x) { %n*x*x*(3 - 2*x) }\n", density_peak);
+                neph_povray_put(writer, "#declare Soft = function(x) { %n*x*x*(3 - 2*x) }\n",
+                                density_peak);
             is_first = false;
             write_mask(writer, &scene->lights[i]);
             write_cone_cut(writer, &scene->lights[i]);
@@ -414,72 +308,73 @@ static void write_lamps(struct writer *writer)
     }
 }
 
-static void write_sun(struct writer *writer)
+static void write_sun(struct neph_povray_writer *writer)
 {
     const struct neph_sun *sun = &writer->world->scene->sun;
     if (!sun->present || !is_lit(writer))
         return;
-    put(writer,
+    neph_povray_put(
+        writer,
         "// Sun: irradiance / pi, from far outside all else.\n"
         "light_source { %v %l parallel point_at 0 }\n\n",
         neph_vec3_scale(sun->direction, sun_distance_radii * writer->world->radius_units),
         neph_rgb_scale(sun->irradiance_w_per_m2, 1.0 / M_PI));
 }
 
-static void write_cone(struct writer *writer, const struct neph_light *light)
+static void write_cone(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     if (light->is_spot)
-        put(writer, " spotlight radius %n falloff %n tightness 0 point_at %p",
-            acos(light->inner_cosine) / NEPH_RAD_PER_DEG,
-            acos(light->outer_cosine) / NEPH_RAD_PER_DEG,
-            neph_vec3_add(light->position_m, light->axis));
+        neph_povray_put(writer, " spotlight radius %n falloff %n tightness 0 point_at %p",
+                        acos(light->inner_cosine) / NEPH_RAD_PER_DEG,
+                        acos(light->outer_cosine) / NEPH_RAD_PER_DEG,
+                        neph_vec3_add(light->position_m, light->axis));
 }
 
 /* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`. */
-static void write_lights(struct writer *writer)
+static void write_lights(struct neph_povray_writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
     const double fades_per_m = writer->world->units_per_m / fade_units;
     for (int i = 0; i < scene->light_count && is_lit(writer); i++) {
-        put(writer, "light_source { %p %l fade_distance %n fade_power 2",
-            scene->lights[i].position_m,
-            neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
-                           fades_per_m * fades_per_m / (2.0 * M_PI)),
-            fade_units);
+        neph_povray_put(writer, "light_source { %p %l fade_distance %n fade_power 2",
+                        scene->lights[i].position_m,
+                        neph_rgb_scale(scene->lights[i].intensity_w_per_sr,
+                                       fades_per_m * fades_per_m / (2.0 * M_PI)),
+                        fade_units);
         if (!is_masked(writer, i))
             write_cone(writer, &scene->lights[i]);
-        put(writer, " }\n\n");
+        neph_povray_put(writer, " }\n\n");
     }
 }
 
-static void write_background(struct writer *writer)
+static void write_background(struct neph_povray_writer *writer)
 {
-    put(writer, "background { ");
+    neph_povray_put(writer, "background { ");
     switch (writer->pass->kind) {
     case NEPH_POVRAY_BEAUTY:
     case NEPH_POVRAY_SURFACE:
-        put(writer, "%l", writer->world->scene->background_w_per_m2_sr);
+        neph_povray_put(writer, "%l", writer->world->scene->background_w_per_m2_sr);
         break;
     case NEPH_POVRAY_TRANSMITTANCE:
-        put(writer, "%l", (struct neph_rgb){1.0, 1.0, 1.0});
+        neph_povray_put(writer, "%l", (struct neph_rgb){1.0, 1.0, 1.0});
         break;
     case NEPH_POVRAY_DEPTH:
-        put(writer, "rgb 1");
+        neph_povray_put(writer, "rgb 1");
         break;
     case NEPH_POVRAY_VOLUME:
     case NEPH_POVRAY_EMISSION:
-        put(writer, "rgb 0");
+        neph_povray_put(writer, "rgb 0");
         break;
     case NEPH_POVRAY_KIND_COUNT:
         break;
     }
-    put(writer, " }\n\n");
+    neph_povray_put(writer, " }\n\n");
 }
 
 /* ---- Media ---------------------------------------------------------------------------------- */
 
 /* Is light that media emit part of this picture? */
-static bool has_emission(const struct writer *writer)
+static bool has_emission(const struct neph_povray_writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
     return kind == NEPH_POVRAY_EMISSION ||
@@ -487,12 +382,12 @@ static bool has_emission(const struct writer *writer)
 }
 
 /* Is a medium written without a density? */
-static bool is_plain(const struct writer *writer, int index)
+static bool is_plain(const struct neph_povray_writer *writer, int index)
 {
     return writer->world->containers[index].uniform && !has_emission(writer);
 }
 
-static bool has_density(const struct writer *writer)
+static bool has_density(const struct neph_povray_writer *writer)
 {
     for (int i = 0; i < writer->world->scene->medium_count; i++) {
         if (writer->world->containers[i].used && !is_plain(writer, i))
@@ -502,7 +397,7 @@ static bool has_density(const struct writer *writer)
 }
 
 /* Where no medium scatters, no sample needs a shadow ray, and four times as many are cheap. */
-static int intervals_of(const struct writer *writer, bool plain)
+static int intervals_of(const struct neph_povray_writer *writer, bool plain)
 {
     enum neph_povray_kind kind = writer->pass->kind;
     int intervals = writer->world->intervals;
@@ -520,7 +415,7 @@ static int intervals_of(const struct writer *writer, bool plain)
 
 /* The scattering of one medium in this picture: its colour is sigma_s / 4, or 0 where the medium
  * only absorbs; see the top of this file. */
-static void write_scattering(struct writer *writer, const struct neph_medium *medium,
+static void write_scattering(struct neph_povray_writer *writer, const struct neph_medium *medium,
                              double extinction_per_unit)
 {
     const struct neph_povray_pass *pass = writer->pass;
@@ -531,12 +426,12 @@ static void write_scattering(struct writer *writer, const struct neph_medium *me
     const struct neph_phase *phase = volume ? &pass->phase : &medium->phase;
     bool scatters = neph_povray_same_phase(phase, &medium->phase);
     double scale = extinction_per_unit / (4.0 * neph_povray_phase_excess(phase->kind));
-    put(writer, "    scattering { %i, %m", povray_phase_type(phase->kind),
-        neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
-                       scatters ? scale : 0.0));
+    neph_povray_put(writer, "    scattering { %i, %m", povray_phase_type(phase->kind),
+                    neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
+                                   scatters ? scale : 0.0));
     if (neph_phase_has_asymmetry(phase->kind))
-        put(writer, " eccentricity %n", phase->g);
-    put(writer, " extinction 0 }\n");
+        neph_povray_put(writer, " eccentricity %n", phase->g);
+    neph_povray_put(writer, " extinction 0 }\n");
 }
 
 void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX])
@@ -553,7 +448,7 @@ struct neph_grid neph_povray_grid(const struct neph_grid *grid)
 
 /* The file has a layer of zeros on every side; POV-Ray puts node i of N at i / N of a unit cube and
  * interpolates between nodes (notes in scenes/volume_file.h). */
-static void write_voxels(struct writer *writer, int index)
+static void write_voxels(struct neph_povray_writer *writer, int index)
 {
     const struct neph_grid *grid = writer->world->scene->media[index].grid;
     const struct neph_vec3 h = grid->spacing_m;
@@ -561,41 +456,41 @@ static void write_voxels(struct writer *writer, int index)
     neph_povray_grid_name(index, name);
     const struct neph_vec3 size_m = {(grid->size[0] + 2) * h.x, (grid->size[1] + 2) * h.y,
                                      (grid->size[2] + 2) * h.z};
-    put(writer,
-        "    density { density_file df3 \"%s\" interpolate 1\n"
-        "      scale U*%v translate %p }\n",
-        name, size_m, neph_vec3_sub(grid->origin_m, h));
+    neph_povray_put(writer,
+                    "    density { density_file df3 \"%s\" interpolate 1\n"
+                    "      scale U*%v translate %p }\n",
+                    name, size_m, neph_vec3_sub(grid->origin_m, h));
 }
 
 /* The sum of the layers, relative to its value at the bottom of the container. */
-static void write_layers(struct writer *writer, const struct neph_medium *medium,
+static void write_layers(struct neph_povray_writer *writer, const struct neph_medium *medium,
                          const struct neph_povray_container *container)
 {
     const struct neph_povray_world *world = writer->world;
     double bottom_m = container->bounds.min_m.y;
     double bottom_units = world->units_per_m * (bottom_m - world->origin_m.y);
-    put(writer, "    density { function { 0");
+    neph_povray_put(writer, "    density { function { 0");
     for (int i = 0; i < medium->layer_count; i++) {
         const struct neph_fog_layer *layer = &medium->layers[i];
         double part = neph_fog_layer_per_m(layer, bottom_m) / container->extinction_per_m;
         if (part > 0.0)
-            put(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
-                layer->falloff_per_m / world->units_per_m, bottom_units);
+            neph_povray_put(writer, " + %n*exp(-%n*(y - (%n)))", density_peak * part,
+                            layer->falloff_per_m / world->units_per_m, bottom_units);
     }
-    put(writer, " } }\n");
+    neph_povray_put(writer, " } }\n");
 }
 
-static void write_comment(struct writer *writer, const struct neph_medium *medium,
+static void write_comment(struct neph_povray_writer *writer, const struct neph_medium *medium,
                           const struct neph_povray_container *container)
 {
     const char *where = container->uniform           ? " per metre.\n"
                         : neph_medium_is_fog(medium) ? " per metre at the bottom, falling.\n"
                                                      : " per metre at the densest.\n";
-    put(writer, "// Extinction %n%s", container->extinction_per_m, where);
+    neph_povray_put(writer, "// Extinction %n%s", container->extinction_per_m, where);
 }
 
 /* Extinction of density 1 as the density is written, per unit of length. */
-static double extinction_per_unit(const struct writer *writer, int index)
+static double extinction_per_unit(const struct neph_povray_writer *writer, int index)
 {
     const struct neph_povray_world *world = writer->world;
     const struct neph_medium *medium = &world->scene->media[index];
@@ -607,37 +502,40 @@ static double extinction_per_unit(const struct writer *writer, int index)
     return is_plain(writer, index) ? per_unit : per_unit / density_peak;
 }
 
-static void write_emission(struct writer *writer, const struct neph_medium *medium, double per_unit)
+static void write_emission(struct neph_povray_writer *writer, const struct neph_medium *medium,
+                           double per_unit)
 {
     if (has_emission(writer))
-        put(writer, "    emission %l\n",
+        neph_povray_put(
+            writer, "    emission %l\n",
             neph_rgb_scale(neph_rgb_mul(neph_medium_glow(medium), medium->extinction_color),
                            per_unit));
 }
 
-static void write_medium(struct writer *writer, int index)
+static void write_medium(struct neph_povray_writer *writer, int index)
 {
     const struct neph_medium *medium = &writer->world->scene->media[index];
     const struct neph_povray_container *container = &writer->world->containers[index];
     const double per_unit = extinction_per_unit(writer, index);
     write_comment(writer, medium, container);
     write_container(writer, container);
-    put(writer,
-        " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
-        "  interior { media {\n"
-        "    method 2 intervals %i samples 1,1\n",
-        intervals_of(writer, is_plain(writer, index)));
-    put(writer, "    absorption %m\n", neph_rgb_scale(medium->extinction_color, per_unit));
+    neph_povray_put(writer,
+                    " hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 }\n"
+                    "  interior { media {\n"
+                    "    method 2 intervals %i samples 1,1\n",
+                    intervals_of(writer, is_plain(writer, index)));
+    neph_povray_put(writer, "    absorption %m\n",
+                    neph_rgb_scale(medium->extinction_color, per_unit));
     write_emission(writer, medium, per_unit);
     write_scattering(writer, medium, per_unit);
     if (!neph_medium_is_fog(medium))
         write_voxels(writer, index);
     else if (!is_plain(writer, index))
         write_layers(writer, medium, container);
-    put(writer, "  } }\n}\n\n");
+    neph_povray_put(writer, "  } }\n}\n\n");
 }
 
-static void write_media(struct writer *writer)
+static void write_media(struct neph_povray_writer *writer)
 {
     const struct neph_povray_world *world = writer->world;
     if (writer->pass->kind == NEPH_POVRAY_DEPTH)
@@ -648,231 +546,14 @@ static void write_media(struct writer *writer)
     }
 }
 
-/* ---- Solids --------------------------------------------------------------------------------- */
-
-/* One digit of the depth: depth / range * base^place, wrapped at 1 by POV-Ray, in one channel. The
- * mean of three pigments is a third of their sum. */
-static void write_digit(struct writer *writer, int place)
-{
-    static const char *const channels[] = {"<3,0,0>", "<0,3,0>", "<0,0,3>"};
-    const struct neph_povray_world *world = writer->world;
-    struct neph_vec3 forward = world->camera.forward;
-    struct neph_vec3 eye_m = neph_vec3_sub(world->camera.position_m, world->origin_m);
-    struct neph_vec3 eye = neph_vec3_scale(eye_m, world->units_per_m);
-    double scale = pow(NEPH_POVRAY_DEPTH_BASE, place) / (world->depth_range_m * world->units_per_m);
-    put(writer,
-        "  [1 function { (%n)*((x - (%n))*(%n) + (y - (%n))*(%n) + (z - (%n))*(%n)) } "
-        "color_map { [0 rgb 0] [1 rgb %s] }]\n",
-        scale, eye.x, forward.x, eye.y, forward.y, eye.z, forward.z, channels[place]);
-}
-
-static void declare_depth_texture(struct writer *writer)
-{
-    put(writer, "#declare Depth = texture { pigment { average pigment_map {\n");
-    for (int place = 0; place < 3; place++)
-        write_digit(writer, place);
-    put(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
-}
-
-/* What a lit solid does with light, behind its pigment. */
-static void write_finish(struct writer *writer, const struct neph_solid *solid)
-{
-    const double metalness = solid->surface.metalness;
-    put(writer, " finish { ambient 0 diffuse %n", 1.0 - metalness);
-    if (metalness > 0.0)
-        put(writer, " reflection { %m }", neph_rgb_scale(solid->albedo, metalness));
-    put(writer, " }");
-}
-
-static void write_texture(struct writer *writer, const struct neph_solid *solid)
-{
-    switch (writer->pass->kind) {
-    case NEPH_POVRAY_DEPTH:
-        put(writer, " texture { Depth }");
-        break;
-    case NEPH_POVRAY_TRANSMITTANCE:
-        put(writer, " pigment { %l } finish { ambient 0 diffuse 0 emission 1 }",
-            (struct neph_rgb){1.0, 1.0, 1.0});
-        break;
-    case NEPH_POVRAY_VOLUME:
-    case NEPH_POVRAY_EMISSION:
-        put(writer, " pigment { rgb 0 } finish { ambient 0 diffuse 0 }");
-        break;
-    case NEPH_POVRAY_BEAUTY:
-    case NEPH_POVRAY_SURFACE:
-        put(writer, " pigment { %m }", solid->albedo);
-        write_finish(writer, solid);
-        break;
-    case NEPH_POVRAY_KIND_COUNT:
-        break;
-    }
-}
-
-/* Whether the pass shows what a pattern looks like. */
-static bool shows_paint(const struct writer *writer, const struct neph_solid *solid)
-{
-    return neph_is_textured(&solid->surface) &&
-           (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
-}
-
-/* By the face of a place in cells from the middle of the box: `across_z`, `across_y` and
- * `across_x`, functions of the two coordinates in that face. A face is where |x|, |y| or |z| is
- * half of the side. */
-static void write_by_face(struct writer *writer, const struct neph_solid *box, const char *across_z,
-                          const char *across_y, const char *across_x)
-{
-    static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
-    const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
-    const double half = 0.5 / box->surface.texture.cell_m * within;
-    put(writer, "select(abs(x) - %n, select(abs(y) - %n, %s, %s), %s)", half * side_m.x,
-        half * side_m.y, across_z, across_y, across_x);
-}
-
-/* Patterns wrap at 1, so the two values are 1/4 and 3/4. */
-static void write_checker(struct writer *writer, const struct neph_solid *box)
-{
-    put(writer, " function { 0.25 + 0.5*abs(mod(");
-    write_by_face(writer, box, "floor(x) + floor(y)", "floor(x) + floor(z)", "floor(y) + floor(z)");
-    put(writer, ", 2)) } color_map { [0.5 %m] [0.5 %m] }", box->albedo, box->surface.texture.other);
-}
-
-/* The file's nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a unit cube,
- * its layer at 1/3 (as in write_voxels). */
-static void write_noise(struct writer *writer, const struct neph_solid *box)
-{
-    const struct neph_paint *noise = &box->surface.texture;
-    put(writer, " function { 0.999*Noise%i(Cell(", noise->seed);
-    write_by_face(writer, box, "x", "x", "y");
-    put(writer, "), Cell(");
-    write_by_face(writer, box, "y", "z", "z");
-    put(writer, "), 1/3) } color_map { [0 %m] [0.999 %m] }", box->albedo, noise->other);
-}
-
-static bool is_noise(const struct neph_solid *solid)
-{
-    return neph_is_textured(&solid->surface) &&
-           solid->surface.texture.pattern == NEPH_PATTERN_NOISE;
-}
-
-/* A pattern turns along where it stands before the turn. */
-static void write_paint(struct writer *writer, const struct neph_solid *box)
-{
-    put(writer, " pigment {");
-    if (is_noise(box))
-        write_noise(writer, box);
-    else
-        write_checker(writer, box);
-    put(writer, " scale U*%n translate %p }", box->surface.texture.cell_m,
-        neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m), 0.5));
-    write_finish(writer, box);
-}
-
-/* Before the texture, which does not turn along. Row i of POV-Ray's matrix is what becomes of unit
- * vector i. */
-static void write_turn(struct writer *writer, const struct neph_solid *box)
-{
-    const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
-                                                      0.5);
-    if (!neph_is_turned(&box->turn))
-        return;
-    put(writer, " translate -%p matrix <", middle_m);
-    for (int axis = 0; axis < 3; axis++) {
-        const struct neph_vec3 unit = {axis == 0, axis == 1, axis == 2};
-        const struct neph_vec3 row = neph_turned(&box->turn, unit);
-        for (int i = 0; i < 3; i++)
-            put(writer, "%n, ", neph_povray_axis(row, i));
-    }
-    put(writer, "0, 0, 0> translate %p", middle_m);
-}
-
-static void write_solid(struct writer *writer, const struct neph_solid *solid)
-{
-    if (solid->kind == NEPH_SOLID_BOX) {
-        put(writer, "box { %p, %p", solid->box.min_m, solid->box.max_m);
-        if (shows_paint(writer, solid))
-            write_paint(writer, solid);
-        write_turn(writer, solid);
-    } else {
-        put(writer, "sphere { %p, U*%n", solid->center_m, solid->radius_m);
-    }
-    if (!shows_paint(writer, solid))
-        write_texture(writer, solid);
-    if (has_radiosity(writer) && neph_is_mirror(&solid->surface))
-        put(writer, " photons { target reflection on refraction off collect off }");
-    put(writer, " }\n");
-}
-
-void neph_povray_noise_name(int seed, char name[NEPH_POVRAY_FILE_NAME_MAX])
-{
-    snprintf(name, NEPH_POVRAY_FILE_NAME_MAX, "noise%d.df3", seed);
-}
-
-enum neph_status neph_povray_noise(int seed, struct neph_grid **grid, struct neph_diag *diag)
-{
-    const int size[3] = {NEPH_NOISE_CELLS + 1, NEPH_NOISE_CELLS + 1, 1};
-    struct neph_grid *made = NULL;
-    enum neph_status status = neph_grid_create(size, (struct neph_vec3){0, 0, 0},
-                                               (struct neph_vec3){1, 1, 1}, &made, diag);
-    for (int j = 0; j < size[1] && !status; j++)
-        for (int i = 0; i < size[0]; i++)
-            made->values[j * size[0] + i] = (float)neph_noise_value(seed, i, j);
-    if (!status) {
-        made->maximum = 1.0F; /* what the file's largest number stands for */
-        *grid = made;
-    }
-    return status;
-}
-
-static bool is_first_of_seed(const struct neph_scene *scene, int index)
-{
-    for (int i = 0; i < index; i++)
-        if (is_noise(&scene->solids[i]) &&
-            scene->solids[i].surface.texture.seed == scene->solids[index].surface.texture.seed)
-            return false;
-    return true;
-}
-
-/* Noise of each seed, and where a coordinate lies in its file. */
-static void declare_noises(struct writer *writer)
-{
-    const struct neph_scene *scene = writer->world->scene;
-    bool is_first = true;
-    for (int i = 0; i < scene->solid_count; i++) {
-        const int seed = scene->solids[i].surface.texture.seed;
-        char name[NEPH_POVRAY_FILE_NAME_MAX];
-        if (!is_noise(&scene->solids[i]) || !is_first_of_seed(scene, i))
-            continue;
-        if (is_first)
-            put(writer, "#declare Cell = function(x) { (x - %i*floor(x/%i) + 1)/%i }\n",
-                NEPH_NOISE_CELLS, NEPH_NOISE_CELLS, NEPH_NOISE_CELLS + 3);
-        is_first = false;
-        neph_povray_noise_name(seed, name);
-        put(writer,
-            "#declare Noise%i = function { pattern { density_file df3 \"%s\" interpolate 1 } }\n",
-            seed, name);
-    }
-}
-
-static void write_solids(struct writer *writer)
-{
-    const struct neph_scene *scene = writer->world->scene;
-    if (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE)
-        declare_noises(writer);
-    if (scene->solid_count > 0 && writer->pass->kind == NEPH_POVRAY_DEPTH)
-        declare_depth_texture(writer);
-    if (scene->solid_count > 0)
-        put(writer, "// Solids.\n");
-    for (int i = 0; i < scene->solid_count; i++)
-        write_solid(writer, &scene->solids[i]);
-}
-
 enum neph_status neph_povray_text(const struct neph_povray_world *world,
                                   const struct neph_povray_pass *pass, char **text,
                                   struct neph_diag *diag)
 {
     char *memory = NULL;
     size_t size = 0;
-    struct writer writer = {.stream = open_memstream(&memory, &size), .world = world, .pass = pass};
+    struct neph_povray_writer writer = {
+        .stream = open_memstream(&memory, &size), .world = world, .pass = pass};
     if (!writer.stream)
         return neph_fail_memory(diag);
     write_header(&writer);
@@ -882,7 +563,7 @@ enum neph_status neph_povray_text(const struct neph_povray_world *world,
     write_lamps(&writer);
     write_background(&writer);
     write_media(&writer);
-    write_solids(&writer);
+    neph_povray_write_solids(&writer);
     enum neph_status status = NEPH_OK;
     if (fclose(writer.stream) != 0)
         status = neph_fail_memory(diag);

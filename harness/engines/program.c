@@ -171,24 +171,120 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
 
 /* ---- external renderers ---------------------------------------------------------------------- */
 
-static void judge_version(const struct neph_external_renderer *renderer, const char *text,
-                          struct neph_engine_info *info)
+/* The entries of the variable, which are not empty; NULL: there is none of that index. */
+static char *entry_of(const struct neph_external_renderer *renderer, int index)
+{
+    const char *list = getenv(renderer->variable);
+    const char *const separator = renderer->is_list ? ":" : "";
+    for (int count = 0; list && *list;) {
+        const size_t length = strcspn(list, separator);
+        if (length > 0 && count++ == index)
+            return strndup(list, length);
+        list += length + (list[length] != '\0');
+    }
+    return NULL;
+}
+
+int neph_external_count(const struct neph_external_renderer *renderer)
+{
+    for (int count = 0;; count++) {
+        char *entry = entry_of(renderer, count);
+        if (!entry)
+            return count > 0 ? count : 1;
+        free(entry);
+    }
+}
+
+static char *find_named(const struct neph_external_renderer *renderer, const char *entry,
+                        char *missing, size_t missing_size)
+{
+    const bool is_folder = neph_path_is_dir(entry);
+    char *named = is_folder ? neph_path_join(entry, renderer->program) : strdup(entry);
+    char *path = named ? neph_child_find_program(named) : NULL;
+    free(named);
+    if (!path && is_folder)
+        snprintf(missing, missing_size, "%s: there is no program '%s' in folder '%.300s'",
+                 renderer->variable, renderer->program, entry);
+    else if (!path)
+        snprintf(missing, missing_size, "%s: '%.300s' is no program that can be run",
+                 renderer->variable, entry);
+    return path;
+}
+
+char *neph_external_find(const struct neph_external_renderer *renderer, int index, char *missing,
+                         size_t missing_size)
+{
+    char *entry = entry_of(renderer, index), *path = NULL;
+    if (neph_external_count(renderer) > NEPH_EXTERNAL_PROGRAMS_MAX)
+        snprintf(missing, missing_size, "%s names %d programs; %d are taken at most",
+                 renderer->variable, neph_external_count(renderer), NEPH_EXTERNAL_PROGRAMS_MAX);
+    else if (entry)
+        path = find_named(renderer, entry, missing, missing_size);
+    else if (!(path = neph_child_find_program(renderer->program)))
+        snprintf(missing, missing_size, "there is no program '%s' in PATH", renderer->program);
+    free(entry);
+    return path;
+}
+
+static enum neph_status ask_version(const struct neph_external_renderer *renderer,
+                                    const char *program, char **text, char build[NEPH_BUILD_SIZE],
+                                    struct neph_diag *diag)
+{
+    char name[64];
+    snprintf(name, sizeof(name), "%s ", renderer->name);
+    return neph_program_ask(program, name, probe_limit_s, text, build, diag);
+}
+
+bool neph_external_version(const struct neph_external_renderer *renderer, int index,
+                           char version[64])
+{
+    char missing[512], build[NEPH_BUILD_SIZE], *text = NULL;
+    char *program = neph_external_find(renderer, index, missing, sizeof(missing));
+    const bool is_told = program && !ask_version(renderer, program, &text, build, NULL) &&
+                         renderer->parse_version(text, version);
+    free(text);
+    free(program);
+    return is_told;
+}
+
+bool neph_version_is_from(const char *version, int major, int minor)
+{
+    int numbers[2] = {0, 0};
+    sscanf(version, "%d.%d", &numbers[0], &numbers[1]);
+    return numbers[0] > major || (numbers[0] == major && numbers[1] >= minor);
+}
+
+static bool is_measured(const struct neph_external_renderer *renderer, const char *version)
+{
+    for (const char *const *start = renderer->measured; *start; start++)
+        if (strncmp(version, *start, strlen(*start)) == 0)
+            return true;
+    return false;
+}
+
+static void judge_version(const struct neph_external_renderer *renderer, const char *program,
+                          const char *text, struct neph_engine_info *info)
 {
     char version[64];
-    info->broken = !renderer->parse_version(text, version);
-    if (info->broken) {
-        snprintf(info->missing, sizeof(info->missing), "'%s --version' does not tell it",
-                 renderer->program);
+    if (!renderer->parse_version(text, version)) {
+        snprintf(info->missing, sizeof(info->missing), "'%.300s --version' does not tell it",
+                 program);
         return;
     }
-    if (strncmp(version, renderer->measured, strlen(renderer->measured)) != 0) {
-        snprintf(info->missing, sizeof(info->missing), "%s%s%s", renderer->other[0], version,
-                 renderer->other[1]);
+    info->broken = false;
+    if (!neph_version_is_from(version, renderer->oldest[0], renderer->oldest[1])) {
+        snprintf(info->missing, sizeof(info->missing),
+                 "wrong version: '%.300s' is %s %s; versions from %d.%d on are taken", program,
+                 renderer->name, version, renderer->oldest[0], renderer->oldest[1]);
         return;
     }
     info->available = true;
     snprintf(info->version, sizeof(info->version), "%s %s", renderer->name, version);
     snprintf(info->device, sizeof(info->device), "CPU, %d threads", neph_processor_count());
+    if (!is_measured(renderer, version))
+        snprintf(info->warning, sizeof(info->warning),
+                 "%s %s was not measured: what its media do was measured for %s", renderer->name,
+                 version, renderer->laws);
 }
 
 static bool has_data_file(const struct neph_external_renderer *renderer,
@@ -206,28 +302,37 @@ static bool has_data_file(const struct neph_external_renderer *renderer,
     return is_there;
 }
 
-void neph_external_probe(const struct neph_external_renderer *renderer,
+void neph_external_probe(const struct neph_external_renderer *renderer, int index,
                          struct neph_engine_info *info)
 {
     *info = (struct neph_engine_info){.available = false};
-    snprintf(info->install_line, sizeof(info->install_line), "%s", renderer->install_line);
-    if (!neph_child_program_exists(renderer->program)) {
-        snprintf(info->missing, sizeof(info->missing), "there is no program '%s' in PATH",
-                 renderer->program);
+    neph_install_line(&renderer->packages, info->install_line, sizeof(info->install_line));
+    char *program = neph_external_find(renderer, index, info->missing, sizeof(info->missing));
+    if (!program)
         return;
-    }
     info->broken = true;
-    if (!has_data_file(renderer, info))
-        return;
     struct neph_diag diag = {0};
-    char name[64], *text = NULL;
-    snprintf(name, sizeof(name), "%s ", renderer->name);
-    if (neph_program_ask(renderer->program, name, probe_limit_s, &text, info->build, &diag))
-        snprintf(info->missing, sizeof(info->missing), "'%s --version' failed: %.400s",
-                 renderer->program, diag.message);
+    char *text = NULL;
+    if (!has_data_file(renderer, info))
+        ;
+    else if (ask_version(renderer, program, &text, info->build, &diag))
+        snprintf(info->missing, sizeof(info->missing), "'%.120s --version' failed: %.380s", program,
+                 diag.message);
     else
-        judge_version(renderer, text, info);
+        judge_version(renderer, program, text, info);
     free(text);
+    free(program);
+}
+
+enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
+                                       const char *why, struct neph_diag *diag)
+{
+    char line[256];
+    neph_install_line(&renderer->packages, line, sizeof(line));
+    if (why)
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", why);
+    neph_hint(diag, "%s", line);
+    return NEPH_ERR_UNAVAILABLE;
 }
 
 enum neph_status neph_external_run(const struct neph_external_renderer *renderer,
@@ -245,9 +350,7 @@ enum neph_status neph_external_run(const struct neph_external_renderer *renderer
         .limits = neph_program_limits(&before, shot->width_px, shot->height_px),
         .time_limit_s = shot->time_limit_s};
     const enum neph_status status = neph_child_run(&params, result, diag);
-    if (status == NEPH_ERR_UNAVAILABLE)
-        neph_hint(diag, "%s", renderer->install_line);
-    return status;
+    return status == NEPH_ERR_UNAVAILABLE ? neph_external_missing(renderer, NULL, diag) : status;
 }
 
 enum neph_status neph_external_left(const struct neph_external_renderer *renderer, const char *path,

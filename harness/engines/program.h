@@ -11,6 +11,7 @@
 #include "base/scratch.h"
 #include "base/usage.h"
 #include "harness/engines/engine.h"
+#include "harness/packages.h"
 
 /* A folder in TMPDIR for a program that wants to write; what a run that was killed here has left
  * there is removed. `prefix` is that of all such folders. Free with neph_scratch_destroy(). */
@@ -38,26 +39,54 @@ enum neph_status neph_program_status(enum neph_status status);
 enum neph_status neph_program_ask(const char *program, const char *name, double time_limit_s,
                                   char **text, char build[NEPH_BUILD_SIZE], struct neph_diag *diag);
 
-/* A renderer of other people that neph knows: its program in PATH, and what is said about it. */
+/* An external renderer that neph knows. */
 struct neph_external_renderer {
-    const char *program;      /* "povray" */
-    const char *name;         /* "POV-Ray": --version says it, a space and the version */
-    const char *install_line; /* the command that installs it */
-    const char *data_file;    /* a file of neph's that it is run with (neph_data_path()), or NULL */
+    const char *program;  /* the name of its file: "povray" */
+    const char *variable; /* of the environment, that names it in place of PATH: "NEPH_POVRAY" */
+    bool is_list;         /* the variable may name several, separated by colons */
+    const char *name;     /* "POV-Ray": --version says it, a space and the version */
+    struct neph_packages packages; /* that have it */
+    const char *data_file; /* a file of neph's that it is run with (neph_data_path()), or NULL */
 
     /* The version in what it says of itself; false: it does not tell it. */
     bool (*parse_version)(const char *text, char version[64]);
-    const char *measured;           /* what versions start with that were measured: "3.7.0." */
-    const char *other[2];           /* what to say of another version, before and behind it */
+    const char *const *measured; /* what versions start with that were measured, NULL-terminated */
+    const char *laws;            /* of which versions these are, in words: "3.4.x, 4.3.x" */
+    int oldest[2];               /* version; those before it are refused */
     const char *const *environment; /* of its processes: neph_child_params.environment */
 };
 
-/* neph_engine.probe of an engine on such a renderer on the CPU. */
-void neph_external_probe(const struct neph_external_renderer *renderer,
+/* The programs that a renderer's variable may name, at most. */
+enum { NEPH_EXTERNAL_PROGRAMS_MAX = 8 };
+
+/* How many programs the variable names, 1 where it is not set or names none. */
+int neph_external_count(const struct neph_external_renderer *renderer);
+
+/* The path of program `index`, from 0 on, for the caller to free: by the variable, which names a
+ * program or the folder that holds it, or by PATH where the variable is not set or empty. NULL:
+ * `missing` says why. */
+char *neph_external_find(const struct neph_external_renderer *renderer, int index, char *missing,
+                         size_t missing_size);
+
+/* What `index` says is its version. */
+bool neph_external_version(const struct neph_external_renderer *renderer, int index,
+                           char version[64]);
+
+/* Whether version "3.4.1" is not below major.minor. */
+bool neph_version_is_from(const char *version, int major, int minor);
+
+/* neph_engine.probe of an engine on such a renderer on the CPU. A version that is newer than the
+ * oldest and was not measured is available, with a warning. */
+void neph_external_probe(const struct neph_external_renderer *renderer, int index,
                          struct neph_engine_info *info);
 
-/* Run it for a shot in `folder`, where it may write for a frame of the shot's size. Errors as of
- * neph_child_run(). */
+/* NEPH_ERR_UNAVAILABLE with the command that installs it as the hint, and `why` as the message, or
+ * with NULL the message that is there. */
+enum neph_status neph_external_missing(const struct neph_external_renderer *renderer,
+                                       const char *why, struct neph_diag *diag);
+
+/* Run it for a shot in `folder`, where it may write for a frame of the shot's size; argv[0] is the
+ * path of the program. Errors as of neph_child_run(). */
 enum neph_status neph_external_run(const struct neph_external_renderer *renderer,
                                    const char *const argv[], const char *folder, const char *log,
                                    const struct neph_shot *shot, struct neph_child_result *result,

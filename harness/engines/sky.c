@@ -226,10 +226,11 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
 }
 
 /* The device counts, where there is one: its frames are its own. */
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
     struct neph_engine_info vulkan;
-    neph_vulkan_probe(device, &vulkan);
+    neph_vulkan_probe(engine, device, &vulkan);
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "sky tables, revision %u",
              (unsigned)neph_engine_sky.version);

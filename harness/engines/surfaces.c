@@ -64,9 +64,10 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return status;
 }
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
-    (void)device;
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true};
     snprintf(info->version, sizeof(info->version), "light between surfaces, revision %u",
              (unsigned)neph_engine_surfaces.version);

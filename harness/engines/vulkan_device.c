@@ -124,8 +124,10 @@ static bool find_device(struct neph_open_device **device, struct neph_engine_inf
     return is_found;
 }
 
-void neph_vulkan_probe(struct neph_shared_device *shared, struct neph_engine_info *info)
+void neph_vulkan_probe(const struct neph_engine *engine, struct neph_shared_device *shared,
+                       struct neph_engine_info *info)
 {
+    (void)engine;
     struct neph_shared_device own = {.open = NULL};
     struct neph_shared_device *probed = shared ? shared : &own;
     *info = (struct neph_engine_info){.available = false};

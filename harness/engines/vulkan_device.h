@@ -43,6 +43,7 @@ void neph_device_release(struct neph_open_device *device);
 void neph_shared_device_close(struct neph_shared_device *shared);
 
 /* neph_engine.probe of an engine that needs nothing but the device. */
-void neph_vulkan_probe(struct neph_shared_device *shared, struct neph_engine_info *info);
+void neph_vulkan_probe(const struct neph_engine *engine, struct neph_shared_device *shared,
+                       struct neph_engine_info *info);
 
 #endif

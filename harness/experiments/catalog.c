@@ -6,6 +6,7 @@
 #include "harness/experiments/validate.h"
 
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 
 /* The scenes that are named, or those of the tier; `*listed`, to free, is the whole catalogue. */
 static enum neph_status choose_scenes(const struct neph_validate_request *request,
@@ -27,6 +28,20 @@ static enum neph_status choose_scenes(const struct neph_validate_request *reques
     return status;
 }
 
+/* The engines of a tier, and other Blenders beside `cycles`. */
+static void choose_engines(const char *const *wanted, const char *engines[NEPH_ENGINE_COUNT],
+                           struct neph_validate_params *params)
+{
+    int known;
+    const struct neph_engine *const *all = neph_engines(&known);
+    params->engines = engines;
+    params->engine_count = 0;
+    for (int i = 0; i < known; i++)
+        for (const char *const *name = wanted; *name; name++)
+            if (neph_engine_is(all[i], *name))
+                engines[params->engine_count++] = all[i]->name;
+}
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -44,9 +59,9 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     enum neph_status status = choose_scenes(request, &params, &listed, diag);
     params.over_time = is_tier && !request->no_charts;
     params.charts = params.over_time ? &charts : NULL;
+    const char *engines[NEPH_ENGINE_COUNT];
     if (is_tier && tier->engines)
-        for (params.engines = tier->engines; tier->engines[params.engine_count];)
-            params.engine_count++;
+        choose_engines(tier->engines, engines, &params);
     if (!status)
         status = neph_validate(&params, run->store, &validation, diag);
     status = neph_validate_publish(request, &validation, publication, status, diag);

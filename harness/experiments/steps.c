@@ -33,6 +33,7 @@ static const struct neph_cli_option options[] = {
      "Make the studies that come with neph (scenes/studies) where they are missing or of another "
      "version; of the whole catalogue, or of the scene given alone",
      NEPH_CLI_FLAG, .at = offsetof(struct request, renew)},
+    {.name = "blender"},
     {.name = "jobs", .otherwise = "1"},
     {.name = "json"},
     {.name = NULL},
@@ -190,6 +191,17 @@ static enum neph_status run_study(const struct request *request, struct neph_sto
     return neph_json_check(publication->json, diag);
 }
 
+static enum neph_status no_steps(const struct neph_engine *engine,
+                                 const struct neph_engine_info *info, struct neph_diag *diag)
+{
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+              "%s takes no steps with these settings: %s renders "
+              "volumes without them",
+              engine->name, info->version);
+    neph_hint(diag, "-s volume_biased=on has volumes marched in steps");
+    return NEPH_ERR_UNSUPPORTED;
+}
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -200,6 +212,9 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         return neph_studies_renew(shared->operands, shared->operand_count, shared->time_limit_s,
                                   run->store, !request->is_part, run->quiet, diag);
     neph_engine_probe(request->job.engine, run->device, &info);
+    if (info.available &&
+        !neph_engine_has_steps(request->job.engine, &info, &request->job.shot.settings))
+        return no_steps(request->job.engine, &info, diag);
     request->job.info = &info;
     request->job.shot.device = run->device;
     return request->is_part ? run_part(request, run->store, diag)

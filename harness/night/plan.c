@@ -2,6 +2,7 @@
 #include "harness/night/plan.h"
 
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/physics/checks.h"
 #include "renderer/realtime/options.h"
 
@@ -151,6 +152,11 @@ static void add_settings(struct making *making, struct neph_night_step *step)
         return;
     if (params->seed > 1)
         add_words(making, step, neph_arena_format(making->arena, "--seed %d", params->seed));
+    int known;
+    const struct neph_engine *const *engines = neph_engines(&known);
+    for (int i = 0; i < known; i++)
+        if (engines[i]->first) /* other Blenders */
+            add_words(making, step, neph_arena_format(making->arena, "-e %s", engines[i]->name));
     for (int i = 0; i < params->engine_count; i++) {
         add_word(making, step, "-e");
         add_word(making, step, params->engines[i]);

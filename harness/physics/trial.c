@@ -242,6 +242,8 @@ static enum neph_status choose_step(const struct neph_trial *trial,
         !trial->entrant->info.available || !neph_study_applies(engine, &seen->stage->scene))
         return NEPH_OK;
     const struct neph_job job = job_of(trial, seen, NULL);
+    if (!neph_engine_has_steps(engine, job.info, &job.shot.settings))
+        return NEPH_OK;
     const enum neph_status status = neph_study_run(&job, trial->store, &made, &outcome, reason,
                                                    diag);
     if (!status && outcome == NEPH_OUTCOME_RENDERED) /* else the frame itself will say why */

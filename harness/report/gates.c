@@ -32,16 +32,17 @@ static double value_of(const struct neph_frame_result *frame, const struct neph_
 /* A gate is not measured where its engine is missing, cannot, or is itself the truth; a frame that
  * was there to be measured and has no such number does not pass it. A limit was set for what the
  * engine does with all its samples: a frame that got fewer may keep it, but cannot break it. */
-static void judge(const struct neph_gate *gate, const struct neph_scene_result *scene,
-                  struct neph_arena *arena, struct neph_gate_result *result)
+static void judge(const struct neph_gate *gate, const char *engine,
+                  const struct neph_scene_result *scene, struct neph_arena *arena,
+                  struct neph_gate_result *result)
 {
-    const int f = frame_of_engine(scene, gate->engine);
+    const int f = frame_of_engine(scene, engine);
     const struct neph_frame_result *frame = f < 0 ? NULL : &scene->frames[f];
     const double value = frame ? value_of(frame, gate) : NAN;
     const bool owed = frame && frame->path && scene->truth >= 0 && f != scene->truth;
     const bool kept = fabs(value) <= gate->maximum;
     *result = (struct neph_gate_result){
-        .engine = neph_arena_text(arena, gate->engine),
+        .engine = neph_arena_text(arena, engine),
         .quantity = neph_gate_quantity_name(gate->quantity),
         .metric = neph_arena_text(arena, gate->metric),
         .mask = neph_arena_text(arena, gate->mask),
@@ -127,14 +128,27 @@ static void judge_ungated(const struct neph_frame_result *frame, struct neph_sce
     }
 }
 
+/* The gates of `cycles` hold for other Blenders, too. */
+static void judge_further(const struct neph_scene *scene, const struct neph_engine *engine,
+                          struct neph_arena *arena, struct neph_scene_result *result)
+{
+    for (int g = 0; g < scene->gate_count && engine->first; g++)
+        if (neph_engine_is(engine, scene->gates[g].engine))
+            judge(&scene->gates[g], engine->name, result, arena,
+                  &result->gates[result->gate_count++]);
+}
+
 void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
                       struct neph_scene_result *result)
 {
-    const int most = scene->gate_count + QUANTITIES_UNGATED * result->frame_count;
+    const int most = scene->gate_count +
+                     (scene->gate_count + QUANTITIES_UNGATED) * result->frame_count;
     result->gates = neph_arena_zeroed(arena, (size_t)most, sizeof(*result->gates));
     result->gate_count = result->gates ? scene->gate_count : 0;
     for (int g = 0; g < result->gate_count; g++)
-        judge(&scene->gates[g], result, arena, &result->gates[g]);
+        judge(&scene->gates[g], scene->gates[g].engine, result, arena, &result->gates[g]);
+    for (int f = 0; f < result->frame_count && result->gates; f++)
+        judge_further(scene, result->frames[f].engine, arena, result);
     for (int f = 0; f < result->frame_count && result->gates && result->truth >= 0; f++)
         if (f != result->truth)
             judge_ungated(&result->frames[f], result, arena);

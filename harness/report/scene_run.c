@@ -88,7 +88,8 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
 {
     *chosen = *is_late = false;
     if (job->engine->rung != NEPH_RUNG_WITNESS || !job->info->available ||
-        !neph_study_applies(job->engine, job->shot.scene) || has_own_step(job))
+        !neph_study_applies(job->engine, job->shot.scene) ||
+        !neph_engine_has_steps(job->engine, job->info, &job->shot.settings) || has_own_step(job))
         return NEPH_OK;
     enum neph_status status = neph_studies_find(job, study, chosen, diag);
     if (!status && !*chosen) {

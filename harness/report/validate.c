@@ -58,7 +58,10 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
         field->settings[field->count] = neph_settings_default(engines[i]);
-        neph_engine_probe(engines[i], params->device, &field->infos[field->count++]);
+        struct neph_engine_info *info = &field->infos[field->count++];
+        neph_engine_probe(engines[i], params->device, info);
+        if (info->warning[0])
+            fprintf(stderr, "warning: %s: %s\n", engines[i]->name, info->warning);
     }
     return NEPH_OK;
 }

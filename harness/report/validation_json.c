@@ -67,11 +67,12 @@ static json_t *scene_json(const struct neph_scene_result *scene)
 
 static json_t *engine_json(const struct neph_engine *engine, const struct neph_engine_info *info)
 {
-    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s}", "name", engine->name,
-                     "summary", engine->summary, "rung", neph_rung_name(engine->rung), "bias",
-                     engine->bias, "available", info->available, "broken", info->broken, "version",
-                     info->version, "device", info->device, "missing", info->missing,
-                     "install_line", info->install_line);
+    return json_pack("{s:s, s:s, s:s, s:s?, s:b, s:b, s:s, s:s, s:s, s:s, s:s, s:s}", "name",
+                     engine->name, "summary", engine->summary, "rung", neph_rung_name(engine->rung),
+                     "bias", engine->bias, "available", info->available, "broken", info->broken,
+                     "version", info->version, "device", info->device, "missing", info->missing,
+                     "install_line", info->install_line, "can", info->can, "warning",
+                     info->warning);
 }
 
 /* The lists of a document, each item by its own function. */

@@ -60,15 +60,30 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Every other value an engine hands over is finite, and none is negative. Returns how many values
- * are bad: -inf is both not finite and negative, and one value. */
+/* Where +inf is an answer: the sky, a medium that shows nothing. */
+static bool may_be_infinite(const char *channel)
+{
+    return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
+}
+
+static bool may_be_negative(const struct neph_image *frame, const char *channel)
+{
+    static const char *const radiance[] = {"R", "G", "B", "volume.R", "volume.G", "volume.B"};
+    const bool is_signed = neph_image_attribute(frame, NEPH_SIGNED_NOISE_ATTRIBUTE) != NULL;
+    for (size_t i = 0; i < sizeof(radiance) / sizeof(radiance[0]) && is_signed; i++)
+        if (strcmp(channel, radiance[i]) == 0)
+            return true;
+    return strncmp(channel, "normal.", strlen("normal.")) == 0;
+}
+
+/* Every other value an engine hands over is finite, and none is negative but radiance by an
+ * unbiased estimator that says so. Returns how many values are bad: -inf is both not finite and
+ * negative, and one value. */
 static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
                         size_t *non_finite, size_t *negative)
 {
-    /* Where +inf is an answer: the sky, a medium that shows nothing. */
-    const bool is_distance = strcmp(channel->name, "Z") == 0 ||
-                             strcmp(channel->name, "volume.distance") == 0;
-    const bool is_signed = strncmp(channel->name, "normal.", strlen("normal.")) == 0;
+    const bool is_distance = may_be_infinite(channel->name);
+    const bool is_signed = may_be_negative(frame, channel->name);
     const size_t count = neph_image_pixel_count(frame);
     size_t bad = 0;
     *non_finite = *negative = 0;
@@ -158,7 +173,8 @@ static enum neph_status check_possible(const struct neph_job *job, struct neph_d
         neph_hint(diag, "%s", job->info->install_line);
         return NEPH_ERR_UNAVAILABLE;
     }
-    if (!job->engine->can_render(job->shot.scene, &job->shot.settings, reason, sizeof(reason)))
+    if (!neph_engine_can_render(job->engine, job->shot.scene, &job->shot.settings, reason,
+                                sizeof(reason)))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "cannot: %s", reason);
     return NEPH_OK;
 }

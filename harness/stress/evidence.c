@@ -75,7 +75,7 @@ static void close_pair(struct pair *pair)
     neph_image_destroy(pair->own[REFERENCE]);
 }
 
-/* ---- what is shown --------------------------------------------------------------------------- */
+/* ---- frames and rows to show ----------------------------------------------------------------- */
 
 static double residual_of(const struct pair *pair, size_t pixel)
 {
@@ -159,27 +159,27 @@ enum neph_status neph_evidence_choose(const struct neph_evidence_source *source,
 /* ---- drawing --------------------------------------------------------------------------------- */
 
 /* Where images go. */
-struct easel {
+struct target {
     const char *folder;
     double exposure_ev, scale;
     json_t *names; /* borrowed */
 };
 
-static enum neph_status draw(const struct easel *easel, const struct pair *pair, enum part part,
+static enum neph_status draw(const struct target *target, const struct pair *pair, enum part part,
                              const char *name, struct neph_diag *diag)
 {
-    const struct neph_path path = neph_path_in(easel->folder, name);
+    const struct neph_path path = neph_path_in(target->folder, name);
     const enum neph_status status =
         part == DIFFERENCE
             ? neph_difference_png(path.text, pair->width_px, pair->height_px,
-                                  pair->planes[REFERENCE], pair->planes[FRAME], easel->scale, diag)
+                                  pair->planes[REFERENCE], pair->planes[FRAME], target->scale, diag)
             : neph_display_png(path.text, pair->width_px, pair->height_px, pair->planes[part],
-                               easel->exposure_ev, diag);
-    return status ? status : neph_json_append(easel->names, json_string(name), diag);
+                               target->exposure_ev, diag);
+    return status ? status : neph_json_append(target->names, json_string(name), diag);
 }
 
 /* "worst" as worst.png, worst_reference.png and worst_difference.png. */
-static enum neph_status draw_three(const struct easel *easel, const struct pair *pair,
+static enum neph_status draw_three(const struct target *target, const struct pair *pair,
                                    const char *stem, struct neph_diag *diag)
 {
     static const char *const ends[] = {"", "_reference", "_difference"};
@@ -187,20 +187,20 @@ static enum neph_status draw_three(const struct easel *easel, const struct pair 
     for (int part = FRAME; part <= (pair->has_reference ? DIFFERENCE : FRAME) && !status; part++) {
         char name[40];
         snprintf(name, sizeof(name), "%s%s.png", stem, ends[part]);
-        status = draw(easel, pair, (enum part)part, name, diag);
+        status = draw(target, pair, (enum part)part, name, diag);
     }
     return status;
 }
 
-static enum neph_status draw_flip(const struct easel *easel, const struct pair *pair, int number,
+static enum neph_status draw_flip(const struct target *target, const struct pair *pair, int number,
                                   bool with_reference, struct neph_diag *diag)
 {
     char name[32];
     snprintf(name, sizeof(name), "flip_%d.png", number);
-    enum neph_status status = draw(easel, pair, FRAME, name, diag);
+    enum neph_status status = draw(target, pair, FRAME, name, diag);
     snprintf(name, sizeof(name), "flip_reference_%d.png", number);
     if (!status && with_reference)
-        status = draw(easel, pair, REFERENCE, name, diag);
+        status = draw(target, pair, REFERENCE, name, diag);
     return status;
 }
 
@@ -233,7 +233,7 @@ static void fill_slice(struct slice *slice, const struct pair *pair, int row, in
 
 /* All that a frame is in. */
 static enum neph_status draw_pair(const struct neph_evidence_source *source,
-                                  const struct neph_evidence *evidence, const struct easel *easel,
+                                  const struct neph_evidence *evidence, const struct target *target,
                                   const struct pair *pair, int frame, struct slice *slice,
                                   struct neph_diag *diag)
 {
@@ -244,9 +244,9 @@ static enum neph_status draw_pair(const struct neph_evidence_source *source,
     if (!status && row >= 0 && row < evidence->slice_count)
         fill_slice(slice, pair, evidence->row, row);
     if (!status && frame == evidence->worst_frame)
-        status = draw_three(easel, pair, "worst", diag);
+        status = draw_three(target, pair, "worst", diag);
     if (!status && flip >= 0 && flip < evidence->flip_count)
-        status = draw_flip(easel, pair, flip,
+        status = draw_flip(target, pair, flip,
                            source->reference->count > 1 || (pair->has_reference && flip == 0),
                            diag);
     return status;
@@ -260,28 +260,28 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
     const bool has_slice = evidence->slice_count > 0;
     const int first = has_slice ? evidence->slice_first : evidence->worst_frame;
     const int last = first + (has_slice ? evidence->slice_count : 1);
-    const struct easel easel = {.folder = folder,
-                                .exposure_ev = source->exposure_ev,
-                                .scale = evidence->scale,
-                                .names = names};
+    const struct target target = {.folder = folder,
+                                  .exposure_ev = source->exposure_ev,
+                                  .scale = evidence->scale,
+                                  .names = names};
     struct slice slice = {.samples = NULL};
     enum neph_status status = NEPH_OK;
     for (int i = first; i < last && !status; i++) {
         struct pair pair;
         status = open_pair(source, i, &pair, diag);
         if (!status)
-            status = draw_pair(source, evidence, &easel, &pair, i, &slice, diag);
+            status = draw_pair(source, evidence, &target, &pair, i, &slice, diag);
         close_pair(&pair);
     }
     if (!status && has_slice)
-        status = draw_three(&easel, &slice.rows, "slice", diag);
+        status = draw_three(&target, &slice.rows, "slice", diag);
     free(slice.samples);
     return status;
 }
 
 /* ---- in the store ---------------------------------------------------------------------------- */
 
-/* Part of the key: raise it when pictures change. */
+/* Part of the key: raise it when images change. */
 enum { DRAWN_REVISION = 2 };
 
 enum neph_status neph_evidence_key(const char *take_key, double exposure_ev,

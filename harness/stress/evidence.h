@@ -25,7 +25,7 @@ struct neph_evidence_source {
     double exposure_ev;
 };
 
-/* What is shown of it. */
+/* The frames and the row to show. */
 struct neph_evidence {
     int worst_frame;              /* with the largest squared residual; bad values outweigh all */
     int row;                      /* with the largest over all frames */
@@ -48,7 +48,7 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
 
 /* ---- in the store ---------------------------------------------------------------------------- */
 
-/* Name of the map among the pictures. */
+/* The map's name among the images. */
 #define NEPH_EVIDENCE_FLICKER_MAP "seen_contrast_radiance.png"
 
 /* The key of a take's evidence, whose images are shown at an exposure. */

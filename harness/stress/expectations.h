@@ -16,7 +16,7 @@
 #include "harness/json.h"
 #include "harness/stress/results.h"
 
-/* What a number is of. */
+/* The place of a number in the results. */
 struct neph_stress_place {
     const char *scene, *point, *preset, *measure, *over;
 };
@@ -27,7 +27,7 @@ struct neph_stress_place {
 enum neph_status neph_stress_expectations_load(const char *path, json_t **list,
                                                struct neph_diag *diag);
 
-/* What is expected there; `*reason` is the entry's, borrowed, or "". */
+/* The expectation of a number; `*reason` is the entry's, borrowed, or "". */
 enum neph_stress_expected neph_stress_expected_at(const json_t *list,
                                                   const struct neph_stress_place *place,
                                                   const char **reason);

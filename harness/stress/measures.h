@@ -18,7 +18,7 @@ struct neph_stress_measure {
     const char *metrics[NEPH_STRESS_NUMBERS];
     const char *masks[NEPH_STRESS_NUMBERS]; /* NULL: that of the limit */
     double (*value)(const double numbers[NEPH_STRESS_NUMBERS]);
-    bool over_time; /* of a sequence, and not of a picture: nothing is asked of engines without
+    bool over_time; /* of a sequence, and not of a frame: it is not measured of engines without
                        history */
 };
 

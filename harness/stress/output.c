@@ -80,21 +80,21 @@ static void print_value(const struct neph_stress_row *row, const struct neph_str
 }
 
 /* The same number at another point of its sweep. */
-static bool is_kin(const struct neph_stress_spot *a, const struct neph_stress_spot *b)
+static bool is_same_number(const struct neph_stress_spot *a, const struct neph_stress_spot *b)
 {
     return a->column == b->column && a->row->scene == b->row->scene &&
            a->row->limit == b->row->limit &&
            a->row->cells[a->column].verdict == b->row->cells[b->column].verdict;
 }
 
-/* How many of a list are kin of one. */
-static int count_kin(const struct neph_stress_spot *spots, int count,
-                     const struct neph_stress_spot *spot)
+/* How many of a list are the same number as one. */
+static int count_same_number(const struct neph_stress_spot *spots, int count,
+                             const struct neph_stress_spot *spot)
 {
-    int kin = 0;
+    int same = 0;
     for (int i = 0; i < count; i++)
-        kin += is_kin(&spots[i], spot);
-    return kin;
+        same += is_same_number(&spots[i], spot);
+    return same;
 }
 
 /* At its worst point; `more` are the others. */
@@ -141,16 +141,16 @@ enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *
         status = print_table(suite, spots, count, out, diag);
     for (int i = 0; i < count && !status; i++)
         if (neph_stress_verdicts[spots[i].row->cells[spots[i].column].verdict].is_news &&
-            count_kin(spots, i, &spots[i]) == 0)
-            status = print_news(suite, &spots[i], count_kin(spots, count, &spots[i]) - 1, out,
-                                diag);
+            count_same_number(spots, i, &spots[i]) == 0)
+            status = print_news(suite, &spots[i], count_same_number(spots, count, &spots[i]) - 1,
+                                out, diag);
     if (!status)
         print_counts(suite, out);
     free(spots);
     return status;
 }
 
-/* A column of the suite alone, as it was asked for. */
+/* The command that runs one column of the suite. */
 static char *suite_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                            const struct neph_stress_column *column)
 {

@@ -10,12 +10,12 @@
 
 #include <stdio.h>
 
-/* A line for each number over the columns, the worst first, then what is new and how to see it, and
+/* A line for each number over the columns, the worst first, then new verdicts with commands, and
  * the counts. */
 enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *out,
                                    struct neph_diag *diag);
 
-/* The command that makes the pictures of a column of a scenario, for the caller to free; NULL when
+/* The command that renders the frames of a column of a scenario, for the caller to free; NULL when
  * memory is short. */
 char *neph_stress_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                           int column);

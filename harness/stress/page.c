@@ -31,7 +31,7 @@ struct shown {
 };
 
 /* All evidence of a run, the worst first. */
-struct gallery {
+struct evidence_list {
     struct neph_arena arena;
     struct neph_stress_spot *spots; /* owned */
     int spot_count;
@@ -40,21 +40,21 @@ struct gallery {
     size_t bytes;
 };
 
-static bool is_shown(const struct gallery *gallery, const struct neph_stress_spot *spot)
+static bool is_shown(const struct evidence_list *list, const struct neph_stress_spot *spot)
 {
-    for (int i = 0; i < gallery->shown_count; i++)
-        if (gallery->shown[i].spot->column == spot->column &&
-            gallery->shown[i].spot->row->scene == spot->row->scene)
+    for (int i = 0; i < list->shown_count; i++)
+        if (list->shown[i].spot->column == spot->column &&
+            list->shown[i].spot->row->scene == spot->row->scene)
             return true;
     return false;
 }
 
-static void finish_gallery(struct gallery *gallery)
+static void finish_list(struct evidence_list *list)
 {
-    for (int i = 0; i < gallery->shown_count; i++)
-        json_decref(gallery->shown[i].entry);
-    free(gallery->spots);
-    neph_arena_finish(&gallery->arena);
+    for (int i = 0; i < list->shown_count; i++)
+        json_decref(list->shown[i].entry);
+    free(list->spots);
+    neph_arena_finish(&list->arena);
 }
 
 /* Under `work`, where an entry's images are not yet. */
@@ -73,23 +73,22 @@ static enum neph_status copy_images(const struct shown *shown, const char *work,
     return status;
 }
 
-static bool is_wanted(const struct gallery *gallery, const char *name)
+static bool is_wanted(const struct evidence_list *list, const char *name)
 {
-    for (int i = 0; i < gallery->shown_count; i++)
-        if (gallery->shown[i].fits &&
-            strcmp(gallery->shown[i].folder + strlen("images/"), name) == 0)
+    for (int i = 0; i < list->shown_count; i++)
+        if (list->shown[i].fits && strcmp(list->shown[i].folder + strlen("images/"), name) == 0)
             return true;
     return false;
 }
 
-/* Remove the images whose place worse cells took. */
-static enum neph_status remove_unwanted(const struct gallery *gallery, const char *images,
+/* Remove the images that were replaced by images of worse cells. */
+static enum neph_status remove_unwanted(const struct evidence_list *list, const char *images,
                                         struct neph_diag *diag)
 {
     DIR *directory = opendir(images);
     enum neph_status status = NEPH_OK;
     for (const struct dirent *entry; directory && !status && (entry = readdir(directory));) {
-        if (entry->d_name[0] == '.' || is_wanted(gallery, entry->d_name))
+        if (entry->d_name[0] == '.' || is_wanted(list, entry->d_name))
             continue;
         status = neph_dir_remove(neph_path_in(images, entry->d_name).text, diag);
     }
@@ -98,12 +97,12 @@ static enum neph_status remove_unwanted(const struct gallery *gallery, const cha
     return status;
 }
 
-static enum neph_status update_images(struct gallery *gallery, const char *work,
+static enum neph_status update_images(struct evidence_list *list, const char *work,
                                       struct neph_diag *diag)
 {
-    enum neph_status status = remove_unwanted(gallery, neph_path_in(work, "images").text, diag);
-    for (int i = 0; i < gallery->shown_count && !status; i++)
-        status = copy_images(&gallery->shown[i], work, diag);
+    enum neph_status status = remove_unwanted(list, neph_path_in(work, "images").text, diag);
+    for (int i = 0; i < list->shown_count && !status; i++)
+        status = copy_images(&list->shown[i], work, diag);
     return status;
 }
 
@@ -115,7 +114,7 @@ static const char *const state_names[] = {
     [NEPH_STRESS_INTERRUPTED] = "interrupted",
 };
 
-/* `object` with what is in `more`, both of which are taken over; NULL: one is, or no memory. */
+/* `object` with the members of `more`, both of which are taken over; NULL: one is, or no memory. */
 static json_t *joined(json_t *object, json_t *more)
 {
     const bool is_whole = json_object_update(object, more) == 0;
@@ -126,11 +125,12 @@ static json_t *joined(json_t *object, json_t *more)
 }
 
 /* How each column of a scenario is made by hand, at its worst point. */
-static json_t *commands_json(const struct neph_stress_suite *suite, const struct gallery *gallery)
+static json_t *commands_json(const struct neph_stress_suite *suite,
+                             const struct evidence_list *list)
 {
     json_t *all = json_object();
-    for (int i = 0; i < gallery->spot_count; i++) {
-        const struct neph_stress_spot *spot = &gallery->spots[i];
+    for (int i = 0; i < list->spot_count; i++) {
+        const struct neph_stress_spot *spot = &list->spots[i];
         const char *scene = spot->row->scene->name, *column = suite->columns[spot->column].name;
         json_t *of_scene = json_object_get(all, scene);
         if (!of_scene) {
@@ -149,27 +149,27 @@ static json_t *commands_json(const struct neph_stress_suite *suite, const struct
     return all;
 }
 
-static json_t *document_of(const struct neph_stress_suite *suite, const struct gallery *gallery,
+static json_t *document_of(const struct neph_stress_suite *suite, const struct evidence_list *list,
                            size_t limit_bytes)
 {
     char created[32];
     json_t *evidence = json_array();
-    for (int i = 0; i < gallery->shown_count; i++)
-        if (gallery->shown[i].fits)
-            neph_json_add(&evidence, json_incref(gallery->shown[i].entry));
+    for (int i = 0; i < list->shown_count; i++)
+        if (list->shown[i].fits)
+            neph_json_add(&evidence, json_incref(list->shown[i].entry));
     neph_utc_now(created);
-    return joined(
-        neph_stress_json(suite),
-        json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}", "state",
-                  state_names[suite->state], "created_utc", created, "neph_version", NEPH_VERSION,
-                  "progress", "done", suite->steps_done, "total", suite->steps_total, "left_s",
-                  suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
-                  (json_int_t)limit_bytes, "bytes", (json_int_t)gallery->bytes, "left_out",
-                  gallery->left_out, "difference_colours", neph_page_difference_colours(),
-                  "evidence", evidence, "commands", commands_json(suite, gallery)));
+    return joined(neph_stress_json(suite),
+                  json_pack("{s:s, s:s, s:s, s:{s:i, s:i, s:f}, s:{s:I, s:I, s:i}, s:o, s:o, s:o}",
+                            "state", state_names[suite->state], "created_utc", created,
+                            "neph_version", NEPH_VERSION, "progress", "done", suite->steps_done,
+                            "total", suite->steps_total, "left_s",
+                            suite->left_s > 0.0 ? suite->left_s : 0.0, "pictures", "limit_bytes",
+                            (json_int_t)limit_bytes, "bytes", (json_int_t)list->bytes, "left_out",
+                            list->left_out, "difference_colours", neph_page_difference_colours(),
+                            "evidence", evidence, "commands", commands_json(suite, list)));
 }
 
-/* ---- what fits ------------------------------------------------------------------------------- */
+/* ---- the limit ------------------------------------------------------------------------------- */
 
 /* In data.json and in data.js, where a "<" takes five bytes more. */
 static size_t data_size(const json_t *json)
@@ -177,22 +177,22 @@ static size_t data_size(const json_t *json)
     return 2 * json_dumpb(json, NULL, 0, JSON_INDENT(1)) + 200;
 }
 
-static enum neph_status add_shown(const struct neph_stress_suite *suite, struct gallery *gallery,
+static enum neph_status add_shown(const struct neph_stress_suite *suite, struct evidence_list *list,
                                   const struct neph_stress_spot *spot, size_t *room_bytes,
                                   struct neph_diag *diag)
 {
     const struct neph_scene *scene = spot->row->scene;
     const char *evidence = spot->row->cells[spot->column].evidence;
-    const char *path = neph_arena_format(&gallery->arena, "%s/job.json", evidence);
-    const char *folder = neph_arena_format(&gallery->arena, "images/%.24s",
+    const char *path = neph_arena_format(&list->arena, "%s/job.json", evidence);
+    const char *folder = neph_arena_format(&list->arena, "images/%.24s",
                                            strrchr(evidence, '/') + 1);
-    if (neph_arena_check(&gallery->arena, diag))
+    if (neph_arena_check(&list->arena, diag))
         return NEPH_ERR_MEMORY;
     const bool has_size = suite->width_px > 0;
     json_t *record = json_load_file(path, 0, NULL);
     if (!record) /* the store is being cleaned: there is nothing to show */
         return NEPH_OK;
-    struct shown *shown = &gallery->shown[gallery->shown_count++];
+    struct shown *shown = &list->shown[list->shown_count++];
     *shown = (struct shown){.spot = spot, .evidence = evidence, .folder = folder};
     shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
                                             "column", suite->columns[spot->column].name, "point",
@@ -206,36 +206,36 @@ static enum neph_status add_shown(const struct neph_stress_suite *suite, struct 
     const size_t bytes = shown->bytes + data_size(shown->entry);
     shown->fits = bytes <= *room_bytes;
     *room_bytes -= shown->fits ? bytes : 0;
-    gallery->bytes += shown->fits ? shown->bytes : 0;
-    gallery->left_out += !shown->fits;
+    list->bytes += shown->fits ? shown->bytes : 0;
+    list->left_out += !shown->fits;
     return NEPH_OK;
 }
 
-/* What is left of the limit beside all that is no evidence. */
+/* The bytes left of the limit beside the page and its data. */
 static size_t room_for_evidence(const struct neph_stress_page *page,
                                 const struct neph_stress_suite *suite,
-                                const struct gallery *gallery)
+                                const struct evidence_list *list)
 {
     const char *work = neph_report_folder_work(page->folder);
-    json_t *document = document_of(suite, gallery, page->limit_bytes);
+    json_t *document = document_of(suite, list, page->limit_bytes);
     const size_t taken = data_size(document) + neph_page_size(work, &parts);
     json_decref(document);
     return page->limit_bytes > taken ? page->limit_bytes - taken : 0;
 }
 
-static enum neph_status make_gallery(const struct neph_stress_page *page,
-                                     const struct neph_stress_suite *suite, struct gallery *gallery,
-                                     struct neph_diag *diag)
+static enum neph_status make_list(const struct neph_stress_page *page,
+                                  const struct neph_stress_suite *suite, struct evidence_list *list,
+                                  struct neph_diag *diag)
 {
-    gallery->spots = neph_stress_worst(suite, &gallery->spot_count);
-    gallery->shown = neph_arena_zeroed(&gallery->arena, (size_t)gallery->spot_count + 1,
-                                       sizeof(*gallery->shown));
-    enum neph_status status = gallery->spots && gallery->shown ? NEPH_OK : neph_fail_memory(diag);
-    size_t room_bytes = status ? 0 : room_for_evidence(page, suite, gallery);
-    for (int i = 0; i < gallery->spot_count && !status; i++) {
-        const struct neph_stress_spot *spot = &gallery->spots[i];
-        if (spot->row->cells[spot->column].evidence && !is_shown(gallery, spot))
-            status = add_shown(suite, gallery, spot, &room_bytes, diag);
+    list->spots = neph_stress_worst(suite, &list->spot_count);
+    list->shown = neph_arena_zeroed(&list->arena, (size_t)list->spot_count + 1,
+                                    sizeof(*list->shown));
+    enum neph_status status = list->spots && list->shown ? NEPH_OK : neph_fail_memory(diag);
+    size_t room_bytes = status ? 0 : room_for_evidence(page, suite, list);
+    for (int i = 0; i < list->spot_count && !status; i++) {
+        const struct neph_stress_spot *spot = &list->spots[i];
+        if (spot->row->cells[spot->column].evidence && !is_shown(list, spot))
+            status = add_shown(suite, list, spot, &room_bytes, diag);
     }
     return status;
 }
@@ -254,18 +254,18 @@ enum neph_status neph_stress_page_publish(const struct neph_stress_suite *suite,
                                           const struct neph_stress_page *page,
                                           struct neph_diag *diag)
 {
-    struct gallery gallery = {.spots = NULL};
+    struct evidence_list list = {.spots = NULL};
     json_t *document = NULL;
-    enum neph_status status = make_gallery(page, suite, &gallery, diag);
+    enum neph_status status = make_list(page, suite, &list, diag);
     if (!status)
-        status = update_images(&gallery, neph_report_folder_work(page->folder), diag);
+        status = update_images(&list, neph_report_folder_work(page->folder), diag);
     if (!status) {
-        document = document_of(suite, &gallery, page->limit_bytes);
+        document = document_of(suite, &list, page->limit_bytes);
         status = neph_json_check(document, diag);
     }
     if (!status)
         status = neph_page_publish(page->folder, "NEPH_STRESS", document, diag);
     json_decref(document);
-    finish_gallery(&gallery);
+    finish_list(&list);
     return status;
 }

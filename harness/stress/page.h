@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The page of the stress tests: a matrix of verdicts, and the evidence of what fails. It opens
+ * The page of the stress tests: a matrix of verdicts, and the evidence of failures. It opens
  * from disk without a network, may be shown again and again while the run goes on, and is replaced
  * as a whole (report/report_folder.h).
  */

@@ -49,8 +49,9 @@ static enum neph_status find_preset(const char *words, const struct neph_engine 
 
 /* --- Columns --- */
 
-bool neph_stress_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
-                      const struct neph_stress_column *column)
+bool neph_stress_measures(const struct neph_failing *failing,
+                          const struct neph_failing_limit *limit,
+                          const struct neph_stress_column *column)
 {
     if (column->engine->is_guest)
         return true;
@@ -106,11 +107,16 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
     const unsigned use = params->full ? NEPH_RT_STRESS_FULL : NEPH_RT_STRESS_QUICK;
     const struct neph_preset *preset;
     enum neph_status status = NEPH_OK;
+    int known;
+    const struct neph_engine *const *all = neph_engines(&known);
     for (int i = 0; is_default && !status && (preset = neph_preset_of_use(neph_rt_presets, use, i));
          i++)
         status = add_column(suite, preset->name, true, diag);
     for (int i = 0; is_default && has_engines(suite) && i < COUNT(engines) && !status; i++)
         status = add_column(suite, engines[i], false, diag);
+    for (int i = 0; is_default && has_engines(suite) && i < known && !status; i++)
+        if (all[i]->first) /* other Blenders */
+            status = add_column(suite, all[i]->name, false, diag);
     for (int i = 0; i < params->preset_count && !status; i++)
         status = add_column(suite, params->presets[i], true, diag);
     for (int i = 0; i < params->engine_count && !status; i++)
@@ -215,7 +221,7 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_stress_cell){
             .value = NAN,
-            .verdict = neph_stress_asks(&scene->failing, limit, &suite->columns[c])
+            .verdict = neph_stress_measures(&scene->failing, limit, &suite->columns[c])
                            ? NEPH_STRESS_NOT_YET
                            : NEPH_STRESS_NOT_ASKED,
             .why = ""};

@@ -60,7 +60,7 @@ double neph_stress_excess(const struct neph_stress_row *row, const struct neph_s
     return cell->value > 0.0 ? INFINITY : 0.0;
 }
 
-/* -1, 0, 1; what has no number is behind what has. */
+/* -1, 0, 1; cells without a number come last. */
 static int compare_excess(double a, double b)
 {
     if (isnan(a) || isnan(b))

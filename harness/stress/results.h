@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A run of the stress tests: what it was asked for, and what it found. Filled while it runs;
- * whoever prints it or writes it as JSON only reads.
+ * A run of the stress tests: its parameters and its results, which are filled while it runs.
  */
 #ifndef NEPH_HARNESS_STRESS_RESULTS_H
 #define NEPH_HARNESS_STRESS_RESULTS_H
@@ -60,8 +59,8 @@ enum neph_stress_verdict neph_stress_judge(double value, double limit,
 
 /* Cells that there is evidence of. */
 enum neph_stress_pictures {
-    NEPH_STRESS_PICTURES_FAILED,  /* what fails, known or not, and what is no longer known */
-    NEPH_STRESS_PICTURES_CHANGED, /* what is not as expected */
+    NEPH_STRESS_PICTURES_FAILED,  /* failures, known or not, and known ones that pass */
+    NEPH_STRESS_PICTURES_CHANGED, /* verdicts that are not expected */
     NEPH_STRESS_PICTURES_ALL,
     NEPH_STRESS_PICTURES_NONE,
     NEPH_STRESS_PICTURES_COUNT,
@@ -86,9 +85,9 @@ struct neph_stress_params {
     const char *const *engines; /* beside or without presets; of both none: those of the tier */
     int engine_count;
     enum neph_stress_pictures pictures;
-    int width_px, height_px; /* 0: those of the scenarios. Of another size bad values alone are
+    int width_px, height_px; /* 0: sizes of the scenarios. At another size only bad values are
                                 judged: limits hold at their own */
-    bool on_device; /* bad values alone, in all images of all passes, counted on the device; nothing
+    bool on_device; /* only bad values, in all images of all passes, counted on the device; nothing
                        is kept, not even in the store */
     int jobs;       /* processes that render at the same time, 1 .. */
     struct neph_shared_device *device; /* as neph_shot.device */
@@ -96,8 +95,8 @@ struct neph_stress_params {
     const struct neph_stress_page *page; /* published while the run goes on; NULL: none is */
 };
 
-/* A preset of `realtime`; a guest ("command"), which takes part as one; or an engine that makes
- * each picture anew. */
+/* A preset of `realtime`; a user engine ("command"), which takes part as one; or an engine that
+ * renders each frame independently. */
 struct neph_stress_column {
     const char *name;
     const struct neph_engine *engine;
@@ -108,9 +107,9 @@ struct neph_stress_column {
 struct neph_stress_cell {
     double value; /* NaN: none; may be infinite */
     enum neph_stress_verdict verdict;
-    const char *why;      /* of what is expected, or why there is no number; or "" */
+    const char *why;      /* the expectation's reason, or why there is no number; or "" */
     const char *evidence; /* folder of the evidence of its column and point (evidence.h), or NULL */
-    const char *frame_key; /* in the store, of the last picture of its column and point, or NULL */
+    const char *frame_key; /* in the store, of the last frame of its column and point, or NULL */
 };
 
 /* One measure of one point of a scenario. Texts are of the arena or of the scene. */
@@ -133,7 +132,7 @@ struct neph_stress_suite {
     enum neph_stress_state state;
     bool full;
     int width_px, height_px; /* 0: those of the scenarios */
-    bool on_device;          /* bad values were counted there, and alone */
+    bool on_device;          /* only bad values were counted, there */
     char device[128];
     int column_count;
     struct neph_stress_column columns[NEPH_STRESS_COLUMNS_MAX];

@@ -48,7 +48,7 @@ static void list_point(const struct neph_stress_suite *suite, const struct neph_
     const struct neph_failing *failing = &point->scene->failing;
     bool has_truth[2] = {false, false}; /* of engines, of presets */
     for (int c = 0; c < suite->column_count; c++)
-        if (neph_stress_is_asked(suite, point, c)) {
+        if (neph_stress_has_trial(suite, point, c)) {
             trials->list[trials->count++] = (struct neph_stress_trial){
                 .row = point->first_row,
                 .column = c,
@@ -226,7 +226,7 @@ tell(const struct neph_stress_bench *bench, const struct neph_worker *worker,
     return NEPH_OK;
 }
 
-/* What another process has told, as if it were of this one. */
+/* Take the results of another process. */
 static enum neph_status read(struct neph_stress_bench *bench, const char *text,
                              struct neph_diag *diag)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The stress tests: scenarios of scenes/stress over presets of `realtime`, each number held
- * against its limit (scenes/failing.h) and against what is expected of it (expectations.h). What is
- * finished is in the store, and the same run goes on from there; a limit that is changed costs no
- * picture.
+ * The stress tests: scenarios of scenes/stress over presets of `realtime`, each number compared
+ * with its limit (scenes/failing.h) and judged by its expectation (expectations.h). Finished trials
+ * are in the store, and the same run goes on from there; a limit that is changed costs no frame.
  */
 #ifndef NEPH_HARNESS_STRESS_SUITE_H
 #define NEPH_HARNESS_STRESS_SUITE_H
@@ -12,7 +11,7 @@
 #include "harness/stress/results.h"
 
 /* Run it. NEPH_OK also when it does not pass. NEPH_ERR_USAGE: no such scenario or preset.
- * NEPH_ERR_INTERRUPTED: what is finished stays in the store. For _finish in any case. */
+ * NEPH_ERR_INTERRUPTED: finished trials stay in the store. For _finish in any case. */
 enum neph_status neph_stress_run(const struct neph_stress_params *params, struct neph_store *store,
                                  struct neph_stress_suite *suite, struct neph_diag *diag);
 
@@ -41,14 +40,15 @@ enum neph_status neph_stress_list_trials(const struct neph_stress_suite *suite, 
 enum neph_status neph_stress_plan(const struct neph_stress_params *params,
                                   struct neph_stress_suite *suite, struct neph_diag *diag);
 
-/* Whether a number of a scenario is asked of a column. All are of a guest ("command"), of which
- * nobody knows what it is prone to; of a preset those of scenarios that name it, or none, or what
- * it is a change of. */
-bool neph_stress_asks(const struct neph_failing *failing, const struct neph_failing_limit *limit,
-                      const struct neph_stress_column *column);
+/* Whether a number of a scenario is measured of a column. All numbers are measured of a user engine
+ * ("command"), whose weaknesses are not known; of a preset the numbers of scenarios that name the
+ * preset, or no preset, or the preset that it is a change of. */
+bool neph_stress_measures(const struct neph_failing *failing,
+                          const struct neph_failing_limit *limit,
+                          const struct neph_stress_column *column);
 
 /* The message of a worker to the process that shows the run: the cells of a column at a point, and
- * what they took. */
+ * the time that they took. */
 struct neph_stress_message {
     int first_row, row_count, column; /* of the cells */
     int frame_count;                  /* of the take */

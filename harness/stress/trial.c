@@ -23,8 +23,7 @@ _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 /* The readings' name in the store, a part of their keys: those of before are found. */
 static const char reading_name[] = "failure";
 
-/* A child process may take this long over a picture of a stamp's size: so much that load does not
- * decide. */
+/* The limit of a child process for a frame of a stamp's size: so long that load does not decide. */
 static const double engine_limit_s = 300.0;
 
 /* ---- points ---------------------------------------------------------------------------------- */
@@ -40,8 +39,8 @@ struct neph_stress_point neph_stress_point_at(const struct neph_stress_suite *su
     return point;
 }
 
-bool neph_stress_is_asked(const struct neph_stress_suite *suite,
-                          const struct neph_stress_point *point, int column)
+bool neph_stress_has_trial(const struct neph_stress_suite *suite,
+                           const struct neph_stress_point *point, int column)
 {
     for (int r = 0; r < point->row_count; r++)
         if (suite->rows[point->first_row + r].cells[column].verdict != NEPH_STRESS_NOT_ASKED)
@@ -103,7 +102,7 @@ static const struct {
 static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
 {
     for (size_t i = 0; i < sizeof(cheaper) / sizeof(cheaper[0]); i++)
-        if (strcmp(cheaper[i].engine, job->engine->name) == 0)
+        if (neph_engine_is(job->engine, cheaper[i].engine))
             return neph_settings_set(job->engine, &job->shot.settings, cheaper[i].setting, diag);
     return NEPH_OK;
 }
@@ -257,8 +256,9 @@ static bool is_drawn(const struct trial *trial)
 }
 
 /* Judge and draw the frames while they are in memory. */
-static enum neph_status look(const struct neph_take *take, const struct neph_take_frames *frames,
-                             void *context, struct neph_diag *diag)
+static enum neph_status judge_and_draw(const struct neph_take *take,
+                                       const struct neph_take_frames *frames, void *context,
+                                       struct neph_diag *diag)
 {
     const struct trial *trial = context;
     const struct neph_scene *scene = trial->point->at;
@@ -280,8 +280,8 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
                               &viewing, frames->bad_values == 0, diag);
 }
 
-/* The evidence of what was judged; rendered again where the store has none, as after a change of a
- * limit. */
+/* The evidence of the judged frames, which are rendered again where the store has none, as after a
+ * change of a limit. */
 static enum neph_status find_evidence(struct trial *trial, const struct neph_take *take,
                                       struct neph_diag *diag)
 {
@@ -352,16 +352,16 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
                                    .reference = trial->reference,
                                    .readings = &reading,
                                    .reading_count = is_read ? 1 : 0,
-                                   .plain = true, /* a limit is held against the number itself */
+                                   .plain = true, /* a limit is compared with the number itself */
                                    .frozen_is_fine = true,
-                                   .look = look,
+                                   .look = judge_and_draw,
                                    .look_context = trial,
                                    .counts_bad = true};
     return run_take(trial, &take, diag);
 }
 
 /* Every frame, of which only the count of its bad values is kept. */
-static enum neph_status watch(struct trial *trial, struct neph_diag *diag)
+static enum neph_status count_bad_values(struct trial *trial, struct neph_diag *diag)
 {
     uint64_t bad = 0;
     const enum neph_status status = neph_watch_sequence(&trial->job, trial->frames.count, &bad,
@@ -387,7 +387,7 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
     trial->bench->progress.kind = neph_stress_kind(trial->bench->suite, trial->column);
     if (status)
         return status;
-    return trial->bench->params->on_device ? watch(trial, diag) : measure(trial, diag);
+    return trial->bench->params->on_device ? count_bad_values(trial, diag) : measure(trial, diag);
 }
 
 /* Whether the column skips all of its numbers. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * A trial: a column of the stress tests at a point of a scenario, rendered, measured, judged, and
- * drawn where its verdicts want pictures.
+ * drawn where its verdicts need images.
  */
 #ifndef NEPH_HARNESS_STRESS_TRIAL_H
 #define NEPH_HARNESS_STRESS_TRIAL_H
@@ -10,10 +10,10 @@
 #include "harness/stress/results.h"
 #include "harness/stress/truth.h"
 
-/* Kinds of progress: pictures of references, takes of presets, and of each engine its own. */
+/* Kinds of progress: frames of references, takes of presets, and of each engine its own. */
 enum { NEPH_STRESS_KIND_REFERENCE, NEPH_STRESS_KIND_TAKE, NEPH_STRESS_KIND_ENGINE };
 
-/* What all trials of a run share. */
+/* Shared by all trials of a run. */
 struct neph_stress_bench {
     const struct neph_stress_params *params;
     struct neph_stress_suite *suite;
@@ -32,12 +32,12 @@ struct neph_stress_point {
     struct neph_reference engines; /* of engine exact */
 };
 
-/* The point whose first row it is; nothing is loaded. */
+/* The point of a first row; its scene is not loaded. */
 struct neph_stress_point neph_stress_point_at(const struct neph_stress_suite *suite, int row);
 
-/* Whether anything of the point is asked of a column. */
-bool neph_stress_is_asked(const struct neph_stress_suite *suite,
-                          const struct neph_stress_point *point, int column);
+/* Whether any number of the point is measured of a column. */
+bool neph_stress_has_trial(const struct neph_stress_suite *suite,
+                           const struct neph_stress_point *point, int column);
 
 /* "SCENARIO POINT, preset NAME". */
 enum { NEPH_STRESS_NAME_SIZE = 256 };
@@ -47,8 +47,8 @@ void neph_stress_name(const struct neph_stress_suite *suite, const struct neph_s
 /* The kind of progress of a column's trials. */
 int neph_stress_kind(const struct neph_stress_suite *suite, int column);
 
-/* Fill the cells of a column. What breaks or cannot be rendered is in them; what ends the run is
- * returned. */
+/* Fill the cells of a column. An engine that breaks or cannot render is in them; an error that ends
+ * the run is returned. */
 enum neph_status neph_stress_try(struct neph_stress_bench *bench, struct neph_stress_point *point,
                                  int column, struct neph_diag *diag);
 

@@ -43,7 +43,7 @@ static enum neph_status make_picture(const struct neph_job *job, struct neph_sto
     return status;
 }
 
-/* One picture is known by its own key. */
+/* A single frame keeps its own key. */
 static enum neph_status make_key(const struct neph_job *first,
                                  const struct neph_stress_frames *frames,
                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the stress tests hold frames against: presets against what their scenario says, engines
- * that make each picture anew against engine exact.
+ * The references of the stress tests: presets are compared with the truth that their scenario
+ * names, engines that render each frame independently with engine exact.
  */
 #ifndef NEPH_HARNESS_STRESS_TRUTH_H
 #define NEPH_HARNESS_STRESS_TRUTH_H
@@ -16,8 +16,9 @@ struct neph_stress_frames {
 /* Frames of engines: where nothing moves one, else the first, the middle and the last. */
 struct neph_stress_frames neph_stress_engine_frames(const struct neph_scene *scene);
 
-/* That of presets: `test` is a job of one of them. Free with neph_reference_finish(). Errors as of
- * neph_reference_make() and neph_outcome_check(); NEPH_ERR_INPUT: `truth: exact` of what moves. */
+/* The reference of presets: `test` is a job of one of them. Free with neph_reference_finish().
+ * Errors as of neph_reference_make() and neph_outcome_check(); NEPH_ERR_INPUT: `truth: exact` of a
+ * scene that moves. */
 enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct neph_store *store,
                                           struct neph_progress *progress,
                                           struct neph_reference *reference, struct neph_diag *diag);

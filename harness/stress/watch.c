@@ -16,9 +16,9 @@ static enum neph_status count_in_picture(struct neph_job *job, const struct neph
     return status;
 }
 
-/* A picture with another one before it cannot be in flight (inject.mirror, inject.sizes): it comes
- * home, and is thrown away. Where there is nothing on the device to count in, the picture is made
- * once more, to be looked at. */
+/* A frame with another one before it cannot be in flight (inject.mirror, inject.sizes): it is
+ * collected, and dropped. Where there is no image on the device to count in, the frame is rendered
+ * once more and collected. */
 static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
                                         bool *has_images, uint64_t *bad, struct neph_diag *diag)
 {
@@ -34,7 +34,7 @@ static enum neph_status count_on_device(struct neph_job *job, const struct neph_
     return *has_images ? status : count_in_picture(job, shot, bad, diag);
 }
 
-/* The pictures before the first come home when an engine warms up by itself; here they need not. */
+/* An engine that warms up by itself collects the frames before the first; here they need not be. */
 static int take_warm_up(struct neph_job *job)
 {
     const int setting = neph_option_find(job->engine->options, "warm_up");

@@ -15,7 +15,8 @@ static const char format[] = "neph-studies-1";
 
 static char *file_of(const struct neph_engine *engine)
 {
-    return neph_data_path(neph_path_format("scenes/studies/%s.json", engine->name).text);
+    const char *kind = engine->first ? engine->first->name : engine->name;
+    return neph_data_path(neph_path_format("scenes/studies/%s.json", kind).text);
 }
 
 /* The file's content, or an empty one where there is no file. */
@@ -166,7 +167,8 @@ static enum neph_status renew(const struct work *work, const struct neph_scene *
     enum neph_outcome outcome;
     char reason[1600];
     *word = "needs none";
-    if (!neph_study_applies(engine, scene))
+    if (!neph_study_applies(engine, scene) ||
+        !neph_engine_has_steps(engine, &info, &job.shot.settings))
         return NEPH_OK;
     enum neph_status status = neph_studies_find(&job, &study, &is_there, diag);
     *word = "is there";

@@ -64,8 +64,8 @@ struct neph_flicker_sums {
     double *values;      /* by row, by NEPH_FLICKER_LANES of a row, by sum; NULL: not begun */
 };
 
-/* Begin, all zero, in the arena. `sum_count`: which are kept, NEPH_FLICKER_BRIEF_COUNT (mean, cycle and trend),
- * _VARIANCE_COUNT (the noise and the variance, too) or _SUM_COUNT. NEPH_ERR_MEMORY. */
+/* Begin, all zero, in the arena. `sum_count`: which are kept, NEPH_FLICKER_BRIEF_COUNT (mean, cycle
+ * and trend), _VARIANCE_COUNT (the noise and the variance, too) or _SUM_COUNT. NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_sums_begin(struct neph_flicker_sums *sums, int width_px,
                                          int height_px, int sum_count, struct neph_arena *memory,
                                          struct neph_diag *diag);

@@ -32,8 +32,9 @@ struct neph_flicker_watch {
     bool reference_moves;
     float *reference_planes[3]; /* frame 0; NULL when the reference moves */
     bool *reference_row_moved;
-    /* Of the first frames and the sums; of what neph_flicker_watch_stop() frees; of the planes. */
-    struct neph_arena sums, recent, planes;
+    struct neph_arena sums;   /* has the first frames, too */
+    struct neph_arena recent; /* until neph_flicker_watch_stop() */
+    struct neph_arena planes; /* until then, or until the reference moves */
 };
 
 /* `frame_count` is a multiple of 4. After a failure neph_flicker_watch_end(), too.

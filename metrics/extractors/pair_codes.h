@@ -16,8 +16,8 @@ struct neph_code_planes {
     bool is_made;             /* of this pair */
 };
 
-/* Codes of pairs of one size and one way of viewing. Start from zeros and the arena that they are to
- * live in. */
+/* Codes of pairs of one size and one way of viewing. Start from zeros and the arena that has them.
+ */
 struct neph_pair_codes {
     struct neph_arena *memory;
     struct neph_code_planes kinds[NEPH_CODE_COUNT];

@@ -170,7 +170,14 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 #define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
-int choice_of(int index) { return SPECIALISED ? choice_by_index(index) : int(settings[index]); }
+// By index: of formats alone, so that a kernel knows, and is another for, no setting but its own.
+int format_choice(int index)
+{
+    return index == RT_DEPTH_FORMAT ? choice(RT_DEPTH_FORMAT)
+         : index == RT_COLOR_FORMAT ? choice(RT_COLOR_FORMAT)
+         : index == RT_TAA_FORMAT   ? choice(RT_TAA_FORMAT)
+                                    : int(settings[index]);
+}
 float setting(int index) { return of_thread(settings[index]); } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
 #define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
@@ -196,7 +203,7 @@ const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 int format_of(int target)
 {
     TargetRow row = TARGETS[target];
-    return row.setting == RT_FIXED || choice_of(row.setting) == RT_FORMAT_HALF ? row.half_format
+    return row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF ? row.half_format
                                                                            : row.float_format;
 }
 

@@ -50,13 +50,4 @@ layout(constant_id = 27) const uint DIGITS_19 = 0;
      (s) >> 3 == 18 ? DIGITS_18 : DIGITS_19)
 #define known_choice(s) int(DIGITS_OF(s) >> (4 * ((s) & 7)) & 15u)
 
-int choice_by_index(int setting)
-{
-    uint digits[20] = {DIGITS_0, DIGITS_1, DIGITS_2, DIGITS_3, DIGITS_4, DIGITS_5,
-                       DIGITS_6, DIGITS_7, DIGITS_8, DIGITS_9, DIGITS_10, DIGITS_11,
-                       DIGITS_12, DIGITS_13, DIGITS_14, DIGITS_15, DIGITS_16, DIGITS_17,
-                       DIGITS_18, DIGITS_19};
-    return int((digits[setting >> 3] >> (4 * (setting & 7))) & 15u);
-}
-
 #endif

@@ -466,7 +466,7 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
 // Sound values stay sound when they are kept in halves.
 float kept(int format_setting, float value)
 {
-    bool is_too_large = choice_of(format_setting) == RT_FORMAT_HALF && checks_validity() &&
+    bool is_too_large = format_choice(format_setting) == RT_FORMAT_HALF && checks_validity() &&
                         value > HALF_MAX;
     return is_too_large ? HALF_MAX : value;
 }

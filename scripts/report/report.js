@@ -1367,7 +1367,9 @@
         colHead(name)),
       engines.map((engine) => tr(rowHead(engine.name, small(engine.summary)),
         words(RUNGS[engine.rung] ?? engine.rung),
-        engine.available ? versionCell(engine)
+        engine.available ? words(versionCell(engine),
+          engine.can && el("div", { class: "small" }, engine.can),
+          engine.warning && el("div", { class: "small" }, `Warning: ${engine.warning}`))
           : words(word(STATUSES, engine.broken ? "failed" : "missing"),
             el("div", { class: "small" }, engine.missing),
             engine.install_line && !engine.broken && el("div", { class: "small" }, "To install: ",

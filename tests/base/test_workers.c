@@ -63,7 +63,7 @@ static void test_all_is_done(void **state)
         neph_workers_destroy(workers); /* the end waits for all, too */
         for (int i = 0; i < TASKS; i++)
             assert_int_equal(counted[i].result, counted[i].times);
-        assert_in_range(most_at_work, 1, threads);
+        neph_assert_in_range(most_at_work, 1, threads);
     }
 }
 

@@ -5,13 +5,6 @@
  */
 #include "tests/fuzz/fuzz.h"
 
-#include <dirent.h>
-
-static int by_name(const struct dirent **a, const struct dirent **b)
-{
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
 static void replay(const char *folder, const char *name)
 {
     char *path = neph_path_join(folder, name), *data = NULL;
@@ -30,19 +23,20 @@ static void replay(const char *folder, const char *name)
 
 int main(int argc, char **argv)
 {
-    struct dirent **entries = NULL;
-    const int count = argc == 2 ? scandir(argv[1], &entries, NULL, by_name) : -1;
+    struct neph_arena arena = {NULL};
+    struct neph_names names = {.count = 0};
     int replayed = 0;
-    for (int i = 0; i < count; i++) {
-        if (entries[i]->d_name[0] != '.') {
-            printf("%s\n", entries[i]->d_name);
-            fflush(stdout);
-            replay(argv[1], entries[i]->d_name);
-            replayed++;
-        }
-        free(entries[i]);
+    if (argc == 2)
+        neph_dir_list(argv[1], &arena, &names, NULL);
+    for (int i = 0; i < names.count; i++) {
+        if (names.list[i][0] == '.')
+            continue;
+        printf("%s\n", names.list[i]);
+        fflush(stdout);
+        replay(argv[1], names.list[i]);
+        replayed++;
     }
-    free(entries);
+    neph_arena_finish(&arena);
     printf("%d inputs\n", replayed);
     return replayed > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

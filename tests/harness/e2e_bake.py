@@ -59,9 +59,6 @@ class Bake(neph_case.NephCase):
         self.assertEqual(len(found), len(expected))
         self.assertLess(max(abs(a - b) for a, b in zip(found, expected)), delta)
 
-    def test_help_teaches(self):
-        self.assertIn("Examples:", self.neph("bake", "--help").stdout)
-
     def test_error_falls_with_resolution_and_is_printed(self):
         errors = []
         for resolution in (32, 64):

@@ -85,17 +85,6 @@ media:
             (64, "one scene", ("--variant", "sun_step")),
             (64, "--variant", ("height_fog_level", "--at", "3")), before=("scenes",))
 
-    def test_march_agrees_with_exact_where_the_form_is_closed(self):
-        for engine in ("exact", "march"):
-            self.neph("render", "height_fog_level", "-e", engine, "--size", "64x36", "-o",
-                      self.folder)
-        pair = [self.folder / f"height_fog_level_{e}_0000.exr" for e in ("exact", "march")]
-        found = self.json("compare", *pair, "--fail-above", "transmittance:max_rel=1e-5")
-        values = {(m["quantity"], m["metric"], m["mask"]): m["value"]
-                  for m in found["measurements"]}
-        self.assertLess(abs(values["radiance", "rel_bias", "all"]), 1e-3)
-        self.neph("compare", *pair, "--fail-above", "radiance:max_abs=0", code=1)
-
     def test_tracers_go_on_from_a_checkpoint(self):
         options = ["-e", "oracle", "--size", "16x9", "-q", "-o", self.folder]
         sums = self.folder / "sums"

@@ -53,6 +53,8 @@ esac
 
 
 class Nights(NephCase):
+    in_folder = True  # in which a database by a relative path is made
+
     def setUp(self):
         super().setUp()
         self.environment = {**os.environ, "NEPH_STORE_INDEX": str(self.folder / "index")}

@@ -120,7 +120,13 @@ class Output(neph_case.NephCase):
                 self.assertNotIn(byte, done.stdout + done.stderr, command)
 
     def blender(self, body):
-        return self.put_program("blender", BLENDER.format(body=body))
+        program = self.folder / "bin/blender"
+        program.parent.mkdir(exist_ok=True)
+        program.write_text(BLENDER.format(body=body))
+        program.chmod(0o755)
+        neph_case.keep_trial(program, self.folder, "scripts/blender_render.py", has_voxels=True,
+                             has_unbiased=False, has_rayleigh=False, has_spots=True)
+        return {"PATH": f"{program.parent}:/usr/bin:/bin", "XDG_CACHE_HOME": str(self.folder)}
 
     def test_a_full_disk_in_an_engines_words_is_named(self):
         words = "OSError: [Errno 28] No space left on device: timing.json"

@@ -18,7 +18,7 @@
 static inline bool test_has_engine(const struct neph_engine *engine)
 {
     struct neph_engine_info info;
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     if (!info.available)
         print_message("SKIPPED, %s is not measured here: %s\n", engine->name, info.missing);
     return info.available;
@@ -28,9 +28,14 @@ static inline struct neph_engine_info test_probe_without_path(const struct neph_
 {
     struct neph_engine_info info;
     char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
+    char *named = getenv("NEPH_BLENDER") ? strdup(getenv("NEPH_BLENDER")) : NULL;
     setenv("PATH", "/nonexistent", 1);
-    engine->probe(NULL, &info);
+    unsetenv("NEPH_BLENDER");
+    engine->probe(engine, NULL, &info);
     setenv("PATH", path, 1);
+    if (named)
+        setenv("NEPH_BLENDER", named, 1);
+    free(named);
     free(path);
     return info;
 }
@@ -39,7 +44,7 @@ static inline bool test_can_render(const struct neph_engine *engine, const struc
                                    char *reason, size_t reason_size)
 {
     const struct neph_settings settings = neph_settings_default(engine);
-    return engine->can_render(scene, &settings, reason, reason_size);
+    return neph_engine_can_render(engine, scene, &settings, reason, reason_size);
 }
 
 /* A camera at `eye`, a sun, no media, no solids, black sky, single scattering. */
@@ -71,10 +76,10 @@ static inline enum neph_status test_render(const struct neph_engine *engine, str
     return status;
 }
 
-/* First in PATH. */
+/* First in PATH, and no other Blender is named. */
 struct impostor {
     char directory[64];
-    char *path; /* PATH as it was */
+    char *path, *named; /* PATH and NEPH_BLENDER as they were */
 };
 
 static inline void set_impostor(struct impostor *impostor, const char *program, const char *script)
@@ -86,6 +91,8 @@ static inline void set_impostor(struct impostor *impostor, const char *program, 
     assert_int_equal(chmod(file, 0755), 0);
     free(file);
     impostor->path = strdup(getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
+    impostor->named = getenv("NEPH_BLENDER") ? strdup(getenv("NEPH_BLENDER")) : NULL;
+    unsetenv("NEPH_BLENDER");
     char *path = neph_format("%s:%s", impostor->directory, impostor->path);
     setenv("PATH", path, 1);
     free(path);
@@ -94,6 +101,9 @@ static inline void set_impostor(struct impostor *impostor, const char *program, 
 static inline void remove_impostor(struct impostor *impostor)
 {
     setenv("PATH", impostor->path, 1);
+    if (impostor->named)
+        setenv("NEPH_BLENDER", impostor->named, 1);
+    free(impostor->named);
     free(impostor->path);
     neph_dir_remove(impostor->directory, NULL);
 }
@@ -104,7 +114,7 @@ static inline struct neph_engine_info test_probe_impostor(const struct neph_engi
     struct neph_engine_info info;
     struct impostor impostor;
     set_impostor(&impostor, program, script);
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     remove_impostor(&impostor);
     return info;
 }

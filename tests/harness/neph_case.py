@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What tests of whole commands have in common: a folder of their own, and neph run."""
+import hashlib
 import json
 import os
 import pathlib
@@ -116,3 +117,17 @@ class StudyCase(NephCase):
     """Of what is rendered on a device, in the test's folder."""
     surroundings = VALIDATED
     in_folder = True
+
+
+def keep_trial(program, cache, data_file=None, **found):
+    """Leave in neph's cache folder what a trial of that program would have found, under the name
+    that harness/engines/trial.c gives it."""
+    facts = program.stat()
+    data = (ROOT / data_file).read_bytes() if data_file else None
+    digest = hashlib.blake2b(data, digest_size=32).hexdigest() if data else ""
+    words = (f"2\n{program.resolve()}\n{facts.st_size}\n"
+             f"{facts.st_mtime_ns // 10**9}.{facts.st_mtime_ns % 10**9:09}\n{digest}")
+    name = hashlib.blake2b(words.encode(), digest_size=32).hexdigest()[:32]
+    file = cache / "nephelometer/trials" / f"{name}.json"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(json.dumps({"program": str(program), **found}))

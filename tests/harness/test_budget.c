@@ -24,8 +24,10 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -87,7 +89,7 @@ static struct bench open_bench(void **state)
 
 static struct neph_job make_job(struct bench *bench, const struct neph_engine *engine)
 {
-    engine->probe(NULL, &bench->info);
+    engine->probe(engine, NULL, &bench->info);
     return (struct neph_job){.engine = engine,
                              .info = &bench->info,
                              .shot = {.scene = &bench->scene,

@@ -194,13 +194,13 @@ static void test_probe_without_blender(void **state)
     assert_string_equal(info.install_line, "apt-get install blender python3-numpy");
 }
 
-static void test_probe_refuses_another_version(void **state)
+static void test_probe_refuses_an_old_version(void **state)
 {
     (void)state;
     const struct neph_engine_info info = test_probe_impostor(&neph_engine_cycles, "blender",
-                                                             "#!/bin/sh\necho 'Blender 5.0.1'\n");
+                                                             "#!/bin/sh\necho 'Blender 3.3.1'\n");
     assert_false(info.available);
-    assert_non_null(strstr(info.missing, "wrong version: 'blender' is 5.0.1"));
+    assert_non_null(strstr(info.missing, "is Blender 3.3.1; versions from 3.4 on are taken"));
 }
 
 static void assert_cannot(const struct stage *stage, const char *word)
@@ -222,8 +222,6 @@ static void test_what_it_can_render(void **state)
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
-    medium->phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
-    assert_cannot(&stage, "Rayleigh");
     medium->phase = (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0};
     add_medium(&stage, medium->bounds, 1e-8, 0.0);
     assert_cannot(&stage, "1e6");
@@ -379,7 +377,7 @@ static void test_transmittance_of_parallel_rays_is_cut(void **state)
         above += tau > 0.0 && tau < 13.7;
         if (tau < 13.9)
             continue;
-        assert_true(samples[i] == 0.0f);
+        neph_assert_close(samples[i], 0.0, 0.0, exp(-13.8)); /* Blender 5 cuts nothing */
         below++;
     }
     print_message("  transmittance: %d pixels, %d cut\n", above, below);
@@ -708,7 +706,8 @@ static void test_export_runs_by_hand(void **state)
     assert_file(directory, "radiance.exr");
     assert_file(directory, "transmittance.exr");
     assert_file(directory, "depth.exr");
-    line = neph_format("cd %s && rm *.exr && blender -b scene.blend -f 1 >log 2>&1", directory);
+    line = neph_format("cd %s && rm *.exr && %.*s -b scene.blend -f 1 >log 2>&1", directory,
+                       (int)strcspn(command, " "), command); /* the Blender that has saved it */
     assert_int_equal(system(line), 0);
     free(line);
     neph_dir_remove(directory, NULL);
@@ -736,7 +735,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_probe_without_blender),
-        cmocka_unit_test(test_probe_refuses_another_version),
+        cmocka_unit_test(test_probe_refuses_an_old_version),
         cmocka_unit_test(test_what_it_can_render),
         cmocka_unit_test(test_tiny_frames_are_refused),
         cmocka_unit_test(test_spec_is_data),

@@ -110,7 +110,6 @@ static void test_a_quick_night_looks_at_the_air(void **state)
 /* Steps and series keep the word that the stress tests had in the first nights. */
 static void test_the_stress_tests_keep_their_word_in_names(void **state)
 {
-    (void)state;
     static const struct {
         const char *step, *text;
         bool is_named;

@@ -12,6 +12,7 @@
 #include "harness/engines/povray_exposure.h"
 #include "harness/engines/povray_lamps.h"
 #include "harness/engines/povray_scene.h"
+#include "harness/engines/povray_solids.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "truth/transport.h"
@@ -1063,17 +1064,19 @@ static void test_failures_are_told(void **state)
     assert_int_equal(render_with("#!/bin/sh\nexec sleep 60\n", 0.3, message), NEPH_ERR_TIMEOUT);
 }
 
-static void test_probe_refuses_other_versions(void **state)
+/* A version that was measured does not suffice: it must render. */
+static void test_probe_tries_it(void **state)
 {
     const struct neph_engine *engine = &neph_engine_povray;
-    struct neph_engine_info info = test_probe_impostor(
-        engine, "povray", "#!/bin/sh\necho 'POV-Ray 3.8.0-alpha' >&2\n");
+    struct neph_engine_info info = test_probe_impostor(engine, "povray",
+                                                       "#!/bin/sh\necho 'POV-Ray 3.6.2' >&2\n");
     assert_false(info.available);
-    assert_non_null(strstr(info.missing, "3.8.0"));
+    assert_non_null(strstr(info.missing, "POV-Ray 3.6.2; versions from 3.7 on"));
     info = test_probe_impostor(engine, "povray",
                                "#!/bin/sh\necho 'POV-Ray 3.7.0.10.unofficial' >&2\n");
-    assert_true(info.available);
+    assert_true(info.broken && !info.available);
     assert_string_equal(info.version, "POV-Ray 3.7.0.10");
+    assert_non_null(strstr(info.missing, "wrote no image"));
 }
 
 int main(int argc, char **argv)
@@ -1099,7 +1102,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_which_surfaces_it_can_render),
         cmocka_unit_test(test_probe_without_povray),
         cmocka_unit_test(test_failures_are_told),
-        cmocka_unit_test(test_probe_refuses_other_versions),
+        cmocka_unit_test(test_probe_tries_it),
     };
     const struct CMUnitTest engine_tests[] = {
         cmocka_unit_test(test_transmittance_of_boxes),

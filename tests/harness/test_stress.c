@@ -23,7 +23,6 @@
 
 static void test_verdicts(void **state)
 {
-    (void)state;
     static const struct {
         double value;
         enum neph_stress_expected expected;
@@ -50,7 +49,6 @@ static void test_verdicts(void **state)
 /* A run of a row and two presets. Nothing compared is no pass. */
 static void test_what_fails_a_run(void **state)
 {
-    (void)state;
     static const struct {
         enum neph_stress_verdict verdicts[2];
         bool passes;
@@ -167,7 +165,6 @@ static double read_off(enum neph_failing_measure measure, const char *first, dou
 
 static void test_measures_are_read(void **state)
 {
-    (void)state;
     char why[NEPH_STRESS_WHY_SIZE];
     assert_true(read_off(NEPH_FAILING_ERROR, "rel_rmse", 0.25, NULL, 0, why) == 0.25);
     assert_true(read_off(NEPH_FAILING_ENERGY, "rel_bias", -0.25, NULL, 0, why) == 0.25);
@@ -186,7 +183,6 @@ static void test_measures_are_read(void **state)
 
 static void test_measures_are_of_metrics_that_there_are(void **state)
 {
-    (void)state;
     for (int m = 0; m < NEPH_FAILING_MEASURES; m++) {
         const struct neph_stress_measure *measure = neph_stress_measure(
             (enum neph_failing_measure)m);
@@ -201,7 +197,6 @@ static void test_measures_are_of_metrics_that_there_are(void **state)
 /* Infinity is an answer of a distance alone; -inf is one value, though it is bad twice. */
 static void test_bad_values_are_counted_in_all_channels(void **state)
 {
-    (void)state;
     static const float values[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1.0f};
     static const struct {
         const char *name;
@@ -245,7 +240,7 @@ static bool has_row(const struct neph_stress_suite *suite, const struct neph_str
             (!place->point || strcmp(row->point, place->point) == 0) &&
             strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
             (!*place->over || strcmp(row->limit->over, place->over) == 0) &&
-            neph_stress_asks(&row->scene->failing, row->limit, &column))
+            neph_stress_measures(&row->scene->failing, row->limit, &column))
             return true;
     }
     return false;
@@ -264,7 +259,6 @@ static bool is_column(const char *name)
 /* An entry that fits nothing would hide that what it excused is gone. */
 static void test_every_expectation_is_of_something(void **state)
 {
-    (void)state;
     struct neph_stress_suite suite;
     json_t *list = NULL;
     struct neph_diag diag = {.line = 0};
@@ -300,7 +294,6 @@ static const char *somebody_of(const struct neph_failing *failing)
 /* Every scene says what fails; each is told how many bad values it has; every point is a scene. */
 static void test_every_scenario_can_be_run(void **state)
 {
-    (void)state;
     struct neph_stress_suite full, quick;
     char **names = NULL;
     int count = 0;
@@ -337,7 +330,6 @@ static int count_columns(const struct neph_stress_suite *suite, bool presets)
  * of them. */
 static void test_presets_and_engines_choose_columns(void **state)
 {
-    (void)state;
     static const char *const ours[] = {"ours"}, *const march[] = {"march"};
     static const char *const fence[] = {"fence_tiles"}, *const fog[] = {"fog_seam"};
     const struct {
@@ -364,14 +356,13 @@ static void test_presets_and_engines_choose_columns(void **state)
 /* An engine is asked for what is of a picture, in the scenarios of fog alone. */
 static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
 {
-    (void)state;
     struct neph_stress_suite suite;
     int asked = 0;
     plan(&suite, true);
     const struct neph_stress_column march = column_of("march");
     for (int r = 0; r < suite.row_count; r++) {
         const struct neph_stress_row *row = &suite.rows[r];
-        if (!neph_stress_asks(&row->scene->failing, row->limit, &march))
+        if (!neph_stress_measures(&row->scene->failing, row->limit, &march))
             continue;
         assert_true(row->scene->failing.engines);
         assert_true(row->limit->measure == NEPH_FAILING_ERROR ||
@@ -388,7 +379,6 @@ static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
 /* News before what is known, what is far over its limit before what is a little. */
 static void test_the_worst_is_first(void **state)
 {
-    (void)state;
     const struct neph_failing_limit limit = {.limit = 2.0}, zero = {.limit = 0.0};
     struct neph_stress_cell cells[][2] = {
         {{1.0, NEPH_STRESS_PASS, "", NULL, NULL}, {3.0, NEPH_STRESS_KNOWN_FAIL, "", NULL, NULL}},
@@ -419,7 +409,7 @@ static void test_the_worst_is_first(void **state)
 static bool is_asked_at(const struct neph_stress_suite *suite, int row, int column)
 {
     const struct neph_stress_point point = neph_stress_point_at(suite, row);
-    return neph_stress_is_asked(suite, &point, column);
+    return neph_stress_has_trial(suite, &point, column);
 }
 
 /* Each trial that is asked for is there once. */
@@ -441,7 +431,6 @@ static void assert_all_once(const struct neph_stress_suite *suite,
 
 static void test_one_process_goes_from_point_to_point(void **state)
 {
-    (void)state;
     struct neph_stress_suite suite = {.scenes = NULL};
     struct neph_stress_trials trials;
     plan(&suite, false);
@@ -455,7 +444,6 @@ static void test_one_process_goes_from_point_to_point(void **state)
 
 static void test_several_begin_with_truths_and_with_what_takes_long(void **state)
 {
-    (void)state;
     struct neph_stress_suite suite = {.scenes = NULL};
     struct neph_stress_trials trials;
     int later_count = 0;
@@ -498,7 +486,6 @@ static enum neph_status note(struct neph_worker *worker, void *context, struct n
 {
     struct heard *heard = context;
     int number;
-    (void)diag;
     while ((number = neph_worker_next(worker)) < PIECES) {
         char text[40];
         FILE *file = fopen(heard->path, "a");
@@ -517,7 +504,6 @@ static enum neph_status note(struct neph_worker *worker, void *context, struct n
 static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
 {
     struct heard *heard = context;
-    (void)diag;
     if (text)
         heard->times[atoi(text)]++;
     return NEPH_OK;
@@ -557,7 +543,6 @@ static void test_one_job_has_nobody_to_tell(void **state)
 
 static enum neph_status hear_nothing(const char *text, void *context, struct neph_diag *diag)
 {
-    (void)context;
     return text ? neph_fail(diag, NEPH_ERR_IO, "the page cannot be written") : NEPH_OK;
 }
 
@@ -585,7 +570,6 @@ static void assert_same_cell(const struct neph_stress_cell *a, const struct neph
 
 static void test_a_message_has_all_of_its_cells(void **state)
 {
-    (void)state;
     struct neph_stress_cell told[3][1] = {
         {{0.1, NEPH_STRESS_KNOWN_FAIL, "\"why\"\n", "/store/a", "key"}},
         {{INFINITY, NEPH_STRESS_FAIL, "", NULL, "key"}},

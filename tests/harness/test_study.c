@@ -22,8 +22,10 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-static void probe(struct neph_shared_device *device, struct neph_engine_info *info)
+static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
+                  struct neph_engine_info *info)
 {
+    (void)engine, (void)device;
     *info = (struct neph_engine_info){.available = true, .version = "1", .device = "none"};
 }
 
@@ -104,7 +106,7 @@ static struct neph_study run(const struct neph_engine *engine, void **state,
     struct neph_scene scene = {.name = "none", .hash = "0", .medium_count = 1};
     enum neph_outcome outcome;
     char reason[1600];
-    engine->probe(NULL, &info);
+    engine->probe(engine, NULL, &info);
     const struct neph_job job = {.engine = engine,
                                  .info = &info,
                                  .shot = {.scene = &scene,

@@ -97,12 +97,12 @@ static void test_a_probe_opens_the_device_and_leaves_it_open(void **state)
 {
     struct neph_shared_device shared = {.open = NULL};
     struct neph_engine_info alone, first, second;
-    neph_vulkan_probe(NULL, &alone);
-    neph_vulkan_probe(&shared, &first);
+    neph_vulkan_probe(NULL, NULL, &alone);
+    neph_vulkan_probe(NULL, &shared, &first);
     const struct neph_open_device *open = shared.open;
     assert_non_null(open);
     assert_int_equal(open->user_count, 1);
-    neph_vulkan_probe(&shared, &second);
+    neph_vulkan_probe(NULL, &shared, &second);
     assert_ptr_equal(shared.open, open);
     assert_true(alone.available && first.available && second.available);
     assert_string_equal(alone.device, first.device);
@@ -120,7 +120,7 @@ static void test_without_a_driver_each_need_says_so(void **state)
     struct neph_diag diag = {0};
     char *before = getenv("VK_ICD_FILENAMES") ? strdup(getenv("VK_ICD_FILENAMES")) : NULL;
     setenv("VK_ICD_FILENAMES", "/nonexistent/icd.json", 1);
-    neph_vulkan_probe(&shared, &info);
+    neph_vulkan_probe(NULL, &shared, &info);
     assert_false(info.available);
     assert_false(info.broken);
     assert_non_null(strstr(info.install_line, "apt-get install"));

@@ -413,7 +413,7 @@ static void test_tables(void **state)
         const struct neph_extractor *extractor = neph_extractor_at(i);
         assert_ptr_equal(neph_extractor_find(extractor->name), extractor);
         assert_true(strlen(extractor->help) > 0 && strlen(extractor->source) > 0);
-        assert_in_range(extractor->map_count, 0, NEPH_MAPS_MAX);
+        neph_assert_in_range(extractor->map_count, 0, NEPH_MAPS_MAX);
         for (const struct neph_metric *metric = extractor->metrics; metric->name; metric++) {
             const struct neph_extractor *owner = NULL;
             assert_ptr_equal(neph_metric_find(metric->name, &owner), metric); /* unique */

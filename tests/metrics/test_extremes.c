@@ -3,8 +3,8 @@
  * All extractors and masks of the tables, through the meter, at sizes that nobody thinks of, with
  * values that nobody wants and settings at their ends: whatever comes out is a finite number within
  * its range, or a reason. New extractors and masks are tried without being named here. By day and
- * under the sanitizers sequences see few of these values, images all; under the sanitizers each mask
- * is made, and few are measured over: a mask is a plane of bytes, whatever made it.
+ * under the sanitizers sequences see few of these values, images all. Under the sanitizers each
+ * mask is made, and few are measured over: a mask is a plane of bytes, whatever made it.
  */
 #include "metrics/extractors/extractors.h"
 #include "tests/metrics/synthetic.h"
@@ -33,7 +33,7 @@ static struct neph_image *create(struct synthetic what)
 static void add_mask(struct setup *setup, const struct neph_image *reference, const char *name)
 {
     struct neph_diag diag = {0};
-    assert_in_range(setup->mask_count, 0, MASKS_MAX - 1);
+    neph_assert_in_range(setup->mask_count, 0, MASKS_MAX - 1);
     neph_assert_ok(
         neph_mask_create(reference, name, NULL, &setup->masks[setup->mask_count++], &diag), &diag);
 }
@@ -55,7 +55,7 @@ static struct setup set_up(const struct neph_image *reference, bool temporal, bo
     struct setup setup = {.choice_count = 0};
     for (int i = 0; i < neph_extractor_count(); i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
-        assert_in_range(setup.choice_count, 0, CHOICES_MAX - 1);
+        neph_assert_in_range(setup.choice_count, 0, CHOICES_MAX - 1);
         if (extractor->temporal == temporal)
             setup.choices[setup.choice_count++] = (struct neph_meter_choice){
                 extractor, synthetic_settings(extractor)};

@@ -115,7 +115,7 @@ static void add_to_experiment(const struct threshold *t, void *context)
     int e = 0;
     while (experiments[e].name[0] && strcmp(experiments[e].name, t->experiment) != 0)
         e++;
-    assert_in_range(e, 0, EXPERIMENTS_MAX - 2);
+    neph_assert_in_range(e, 0, EXPERIMENTS_MAX - 2);
     snprintf(experiments[e].name, sizeof(experiments[e].name), "%s", t->experiment);
     add(&experiments[e].ours, ours(t) / t->sensitivity);
     add(&experiments[e].published, published(t) / t->sensitivity);

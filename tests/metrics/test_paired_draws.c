@@ -127,8 +127,8 @@ static void test_it_errs_as_often_as_it_says(void **state)
     for (int m = 0; m < METRIC_COUNT; m++) {
         print_message("%s: p < 0.05 in %d of %d, 0 outside in %d\n", metrics[m], below[m], rounds,
                       missed[m]);
-        assert_in_range(below[m], 0, most);
-        assert_in_range(missed[m], 0, most);
+        neph_assert_in_range(below[m], 0, most);
+        neph_assert_in_range(missed[m], 0, most);
     }
     neph_image_destroy(reference);
 }

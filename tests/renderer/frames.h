@@ -32,14 +32,11 @@ static inline struct neph_settings test_preset(const char *preset, const char *a
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
     struct neph_diag diag = {0};
-    char word[64];
     if (preset)
         neph_assert_ok(neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset,
                                            &settings, &diag),
                        &diag);
-    for (int length; sscanf(assignments, " %63s%n", word, &length) == 1; assignments += length)
-        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", word, &settings, &diag),
-                       &diag);
+    test_assign(neph_rt_options, assignments, &settings);
     return settings;
 }
 
@@ -150,7 +147,7 @@ struct test_rgb {
     float *of[3];
 };
 
-/* Of a layer (NULL: R, G, B). */
+/* The channels of a layer (NULL: R, G, B). */
 static inline struct test_rgb test_layer(const struct neph_image *frame, const char *layer)
 {
     struct test_rgb rgb;
@@ -158,16 +155,43 @@ static inline struct test_rgb test_layer(const struct neph_image *frame, const c
     return rgb;
 }
 
-static inline bool test_same_bits(const struct neph_image *a, const struct neph_image *b)
+/* The first channel whose name or samples differ; NULL: both frames have the same bits. */
+static inline const char *test_other_channel(const struct neph_image *a, const struct neph_image *b)
 {
-    bool same = a->channel_count == b->channel_count;
-    for (int c = 0; c < a->channel_count && same; c++)
-        same = memcmp(a->channels[c].samples, b->channels[c].samples,
-                      neph_image_pixel_count(a) * sizeof(float)) == 0;
-    return same;
+    const size_t bytes = neph_image_pixel_count(a) * sizeof(float);
+    assert_int_equal(a->channel_count, b->channel_count);
+    for (int c = 0; c < a->channel_count; c++)
+        if (strcmp(a->channels[c].name, b->channels[c].name) != 0 ||
+            memcmp(a->channels[c].samples, b->channels[c].samples, bytes) != 0)
+            return a->channels[c].name;
+    return NULL;
 }
 
-/* Of a layer (NULL: R, G, B). */
+static inline bool test_same_bits(const struct neph_image *a, const struct neph_image *b)
+{
+    return test_other_channel(a, b) == NULL;
+}
+
+#define assert_same_bits(a, b) assert_same_bits_at((a), (b), __FILE__, __LINE__)
+
+static inline void assert_same_bits_at(const struct neph_image *a, const struct neph_image *b,
+                                       const char *file, int line)
+{
+    const char *channel = test_other_channel(a, b);
+    if (!channel)
+        return;
+    print_error("channel %s has other bits\n", channel);
+    _fail(file, line);
+}
+
+static inline void assert_same_channel(const struct neph_image *a, const struct neph_image *b,
+                                       const char *name)
+{
+    assert_memory_equal(neph_image_channel(a, name), neph_image_channel(b, name),
+                        neph_image_pixel_count(a) * sizeof(float));
+}
+
+/* The largest difference in a layer (NULL: R, G, B). */
 static inline double test_largest_difference(const struct neph_image *a, const struct neph_image *b,
                                              const char *layer)
 {
@@ -177,6 +201,18 @@ static inline double test_largest_difference(const struct neph_image *a, const s
         for (size_t p = 0; p < neph_image_pixel_count(a); p++)
             largest = fmax(largest, fabs((double)one.of[c][p] - (double)other.of[c][p]));
     return largest;
+}
+
+/* Of all three colours. */
+static inline double test_rmse(const struct neph_image *image, const struct neph_image *truth)
+{
+    const struct test_rgb one = test_layer(image, NULL), other = test_layer(truth, NULL);
+    const size_t count = neph_image_pixel_count(image);
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++)
+        for (size_t p = 0; p < count; p++)
+            sum += pow((double)one.of[c][p] - (double)other.of[c][p], 2.0);
+    return sqrt(sum / (3.0 * (double)count));
 }
 
 /* The mean over pixels of |a - b|, over the mean of b. */

@@ -13,14 +13,7 @@
 static inline struct neph_settings post_settings(const char *text)
 {
     struct neph_settings settings = neph_options_default(neph_post_options);
-    char *copy = strdup(text), *rest = copy;
-    for (char *word; (word = strsep(&rest, " "));) {
-        struct neph_diag diag = {0};
-        if (word[0])
-            neph_assert_ok(neph_options_set(neph_post_options, "test", word, &settings, &diag),
-                           &diag);
-    }
-    free(copy);
+    test_assign(neph_post_options, text, &settings);
     return settings;
 }
 

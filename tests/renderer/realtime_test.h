@@ -23,18 +23,9 @@ struct test_passes {
     uint32_t noise_ranks[NEPH_RT_NOISE_COUNT]; /* random, below 4096 */
 };
 
-/* PCG32's little sister: a number from a seed and a count (splitmix64). */
-static inline uint64_t test_random(uint64_t *state)
+static inline double test_uniform(uint64_t *seed)
 {
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
-static inline double test_uniform(uint64_t *state)
-{
-    return (double)(test_random(state) >> 11) * 0x1p-53;
+    return neph_test_uniform(seed, 0.0, 1.0);
 }
 
 /* Settings at their defaults, but for skies at the article's 20 km, with "key=value key=value"
@@ -42,15 +33,9 @@ static inline double test_uniform(uint64_t *state)
 static inline struct neph_settings test_settings(const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
-    struct neph_diag diag = {0};
     settings.values[RT_SKY_M] = 20000.0;
     settings.values[RT_OVERRIDE_SKY_M] = settings.values[RT_UPSCALE_SKY_M] = 20000.0;
-    char *copy = strdup(assignments), *rest = copy;
-    for (char *word; (word = strsep(&rest, " ")) != NULL;)
-        if (*word)
-            neph_assert_ok(neph_options_set(neph_rt_options, "realtime", word, &settings, &diag),
-                           &diag);
-    free(copy);
+    test_assign(neph_rt_options, assignments, &settings);
     return settings;
 }
 
@@ -84,7 +69,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     test->view.before = test->view.now;
     test->view.seed = (uint32_t)seed;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
-        test->noise_ranks[i] = (uint32_t)(test_random(&seed) % 4096);
+        test->noise_ranks[i] = (uint32_t)(neph_test_random(&seed) % 4096);
     struct neph_diag diag = {0};
     neph_assert_ok(neph_rt_device_create(vulkan, &test->view, NEPH_RT_BIT(RT_TARGET_COUNT) - 1,
                                          test->noise_ranks, &test->device, &diag),
@@ -96,6 +81,26 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         test->twin.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
+}
+
+/* The same at the first corner of the buffers, of settings as test_settings() has them. */
+static inline void test_open_words(struct neph_vulkan *vulkan, const int size_px[2], uint64_t seed,
+                                   struct test_passes *test, const char *format, va_list arguments)
+{
+    char words[1024];
+    assert_true(vsnprintf(words, sizeof(words), format, arguments) < (int)sizeof(words));
+    const struct neph_settings settings = test_settings(words);
+    test_passes_open(vulkan, &settings, size_px, (int[2]){0, 0}, seed, test);
+}
+
+__attribute__((format(printf, 6, 7))) static inline void
+test_open(struct neph_vulkan *vulkan, int width_px, int height_px, uint64_t seed,
+          struct test_passes *test, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    test_open_words(vulkan, (int[2]){width_px, height_px}, seed, test, format, arguments);
+    va_end(arguments);
 }
 
 /* The camera becomes an orthographic one in both frames. */
@@ -127,6 +132,14 @@ static inline void test_set(struct test_passes *test, int target, size_t index,
     neph_rt_store(&test->view.targets[target], test->twin.targets[target], index, value);
 }
 
+/* All elements of a target. */
+static inline void test_fill(struct test_passes *test, int target, float r, float g, float b,
+                             float a)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++)
+        test_set(test, target, i, (float[4]){r, g, b, a});
+}
+
 static inline void test_get(const struct test_passes *test, int target, size_t index,
                             float value[4])
 {
@@ -148,13 +161,32 @@ static inline void test_passes_run(struct test_passes *test, const char *name)
     neph_assert_ok(neph_rt_device_run(&test->device, pass, &diag), &diag);
 }
 
-/* What the device made of a target, in words as the twin's; for the caller to free. */
-static inline uint32_t *test_download(struct test_passes *test, int target)
+/* The words of a target on the device, for the caller to free. */
+static inline uint32_t *test_words(struct neph_rt_device *device, int target)
 {
     struct neph_diag diag = {0};
-    uint32_t *words = malloc(neph_rt_device_words(&test->device, target) * sizeof(*words));
-    neph_assert_ok(neph_rt_device_download(&test->device, target, words, &diag), &diag);
+    uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
+    neph_assert_ok(neph_rt_device_download(device, target, words, &diag), &diag);
     return words;
+}
+
+static inline uint32_t *test_download(struct test_passes *test, int target)
+{
+    return test_words(&test->device, target);
+}
+
+/* What the device made of a target becomes the twin's. */
+static inline void test_take(struct test_passes *test, int target)
+{
+    free(test->twin.targets[target]);
+    test->twin.targets[target] = test_download(test, target);
+}
+
+static inline void test_swap(struct test_passes *test, int a, int b)
+{
+    uint32_t *words = test->twin.targets[a];
+    test->twin.targets[a] = test->twin.targets[b];
+    test->twin.targets[b] = words;
 }
 
 /* Every word of a target is the same on both sides. */

@@ -12,25 +12,21 @@
 /* A view that fills its buffers: all solids 100 m away, all rays and histories (0, 0, 0, 1), what
  * they show 100 m away, every tile at the slot whose turn it is. The camera rests; there is
  * history, one ray old. */
-static inline void reconstruct_fill(struct test_passes *test, int target, float r, float g, float b,
-                                    float a)
+__attribute__((format(printf, 5, 6))) static inline void
+reconstruct_open(struct neph_vulkan *vulkan, int width, int height, struct test_passes *test,
+                 const char *format, ...)
 {
-    for (size_t i = 0; i < test_elements(test, target); i++)
-        test_set(test, target, i, (float[4]){r, g, b, a});
-}
-
-static inline void reconstruct_open(struct neph_vulkan *vulkan, const char *assignments, int width,
-                                    int height, struct test_passes *test)
-{
-    const struct neph_settings settings = test_settings(assignments);
-    test_passes_open(vulkan, &settings, (int[2]){width, height}, (int[2]){0, 0}, 3, test);
+    va_list arguments;
+    va_start(arguments, format);
+    test_open_words(vulkan, (int[2]){width, height}, 3, test, format, arguments);
+    va_end(arguments);
     test->view.has_history = 1;
-    reconstruct_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
-    reconstruct_fill(test, RT_HALF_DEPTH_BEFORE, 100, 0, 0, 0);
-    reconstruct_fill(test, RT_RAY, 0, 0, 0, 1);
-    reconstruct_fill(test, RT_RAY_DISTANCE, 100, 0, 0, 0);
-    reconstruct_fill(test, RT_HISTORY_BEFORE, 0, 0, 0, 1);
-    reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, 1, 100, 0, 0);
+    test_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
+    test_fill(test, RT_HALF_DEPTH_BEFORE, 100, 0, 0, 0);
+    test_fill(test, RT_RAY, 0, 0, 0, 1);
+    test_fill(test, RT_RAY_DISTANCE, 100, 0, 0, 0);
+    test_fill(test, RT_HISTORY_BEFORE, 0, 0, 0, 1);
+    test_fill(test, RT_HISTORY_STATE_BEFORE, 1, 100, 0, 0);
     twin_tile_index(&test->twin);
 }
 
@@ -39,32 +35,18 @@ static inline size_t reconstruct_threads(const struct test_passes *test)
     return (size_t)test->view.half_size_px[0] * test->view.half_size_px[1];
 }
 
-static inline void reconstruct_fetch(struct test_passes *test, int target)
-{
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_rt_device_download(&test->device, target, test->twin.targets[target], &diag), &diag);
-}
-
 static inline void reconstruct_run(struct test_passes *test)
 {
     test_passes_run(test, "reconstruction");
-    reconstruct_fetch(test, RT_HISTORY);
-    reconstruct_fetch(test, RT_HISTORY_STATE);
-}
-
-static inline void reconstruct_swap(struct test_passes *test, int a, int b)
-{
-    uint32_t *words = test->twin.targets[a];
-    test->twin.targets[a] = test->twin.targets[b];
-    test->twin.targets[b] = words;
+    test_take(test, RT_HISTORY);
+    test_take(test, RT_HISTORY_STATE);
 }
 
 /* This frame becomes the one before; its depths stay. */
 static inline void reconstruct_next_frame(struct test_passes *test)
 {
-    reconstruct_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);
-    reconstruct_swap(test, RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE);
+    test_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);
+    test_swap(test, RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE);
     memcpy(test->twin.targets[RT_HALF_DEPTH_BEFORE], test->twin.targets[RT_HALF_DEPTH],
            neph_rt_device_words(&test->device, RT_HALF_DEPTH) * sizeof(uint32_t));
     test->view.has_history = 1;
@@ -88,6 +70,15 @@ static inline bool reconstruct_is_marched(const struct test_passes *test, int x,
     int half_pixel[2];
     reconstruct_marched(test, x / 2, y / 2, half_pixel);
     return half_pixel[0] == x && half_pixel[1] == y;
+}
+
+/* A channel of a texel at half resolution. */
+static inline double half_value(const struct test_passes *test, int target, int x, int y,
+                                int channel)
+{
+    float value[4];
+    twin_fetch_half(&test->twin, target, x, y, value);
+    return value[channel];
 }
 
 /* A camera turned by angles about its own axes: to the right, upwards, clockwise. */

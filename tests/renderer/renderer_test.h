@@ -7,9 +7,23 @@
 
 #include "tests/scene_builders.h"
 
+#include "base/option.h"
 #include "renderer/vulkan.h"
 
 #include <stdlib.h>
+
+/* Settings from "key=value key=value". */
+static inline void test_assign(const struct neph_option *options, const char *assignments,
+                               struct neph_settings *settings)
+{
+    char *copy = strdup(assignments), *rest = copy;
+    for (char *word; (word = strsep(&rest, " ")) != NULL;) {
+        struct neph_diag diag = {0};
+        if (*word)
+            neph_assert_ok(neph_options_set(options, "test", word, settings, &diag), &diag);
+    }
+    free(copy);
+}
 
 /* Specialised shaders are kept from test to test where the environment names a folder. */
 static inline struct neph_vulkan *test_vulkan_open(void)

@@ -19,12 +19,7 @@ static inline struct neph_settings screen_settings(const char *assignments)
     neph_assert_ok(neph_options_preset(neph_screen_options, "the screen", neph_screen_presets,
                                        "ours", &settings, &diag),
                    &diag);
-    char *copy = strdup(assignments ? assignments : ""), *rest = copy;
-    for (char *word; (word = strsep(&rest, " "));)
-        if (*word)
-            neph_assert_ok(
-                neph_options_set(neph_screen_options, "the screen", word, &settings, &diag), &diag);
-    free(copy);
+    test_assign(neph_screen_options, assignments ? assignments : "", &settings);
     return settings;
 }
 
@@ -69,6 +64,38 @@ static inline struct neph_hit screen_hit(const struct test_scene *test, int widt
     const struct neph_hit hit = neph_scene_hit(&test->scene, ray.origin_m, ray.direction);
     *point_m = hit.solid ? neph_vec3_along(ray.origin_m, ray.direction, hit.t_m) : ray.origin_m;
     return hit;
+}
+
+/* The form factor, for a plane, of a rectangle that stands on it, of which a lower corner is at
+ * `distance_m` along its normal (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration
+ * Factors", B-4). */
+static inline double standing_rectangle(double distance_m, double width_m, double height_m)
+{
+    const double slant_m = hypot(distance_m, height_m);
+    return (atan(width_m / distance_m) - distance_m / slant_m * atan(width_m / slant_m)) /
+           (2.0 * M_PI);
+}
+
+/* Four numbers a pixel, to be freed. */
+static inline float *screen_read(struct neph_screening *screen, int width_px, int height_px,
+                                 int target)
+{
+    struct neph_diag diag = {0};
+    float *texels = malloc(4 * (size_t)width_px * (size_t)height_px * sizeof(*texels));
+    neph_assert_ok(neph_screening_read(screen, target, texels, &diag), &diag);
+    return texels;
+}
+
+/* A light that shines to all sides. */
+static inline void screen_add_light(struct test_scene *test, struct neph_vec3 position_m)
+{
+    test->scene.lights[test->scene.light_count++] = (struct neph_light){
+        .position_m = position_m,
+        .intensity_w_per_sr = {2.0, 1.5, 1.0},
+        .axis = {0.0, -1.0, 0.0},
+        .inner_cosine = -2.0,
+        .outer_cosine = -3.0,
+    };
 }
 
 #endif

@@ -10,18 +10,13 @@
 
 static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounded to nearest */
 
-static inline double between(uint64_t *seed, double low, double high)
-{
-    return low + (high - low) * test_uniform(seed);
-}
-
 /* Turned by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
 static inline void move_camera(struct neph_gpu_view *view, double turn_rad, double way_m,
                                uint64_t *seed)
 {
-    const double yaw = between(seed, -turn_rad, turn_rad),
-                 roll = between(seed, -turn_rad, turn_rad);
-    const double pitch = between(seed, -turn_rad, turn_rad);
+    const double yaw = neph_test_uniform(seed, -turn_rad, turn_rad),
+                 roll = neph_test_uniform(seed, -turn_rad, turn_rad);
+    const double pitch = neph_test_uniform(seed, -turn_rad, turn_rad);
     const double forward[3] = {sin(yaw) * cos(pitch), sin(pitch), -cos(yaw) * cos(pitch)};
     const double level[3] = {cos(yaw), 0.0, sin(yaw)};
     const double above[3] = {-sin(yaw) * sin(pitch), cos(pitch), cos(yaw) * sin(pitch)};
@@ -29,19 +24,19 @@ static inline void move_camera(struct neph_gpu_view *view, double turn_rad, doub
         view->before.forward[c] = (float)forward[c];
         view->before.right[c] = (float)(cos(roll) * level[c] + sin(roll) * above[c]);
         view->before.up[c] = (float)(cos(roll) * above[c] - sin(roll) * level[c]);
-        view->before.position_m[c] = (float)between(seed, -way_m, way_m);
+        view->before.position_m[c] = (float)neph_test_uniform(seed, -way_m, way_m);
     }
 }
 
 static inline float random_depth_m(uint64_t *seed)
 {
-    switch (test_random(seed) % 8) {
+    switch (neph_test_random(seed) % 8) {
     case 0:
         return NEPH_GPU_FAR_M;
     case 1:
         return INFINITY;
     default:
-        return (float)exp(between(seed, 0.0, 14.0));
+        return (float)exp(neph_test_uniform(seed, 0.0, 14.0));
     }
 }
 
@@ -50,9 +45,9 @@ static inline void fill_colours(struct test_passes *test, int target, double mos
 {
     for (size_t i = 0; i < test_elements(test, target); i++) {
         float colour[4] = {0.0f};
-        const int kind = (int)(test_random(seed) % 8);
+        const int kind = (int)(neph_test_random(seed) % 8);
         for (int c = 0; c < 3 && kind > 0; c++)
-            colour[c] = (float)(kind == 1 ? 0.5 * most : between(seed, 0.0, most));
+            colour[c] = (float)(kind == 1 ? 0.5 * most : neph_test_uniform(seed, 0.0, most));
         test_set(test, target, i, colour);
     }
 }
@@ -68,7 +63,7 @@ static inline void fill_medium(struct test_passes *test, uint64_t *seed)
 {
     static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN, RT_OF_MOVER};
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
-        const float through = test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
+        const float through = neph_test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
         float colour[4]; /* of which the medium has a part, here and there more than all */
         test_get(test, RT_COLOR, i, colour);
         const float part = (float)(1.1 * test_uniform(seed));
@@ -79,18 +74,18 @@ static inline void fill_medium(struct test_passes *test, uint64_t *seed)
     for (size_t i = 0; i < test_elements(test, RT_TAA_BEFORE); i++) {
         float before[4];
         test_get(test, RT_TAA_BEFORE, i, before);
-        before[3] = ages[test_random(seed) % 8];
+        before[3] = ages[neph_test_random(seed) % 8];
         test_set(test, RT_TAA_BEFORE, i, before);
     }
     for (size_t i = 0; i < 2 * test_elements(test, RT_CHANGE); i++) {
         float change[4];
         for (int c = 0; c < 3; c++)
-            change[c] = (float)between(seed, 0.9, 1.1);
-        change[3] = test_random(seed) % 3 ? 0.0f : (float)(0.3 * test_uniform(seed));
+            change[c] = (float)neph_test_uniform(seed, 0.9, 1.1);
+        change[3] = neph_test_random(seed) % 3 ? 0.0f : (float)(0.3 * test_uniform(seed));
         test_set(test, i % 2 ? RT_CHANGE : RT_CHANGE_BEHIND, i / 2, change);
     }
     for (int c = 0; c < 3; c++)
-        test->view.wind_m[c] = (float)between(seed, -5.0, 5.0);
+        test->view.wind_m[c] = (float)neph_test_uniform(seed, -5.0, 5.0);
 }
 
 /* What each pixel sees has moved by itself; of draws of its own, so that others stay theirs. */
@@ -98,9 +93,9 @@ static inline void fill_moves(struct test_passes *test, uint64_t seed)
 {
     for (size_t i = 0; i < test_elements(test, RT_MOVED); i++) {
         float way_m[4] = {0.0f};
-        for (int c = 0; c < 3 && test_random(&seed) % 2; c++)
-            way_m[c] = (float)between(&seed, -1.0, 1.0);
-        way_m[3] = test_random(&seed) % 4 == 0;
+        for (int c = 0; c < 3 && neph_test_random(&seed) % 2; c++)
+            way_m[c] = (float)neph_test_uniform(&seed, -1.0, 1.0);
+        way_m[3] = neph_test_random(&seed) % 4 == 0;
         test_set(test, RT_MOVED, i, way_m);
     }
 }
@@ -155,14 +150,14 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
     uint64_t own = *seed; /* draws of its own, so that others stay theirs */
     size_t length = (size_t)snprintf(
         text, text_size, "relight=%s taa_antighost=%s taa_responsive=%s taa_pre_exposure=%s ",
-        test_random(&own) % 2 ? "0.1" : "0", test_random(&own) % 2 ? "on" : "off",
-        test_random(&own) % 3 ? "off" : "medium", test_random(&own) % 2 ? "on" : "off");
-    for (size_t i = 0; i < sizeof(choices) / sizeof(choices[0]); i++) {
+        neph_test_random(&own) % 2 ? "0.1" : "0", neph_test_random(&own) % 2 ? "on" : "off",
+        neph_test_random(&own) % 3 ? "off" : "medium", neph_test_random(&own) % 2 ? "on" : "off");
+    for (size_t i = 0; i < COUNT(choices); i++) {
         size_t count = 0;
         while (count < 5 && choices[i].values[count])
             count++;
         length += (size_t)snprintf(text + length, text_size - length, "%s=%s ", choices[i].name,
-                                   choices[i].values[test_random(seed) % count]);
+                                   choices[i].values[neph_test_random(seed) % count]);
     }
     return test_settings(text);
 }

@@ -64,7 +64,7 @@ static void assert_each_rank_once(const struct neph_blue_noise *noise)
         int seen[PIXELS_MAX] = {0};
         for (int i = 0; i < count; i++) {
             const int rank = noise->ranks[frame * count + i];
-            assert_in_range(rank, 0, count - 1);
+            neph_assert_in_range(rank, 0, count - 1);
             assert_int_equal(seen[rank]++, 0);
         }
     }
@@ -72,7 +72,6 @@ static void assert_each_rank_once(const struct neph_blue_noise *noise)
 
 static void test_every_slice_has_every_rank_once(void **state)
 {
-    (void)state;
     static const struct neph_blue_noise_request requests[] = {
         {32, 32, 1, 7}, {32, 32, 8, 7}, {1, 1, 1, 0},
         {1, 1, 5, 0},   {2, 1, 3, 1},   {16, 1, 1, 2},
@@ -115,7 +114,6 @@ static const double tie = 0x1p-44 + 1024 * 0x1p-56;
  */
 static void test_ranks_are_voids_and_clusters(void **state)
 {
-    (void)state;
     static const struct neph_blue_noise_request request = {20, 12, 1, 3};
     struct neph_blue_noise *noise = make(&request);
     enum { COUNT = 20 * 12, FIRST_COUNT = COUNT / 10 };
@@ -161,7 +159,6 @@ static double window_variance(const struct neph_blue_noise *noise, int column)
  * the variance is known to sqrt(2 / 170) = 11 %: half of 1/108 is 4.6 standard deviations away. */
 static void test_neighbours_repel_across_the_seam(void **state)
 {
-    (void)state;
     struct neph_blue_noise *noise = make(&spatiotemporal);
     for (int column = 0; column < SIDE_PX; column++) /* 0 and 31 see the seam */
         assert_true(window_variance(noise, column) < 0.5 / 108.0);
@@ -170,7 +167,6 @@ static void test_neighbours_repel_across_the_seam(void **state)
 
 static void test_the_seed_decides(void **state)
 {
-    (void)state;
     struct neph_blue_noise *first = make(&spatiotemporal), *same = make(&spatiotemporal);
     struct neph_blue_noise_request request = spatiotemporal;
     request.seed++;
@@ -179,7 +175,7 @@ static void test_the_seed_decides(void **state)
     int equal_count = 0;
     for (int i = 0; i < SIDE_PX * SIDE_PX; i++)
         equal_count += first->ranks[i] == other->ranks[i];
-    assert_in_range(equal_count, 0, 10); /* Poisson of mean 1: more than 10 in 1e-8 of seeds */
+    neph_assert_in_range(equal_count, 0, 10); /* Poisson of mean 1: more than 10 in 1e-8 of seeds */
     neph_blue_noise_destroy(first);
     neph_blue_noise_destroy(same);
     neph_blue_noise_destroy(other);
@@ -187,7 +183,6 @@ static void test_the_seed_decides(void **state)
 
 static void test_sizes_out_of_range_are_refused(void **state)
 {
-    (void)state;
     static const struct neph_blue_noise_request requests[] = {
         {0, 8, 1, 0}, {8, -1, 1, 0}, {8, 8, 0, 0}, {257, 8, 1, 0}, {8, 257, 1, 0}, {8, 8, 257, 0},
     };
@@ -312,7 +307,6 @@ static void assert_blue(const char *what, const struct stack *stack)
 
 static void test_spatial_noise_is_blue(void **state)
 {
-    (void)state;
     struct neph_blue_noise *noise = make(&spatial);
     struct stack stack = stack_of(noise);
     assert_blue("32x32", &stack);
@@ -324,7 +318,6 @@ static void test_spatial_noise_is_blue(void **state)
 
 static void test_spatiotemporal_noise_is_blue_twice(void **state)
 {
-    (void)state;
     struct neph_blue_noise *noise = make(&spatiotemporal);
     struct stack stack = stack_of(noise);
     assert_blue("32x32x8", &stack);
@@ -334,7 +327,6 @@ static void test_spatiotemporal_noise_is_blue_twice(void **state)
 
 static void test_white_noise_fails(void **state)
 {
-    (void)state;
     struct stack stack = white_stack(SIDE_PX, FRAMES, 11);
     for (int frame = 0; frame < FRAMES; frame++)
         assert_true(ring_power(stack.values + frame * SIDE_PX * SIDE_PX, SIDE_PX, 0.0,
@@ -348,7 +340,6 @@ static void test_white_noise_fails(void **state)
 /* Spatial masks of many seeds, one after the other, are white in time. */
 static void test_unrelated_slices_fail_in_time(void **state)
 {
-    (void)state;
     enum { COUNT = SIDE_PX * SIDE_PX };
     struct stack stack = white_stack(SIDE_PX, FRAMES, 1);
     for (int frame = 0; frame < FRAMES; frame++) {

@@ -215,7 +215,6 @@ static int count_open_fractions(const struct shader *shader)
  * NVIDIA H100, by a density of -1e-6 beside an empty node. */
 static void test_no_fraction_of_an_unrounded_product(void **state)
 {
-    (void)state;
     int bad = 0;
     for (size_t i = 0; i < sizeof(shaders) / sizeof(shaders[0]); i++) {
         const int count = count_open_fractions(&shaders[i]);

@@ -4,11 +4,11 @@
  * pictures are their integrals in double precision; and how far those are from all orders of
  * scattering, by adding and doubling, and from a white furnace.
  */
+#include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
 
 #include "renderer/march_scene.h"
 #include "scenes/media.h"
-#include "truth/slab.h"
 
 enum { WIDTH_PX = 16, HEIGHT_PX = 9 };
 
@@ -24,31 +24,32 @@ static struct neph_march_params params_of(int cells)
     };
 }
 
-static void no_sky(struct test_scene *test)
+/* Show a picture, and take its cells. For free(). */
+static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
+                                             const struct neph_march_params *params, bool continues,
+                                             struct neph_march_scene *march)
 {
-    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    test->scene.background_w_per_m2_sr = make_grey(0.0);
-    test->scene.sun.irradiance_w_per_m2 = make_grey(1.0);
-}
-
-/* The cells of a picture. For free(). */
-static struct neph_gpu_diffusion_cell *cells_of(struct neph_vulkan *vulkan,
-                                                const struct neph_scene *scene, int cells,
-                                                uint32_t size[3], struct neph_gpu_lattice *lattice)
-{
-    const struct neph_march_params params = params_of(cells);
-    static const struct neph_march_moment alone;
-    struct neph_march_scene march = {.gpu = {.frame = NULL}};
+    const struct neph_march_moment moment = {.continues = continues};
     struct neph_gpu_diffusion_cell *found = NULL;
     struct neph_diag diag = {0};
     struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
+    neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &moment, march, &cost, &diag), &diag);
+    neph_assert_ok(neph_diffused_light_read(&march->diffused_light, &found, &diag), &diag);
+    return found;
+}
+
+/* The cells of a picture by itself. For free(). */
+static struct neph_gpu_diffusion_cell *
+cells_of(struct neph_vulkan *vulkan, const struct neph_scene *scene, int cells, uint32_t size[3])
+{
+    const struct neph_march_params params = params_of(cells);
+    struct neph_march_scene march = {.gpu = {.frame = NULL}};
+    struct neph_diag diag = {0};
     neph_assert_ok(neph_march_scene_create(vulkan, scene, &params, &march, &diag), &diag);
-    neph_assert_ok(neph_march_scene_show(scene, &params, 0.0, &alone, &march, &cost, &diag), &diag);
-    neph_assert_ok(neph_diffused_light_read(&march.diffused_light, &found, &diag), &diag);
+    struct neph_gpu_diffusion_cell *found = shown(scene, &params, false, &march);
     memcpy(size, march.diffused_light.levels[0].size, 3 * sizeof(*size));
-    *lattice = march.gpu.frame->light_lattice;
     neph_march_scene_destroy(vulkan, &march);
     return found;
 }
@@ -105,12 +106,11 @@ static void test_cells_balance(void **state)
 {
     for (size_t r = 0; r < sizeof(rooms) / sizeof(rooms[0]); r++) {
         struct test_scene test;
-        struct neph_gpu_lattice lattice;
         uint32_t size[3], at[3];
         test_scene_init(&test);
         rooms[r].build(&test);
-        no_sky(&test);
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 24, size, &lattice);
+        make_sunlit(&test);
+        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 24, size);
         double given = 0.0, gone = 0.0, left = 0.0;
         size_t i = 0;
         for (at[2] = 0; at[2] < size[2]; at[2]++)
@@ -147,21 +147,20 @@ static const struct layer {
     {"g 0.5, albedo 0.9, depth 40, from above", 40.0, 0.9, 0.5, 0.5, false, 0.1},
 };
 
-/* From y = 0 to 1, seen in a narrow angle. */
+static struct neph_slab_params slab_of(const struct layer *layer)
+{
+    return (struct neph_slab_params){
+        .optical_depth = layer->depth,
+        .albedo = layer->albedo,
+        .phase = {layer->g != 0.0 ? NEPH_PHASE_HENYEY_GREENSTEIN : NEPH_PHASE_ISOTROPIC, layer->g},
+        .sun_cosine = layer->sun_cosine,
+        .node_count = 32};
+}
+
 static void layer_scene(const struct layer *layer, struct test_scene *test)
 {
-    test_scene_init(test);
-    struct neph_medium *medium = test_add_medium(test, layer->depth, 0.0, 0.0);
-    no_sky(test);
-    medium->bounds.min_m.y = 0.0;
-    medium->bounds.max_m.y = 1.0;
-    medium->albedo = make_grey(layer->albedo);
-    medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, layer->g};
-    const double sine = sqrt(1.0 - layer->sun_cosine * layer->sun_cosine);
-    test->scene.sun.direction = (struct neph_vec3){sine, layer->sun_cosine, 0.0};
-    test->scene.vertical_fov_rad = 0.002;
-    test->key.position_m = (struct neph_vec3){0.0, layer->from_below ? -0.5 : 1.5, 0.0};
-    test->key.look_at_m = (struct neph_vec3){0.7, 0.5, 0.3};
+    const struct neph_slab_params slab = slab_of(layer);
+    slab_scene(test, &slab, layer->from_below, 0.002);
 }
 
 /* The closed solution of the equations, z downwards from the top: with m = sigma' / mu0
@@ -237,13 +236,12 @@ static void test_a_slab_has_the_closed_solution(void **state)
 {
     for (size_t s = 0; s < sizeof(layers) / sizeof(layers[0]); s++) {
         struct test_scene test;
-        struct neph_gpu_lattice lattice;
         struct solution of;
         uint32_t size[3];
         double worst = 0.0, largest = 0.0;
         layer_scene(&layers[s], &test);
         solve(&layers[s], &of);
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 32, size, &lattice);
+        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 32, size);
         assert_true(size[0] == 1 && size[1] == 256 && size[2] == 1);
         for (uint32_t i = 0; i < size[1]; i++) {
             const double truth = fluence(&of, 1.0 - (i + 0.5) / size[1]);
@@ -283,13 +281,12 @@ static double *balanced(const struct neph_gpu_diffusion_cell *cells, uint32_t co
  * up to 4e-4 in 256 cells, on each device by another part. */
 static void test_many_cells_balance_to_the_last_bits(void **state)
 {
-    for (size_t s = 0; s < sizeof(layers) / sizeof(layers[0]); s++) {
+    for (size_t s = 0; s < COUNT(layers); s += (size_t)neph_test_by_day(2, 1)) {
         struct test_scene test;
-        struct neph_gpu_lattice lattice;
         uint32_t size[3];
         double worst = 0.0, largest = 0.0;
         layer_scene(&layers[s], &test);
-        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 128, size, &lattice);
+        struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 128, size);
         double *truth = balanced(cells, size[1]);
         assert_int_equal(size[1], 1024);
         for (uint32_t i = 0; i < size[1]; i++) {
@@ -339,39 +336,17 @@ static double radiance_of(const struct layer *layer, const struct test_scene *te
     return layer->albedo * layer->depth * sum * length / STEPS;
 }
 
-static double slab_per_sr(const struct layer *layer, struct neph_vec3 ray)
-{
-    const double cosine = fabs(ray.y);
-    const struct neph_slab_params params = {
-        .optical_depth = layer->depth,
-        .albedo = layer->albedo,
-        .phase = {layer->g != 0.0 ? NEPH_PHASE_HENYEY_GREENSTEIN : NEPH_PHASE_ISOTROPIC, layer->g},
-        .sun_cosine = layer->sun_cosine,
-        .view_count = 1,
-        .view_cosines = &cosine,
-        .node_count = 32};
-    struct neph_slab *slab = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
-    const double azimuth_rad = atan2(ray.z, ray.x);
-    const double radiance = ray.y < 0.0 ? neph_slab_reflected_per_sr(slab, 0, azimuth_rad)
-                                        : neph_slab_transmitted_per_sr(slab, 0, azimuth_rad);
-    neph_slab_destroy(slab);
-    return radiance;
-}
-
 static void test_pictures_of_slabs(void **state)
 {
     for (size_t s = 0; s < sizeof(layers) / sizeof(layers[0]); s++) {
         const struct neph_march_params params = params_of(64);
         struct test_scene test;
-        struct neph_image *frame = NULL;
-        struct neph_diag diag = {0};
         layer_scene(&layers[s], &test);
-        neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         const struct neph_vec3 ray = neph_scene_camera(&test.scene, 0.0).forward;
         const double twin = radiance_of(&layers[s], &test, ray);
-        const double truth = slab_per_sr(&layers[s], ray);
+        const struct neph_slab_params slab = slab_of(&layers[s]);
+        const double truth = slab_per_sr(&test, &slab);
         const double seen = (double)neph_image_channel(
             frame, "volume.G")[WIDTH_PX * (HEIGHT_PX / 2) + WIDTH_PX / 2];
         print_message("%s: %+.2f %% of its formula, %+.1f %% of all orders\n", layers[s].name,
@@ -396,14 +371,12 @@ static void test_a_white_furnace(void **state)
     double given = 0.0, taken = 0.0;
     for (int s = 0; s < 6; s++) {
         struct test_scene test;
-        struct neph_image *frame = NULL;
-        struct neph_diag diag = {0};
         test_scene_init(&test);
         test_add(&test, make_blob(3.2, (struct neph_vec3){0.0, 1.6, -10.0}, 1.0)); /* depth 8 */
-        no_sky(&test);
+        make_sunlit(&test);
         test.scene.sun.direction = suns[s];
         test.scene.sun.irradiance_w_per_m2 = make_grey(4.0 * M_PI / 6.0);
-        neph_assert_ok(test_march_frame(*state, &test.scene, &params, &frame, NULL, &diag), &diag);
+        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
             given += (double)neph_image_channel(frame, "volume.G")[p];
             taken += (1.0 - (double)neph_image_channel(frame, "transmittance.G")[p]) / 6.0;
@@ -415,22 +388,6 @@ static void test_a_white_furnace(void **state)
 }
 
 /* --- pictures in a row ------------------------------------------------------------------------ */
-
-/* Show a picture, and take its cells. For free(). */
-static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
-                                             const struct neph_march_params *params, bool continues,
-                                             struct neph_march_scene *march)
-{
-    const struct neph_march_moment moment = {.continues = continues};
-    struct neph_gpu_diffusion_cell *found = NULL;
-    struct neph_diag diag = {0};
-    struct neph_sun_fill_cost fill = {.dispatches = 0};
-    double gpu_s = 0.0;
-    struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
-    neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &moment, march, &cost, &diag), &diag);
-    neph_assert_ok(neph_diffused_light_read(&march->diffused_light, &found, &diag), &diag);
-    return found;
-}
 
 /* How far two solutions are apart, by the larger fluence of the second. */
 static double apart(const struct neph_gpu_diffusion_cell *a,
@@ -456,7 +413,7 @@ static void test_a_row_comes_to_rest(void **state)
     const size_t count = (size_t)CELLS * CELLS * CELLS;
     test_scene_init(&test);
     add_blob(&test);
-    no_sky(&test);
+    make_sunlit(&test);
     params.diffusion.cycles = 1;
     alone.diffusion.cycles = PICTURES;
     neph_assert_ok(neph_march_scene_create(*state, &test.scene, &params, &row, &diag), &diag);
@@ -503,7 +460,7 @@ static void test_solids_that_move_are_seen(void **state)
     const size_t count = (size_t)CELLS * CELLS * CELLS;
     test_scene_init(&test);
     add_blob(&test);
-    no_sky(&test);
+    make_sunlit(&test);
     test.scene.sun.direction = (struct neph_vec3){0.0, 1.0, 0.0};
     test_add_box(&test, (struct neph_vec3){90.0, 20.0, -19.0},
                  (struct neph_vec3){99.0, 21.0, -1.0});
@@ -534,10 +491,9 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    (void)state;
     test_scene_init(&test);
     add_blob(&test);
-    no_sky(&test);
+    make_sunlit(&test);
     struct neph_march_params params = params_of(16);
     neph_assert_ok(neph_march_check(&test.scene, &params, &diag), &diag);
     params.diffusion.cells = 3;

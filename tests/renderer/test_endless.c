@@ -88,7 +88,6 @@ static void test_a_march_sees_no_end(void **state)
  * far has met what as many copies have. */
 static void test_exact_sees_no_end(void **state)
 {
-    (void)state;
     struct test_scene endless, finite;
     struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0),
                      *some = make_columns(columns, 8, 50.0, 200.0, 40);

@@ -81,10 +81,9 @@ static void test_the_picture_after_pictures_in_flight(void **state)
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
     struct neph_scene *scene = test_load("stress/wind_cloud");
-    struct neph_settings settings = few_steps("ours");
-    settings.values[RT_SUN_CACHE] = 1.0;
-    settings.values[RT_SUN_CACHE_VOXELS] = 16.0;
-    settings.values[RT_SUN] = NEPH_MARCH_MARCHED;
+    const struct neph_settings settings = test_preset(
+        "off", "steps=4 ray_dither=none upscale_dither=none split=four sun=marched "
+               "sun_cache=grid sun_cache_voxels=16");
     check_after_flight(*state, scene, &settings);
     struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
     struct neph_realtime_stats home;

@@ -30,6 +30,13 @@ static void set_stage(struct test_scene *test)
     test->scene.fog_look = neph_fog_look_of_physics(&test->scene, fog);
 }
 
+/* Clouds go where no ray does: a scene with fog alone has the kernels of one with clouds. */
+static void hide_clouds(struct test_scene *test)
+{
+    for (int m = 1; m < test->scene.medium_count; m++)
+        test->scene.media[m].gaussian.center_m = (struct neph_vec3){0.0, -400.0, 900.0};
+}
+
 static struct neph_march_params params_of(int fog)
 {
     return (struct neph_march_params){.width_px = WIDTH,
@@ -211,11 +218,11 @@ static void test_a_glow_is_handed_over_anywhere(void **state)
         double handed_m;
         bool is_clear;
     } cases[] = {{60.0, true}, {300.0, false}, {15.0, true}, {300.0, true}};
-    struct test_scene test;
-    set_stage(&test);
-    const int clouds = test.scene.medium_count;
     for (int n = 0; n < neph_test_by_day(2, 4); n++) {
-        test.scene.medium_count = cases[n].is_clear ? 1 : clouds;
+        struct test_scene test;
+        set_stage(&test);
+        if (cases[n].is_clear)
+            hide_clouds(&test);
         test.scene.fog_look.volumetric_fog_distance_m = cases[n].handed_m;
         const struct neph_march_params params = params_of(1);
         struct neph_image *whole = test_march(*state, &test.scene, &params, NULL),
@@ -255,7 +262,7 @@ static void test_near_fog_is_physics(void **state)
     static const double handed_m = 60.0;
     struct test_scene test;
     set_stage(&test);
-    test.scene.medium_count = 1;
+    hide_clouds(&test);
     test.scene.media[0].albedo = make_grey(0.9);
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
     test.scene.fog_look.volumetric_fog_distance_m = handed_m;
@@ -342,7 +349,6 @@ static void refuses(const struct neph_scene *scene, int fog, enum neph_march_lig
 
 static void test_says_what_it_cannot(void **state)
 {
-    (void)state;
     struct test_scene test;
     set_stage(&test);
     refuses(&test.scene, 2, NEPH_MARCH_SINGLE, "Filament has one");

@@ -20,13 +20,6 @@ static bool may_be_shaded(struct neph_vulkan *vulkan, const struct neph_scene *s
     return may_be;
 }
 
-static struct neph_vec3 point_in(const struct neph_bounds *box, uint64_t *seed)
-{
-    return (struct neph_vec3){neph_test_uniform(seed, box->min_m.x, box->max_m.x),
-                              neph_test_uniform(seed, box->min_m.y, box->max_m.y),
-                              neph_test_uniform(seed, box->min_m.z, box->max_m.z)};
-}
-
 /* Boxes and a sphere around a cloud, under suns from anywhere: where none may shade it, each of its
  * places sees the sun. Some are found to be out of the way, and some are not. */
 static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
@@ -49,7 +42,7 @@ static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
         const bool may_be = may_be_shaded(*state, &test.scene);
         bool is_shaded = false;
         for (int i = 0; i < 200; i++)
-            is_shaded |= !neph_scene_sees_sun(&test.scene, point_in(&box, &seed));
+            is_shaded |= !neph_scene_sees_sun(&test.scene, random_place_in(&box, &seed));
         assert_false(is_shaded && !may_be);
         free_count += !may_be && test.scene.solid_count > 0;
         shaded_count += is_shaded;

@@ -56,8 +56,8 @@ static void assert_net(int n)
             neph_march_point(i, n, at_px);
             const int x = (int)floor((at_px[0] + 0.5) * columns);
             const int y = (int)floor((at_px[1] + 0.5) * (n / columns));
-            assert_in_range(x, 0, columns - 1);
-            assert_in_range(y, 0, n / columns - 1);
+            neph_assert_in_range(x, 0, columns - 1);
+            neph_assert_in_range(y, 0, n / columns - 1);
             hits[y * columns + x]++;
         }
         for (int box = 0; box < n; box++)
@@ -67,7 +67,6 @@ static void assert_net(int n)
 
 static void test_points_are_a_net_around_the_centre(void **state)
 {
-    (void)state;
     for (int n = 1; n <= NEPH_MARCH_RAYS_PER_PX_MAX; n *= 2) {
         double sum[2] = {0.0, 0.0};
         assert_net(n);

@@ -39,7 +39,6 @@ static enum neph_status march_on(const struct neph_gpu_march_run *run, void *con
                                  struct neph_diag *diag)
 {
     struct marched *marched = context;
-    (void)diag;
     marched->dispatches++;
     if (run->ray_count > marched->most_rays)
         marched->most_rays = run->ray_count;
@@ -62,7 +61,6 @@ static void assert_complete(const struct neph_march_cut *cut, struct marched *ma
 
 static void test_each_ray_makes_each_step_once(void **state)
 {
-    (void)state;
     static const double gpu_s[] = {1e-9, 1e-3, 0.04, 0.7, 30.0, 1e6};
     static struct marched marched;
     struct neph_march_cut cut = new_cut();
@@ -83,7 +81,6 @@ static void test_each_ray_makes_each_step_once(void **state)
 /* A march of a second and 30 ms of it; what is left out makes a whole work group. */
 static void test_a_dispatch_takes_its_time(void **state)
 {
-    (void)state;
     struct neph_march_cut cut = new_cut();
     neph_march_cut_learn(&cut, 1.0);
     const double turns = (double)RAYS * (STEPS * 7 + 3), group = NEPH_MARCH_LOCAL_SIZE * 73.0;
@@ -93,7 +90,6 @@ static void test_a_dispatch_takes_its_time(void **state)
 
 static void test_without_a_clock_nothing_changes(void **state)
 {
-    (void)state;
     static const double gpu_s[] = {NAN, 0.0, -1.0, INFINITY};
     struct neph_march_cut cut = new_cut();
     for (size_t i = 0; i < sizeof(gpu_s) / sizeof(gpu_s[0]); i++) {
@@ -109,7 +105,6 @@ static void test_without_a_clock_nothing_changes(void **state)
  * is not cut into steps for that. */
 static void test_closed_forms_count_where_there_are_some(void **state)
 {
-    (void)state;
     static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
     const struct neph_vulkan vulkan = {.description.is_cpu = true,
                                        .limits.maxComputeWorkGroupCount = {65535}};

@@ -3,6 +3,7 @@
  * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
  * precision: the GLSL twins of scenes/media.h at work. Horizon clouds against quadrature.
  */
+#include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
 
 #include "scenes/grid.h"
@@ -10,29 +11,6 @@
 #include "scenes/media.h"
 
 static const struct neph_march_params params_32 = {.width_px = 32, .height_px = 18, .steps = 64};
-
-static void add_blob(struct test_scene *test)
-{
-    struct neph_medium *blob = test_add_cloud(test, NEPH_MEDIUM_GAUSSIAN, 0.8);
-    blob->gaussian = (struct neph_gaussian){{0.5, 2.0, -12.0}, 1.5};
-}
-
-/* From the ground of a small planet, low over the horizon, where the path is longest. */
-static void add_shell(struct test_scene *test)
-{
-    struct neph_medium *shell = test_add_cloud(test, NEPH_MEDIUM_SHELL, 2e-4);
-    shell->shell = (struct neph_shell){{0.0, -6.371e6, 0.0}, 6.371e6, 8000.0};
-    shell->bounds = (struct neph_bounds){{-3e6, -1e6, -3e6}, {3e6, 1.5e5, 3e6}};
-}
-
-static struct neph_grid *add_grid(struct test_scene *test)
-{
-    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9);
-    uint64_t random = 11;
-    medium->grid = random_lattice((const int[3]){7, 6, 5}, (struct neph_vec3){-3.0, -1.0, -15.0},
-                                  (struct neph_vec3){1.0, 0.9, 1.3}, -0.4, &random);
-    return medium->grid;
-}
 
 struct difference {
     double transmittance, volume; /* largest; volume in parts of the largest radiance */
@@ -64,69 +42,63 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
     return worst;
 }
 
-/* Transmittance is float32's; in-scattering converges with the square of the step. */
-static void check(struct neph_vulkan *vulkan, struct test_scene *test, const char *name, int steps,
-                  double order_min)
+/* From the ground of a small planet, low over the horizon, where the path is longest. All rays
+ * rise. */
+static void scene_shell(struct test_scene *test)
 {
-    struct neph_march_params params = params_32;
-    params.steps = steps;
-    test->scene.scattering = NEPH_SCATTERING_SINGLE;
-    const struct difference coarse = compare(vulkan, test, &params);
-    params.steps *= 4;
-    const struct difference fine = compare(vulkan, test, &params);
-    const double order = log2(coarse.volume / fine.volume) / 2.0;
-    print_message("%-9s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", name,
-                  fine.transmittance, coarse.volume, fine.volume, order);
-    assert_true(fine.transmittance < 3e-6);
-    assert_true(fine.volume < 2e-3 && order > order_min);
-}
-
-static void test_gaussian(void **state)
-{
-    struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
-    check(*state, &test, "Gaussian", 64, 1.8);
-}
-
-static void test_shell(void **state)
-{
-    struct test_scene test;
-    test_scene_init(&test);
-    add_shell(&test);
-    test.key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0}; /* all rays rise */
-    check(*state, &test, "shell", 512, 1.8);
+    struct neph_medium *shell = test_add_cloud(test, NEPH_MEDIUM_SHELL, 2e-4);
+    shell->shell = (struct neph_shell){{0.0, -6.371e6, 0.0}, 6.371e6, 8000.0};
+    shell->bounds = (struct neph_bounds){{-3e6, -1e6, -3e6}, {3e6, 1.5e5, 3e6}};
+    test->key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0};
 }
 
 /* Fog on the ground of a planet: how far a ray goes through it is where it meets the ball. */
-static void test_fog_on_a_planet(void **state)
+static void scene_planet(struct test_scene *test)
 {
     const double radius_m = 6.371e6;
-    struct test_scene test;
-    test_scene_init(&test);
-    struct neph_medium *fog = test_add_medium(&test, 0.03, 0.1, 0.0);
+    struct neph_medium *fog = test_add_medium(test, 0.03, 0.1, 0.0);
     fog->bounds = (struct neph_bounds){{-900, -10, -900}, {900, 60, 900}};
-    test_add_sphere(&test, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m);
-    test.key.look_at_m = (struct neph_vec3){0.0, 0.4, -10.0};
-    check(*state, &test, "planet", 128, 1.8);
+    test_add_sphere(test, (struct neph_vec3){0.0, -radius_m, 0.0}, radius_m);
+    test->key.look_at_m = (struct neph_vec3){0.0, 0.4, -10.0};
 }
 
-/* Trilinear densities have kinks at the faces of their cells. */
-static void test_grid(void **state)
+/* Transmittance is float32's; in-scattering converges with the square of the step, but trilinear
+ * densities have kinks at the faces of their cells. */
+static void test_media_converge(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    struct neph_grid *grid = add_grid(&test);
-    check(*state, &test, "grid", 64, 1.5);
-    neph_grid_destroy(grid);
+    static const struct {
+        const char *name;
+        void (*build)(struct test_scene *);
+        int steps;
+        double order_min;
+    } cases[] = {{"Gaussian", scene_blob, 64, 1.8},
+                 {"shell", scene_shell, 512, 1.8},
+                 {"planet", scene_planet, 128, 1.8},
+                 {"grid", scene_voxels, 64, 1.5}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct test_scene test;
+        struct neph_march_params params = params_32;
+        test_scene_init(&test);
+        cases[i].build(&test);
+        params.steps = cases[i].steps;
+        const struct difference coarse = compare(*state, &test, &params);
+        params.steps *= 4;
+        const struct difference fine = compare(*state, &test, &params);
+        const double order = log2(coarse.volume / fine.volume) / 2.0;
+        print_message("%-9s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", cases[i].name,
+                      fine.transmittance, coarse.volume, fine.volume, order);
+        assert_true(fine.transmittance < 3e-6);
+        assert_true(fine.volume < 2e-3 && order > cases[i].order_min);
+        scene_teardown(&test);
+    }
 }
 
 static void test_all_at_once_and_coloured(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
-    add_blob(&test);
-    struct neph_grid *grid = add_grid(&test);
+    scene_blob(&test);
+    scene_voxels(&test);
     /* Bounded: fixed steps over kilometres of fog would step across the blob. */
     test_add_medium(&test, 0.01, 0.02, 0.0)->bounds = (struct neph_bounds){{-20, -9, -30},
                                                                            {20, 12, 5}};
@@ -142,7 +114,7 @@ static void test_all_at_once_and_coloured(void **state)
     print_message("coloured: T off by %.1e exact, %.1e marched\n", exact.transmittance,
                   marched.transmittance);
     assert_true(marched.transmittance < 1e-3 /* faces within a step */);
-    neph_grid_destroy(grid);
+    scene_teardown(&test);
 }
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
@@ -259,10 +231,7 @@ static void test_horizon_scattering_against_quadrature(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaussian),
-        cmocka_unit_test(test_shell),
-        cmocka_unit_test(test_fog_on_a_planet),
-        cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_media_converge),
         cmocka_unit_test(test_all_at_once_and_coloured),
         cmocka_unit_test(test_horizon_transmittance_converges),
         cmocka_unit_test(test_horizon_scattering_against_quadrature),

@@ -3,9 +3,7 @@
  * FXAA, EASU, CAS and RCAS: the shaders against the algorithms once more in double precision. (The
  * shaders were also run beside the originals: docs/post.md.)
  */
-#include "tests/renderer/renderer_test.h"
-
-#include "renderer/post/chain.h"
+#include "tests/renderer/post_test.h"
 
 enum { width = 67, height = 43, count = width * height };
 
@@ -240,22 +238,12 @@ static void draw(double rgb[count][3], uint64_t seed)
 static struct neph_image *run(struct neph_vulkan *vulkan, const char *text,
                               const struct picture *picture, float *out[3])
 {
-    struct neph_post_params params = {.settings = neph_options_default(neph_post_options)};
-    struct neph_image *image, *made;
-    struct neph_diag diag = {0};
     float *in[3];
-    char *copy = strdup(text), *rest = copy;
-    for (char *word; (word = strsep(&rest, " "));)
-        neph_assert_ok(neph_options_set(neph_post_options, "test", word, &params.settings, &diag),
-                       &diag);
-    free(copy);
-    neph_assert_ok(neph_image_create(picture->width, picture->height, &image, &diag), &diag);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, in, &diag), &diag);
+    struct neph_image *image = post_image(picture->width, picture->height, in);
     for (int i = 0; i < picture->width * picture->height; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)picture->rgb[i][c];
-    neph_assert_ok(neph_post_run(vulkan, &params, image, &made, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(made, NULL, out));
+    struct neph_image *made = post_made(vulkan, text, image, out);
     neph_image_destroy(image);
     return made;
 }

@@ -265,7 +265,7 @@ static void test_the_last_that_is_on_writes_the_picture(void **state)
     } passes[] = {{"bloom=conserving", 100}, {"tone=on lut=on grain=3 vignette=0.4", 100},
                   {"fxaa=quality_29", 100},  {"upscale=easu", 200},
                   {"sharpen=rcas", 100},     {"secondary_upscale=catmull_rom", 200}};
-    enum { width = 13, height = 9, count = sizeof(passes) / sizeof(passes[0]) };
+    enum { width = 13, height = 9, count = COUNT(passes) };
     char all[300] = "";
     float *rgb[3], *whole[3], *step[3];
     uint64_t seed = 7;
@@ -353,7 +353,7 @@ static void test_a_window_is_met_to_the_pixel(void **state)
          "secondary_percent=80"},
         {{5, 1}, {1, 1}, "upscale=bilinear screen_percent=12.5"},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_post_params params = {.settings = post_settings(cases[i].settings)};
         int width_px = cases[i].window_px[0], height_px = cases[i].window_px[1];
         struct neph_diag diag = {0};

@@ -3,9 +3,8 @@
  * Tone mapping: the shader against its formulas in double precision, and these against values that
  * others have published.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/post_test.h"
 
-#include "renderer/post/chain.h"
 #include "renderer/post/colour.h"
 #include "renderer/post/film.h"
 
@@ -152,38 +151,14 @@ static struct rgb mapped(int map, struct rgb x)
 
 /* ---- running the chain ----------------------------------------------------------------------- */
 
-static struct neph_settings settings_of(const char *text)
-{
-    struct neph_settings settings = neph_options_default(neph_post_options);
-    char *copy = strdup(text), *rest = copy;
-    for (char *word; (word = strsep(&rest, " "));) {
-        struct neph_diag diag = {0};
-        neph_assert_ok(neph_options_set(neph_post_options, "test", word, &settings, &diag), &diag);
-    }
-    free(copy);
-    return settings;
-}
-
 static struct neph_image *image_of(int width, int height, const struct rgb *colours)
 {
-    struct neph_image *image;
-    struct neph_diag diag = {0};
     float *rgb[3];
-    neph_assert_ok(neph_image_create(width, height, &image, &diag), &diag);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
+    struct neph_image *image = post_image(width, height, rgb);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             rgb[c][i] = (float)colours[i].c[c];
     return image;
-}
-
-static void run(struct neph_vulkan *vulkan, const char *settings, const struct neph_image *image,
-                struct neph_image **made, float *rgb[3])
-{
-    const struct neph_post_params params = {.settings = settings_of(settings), .seed = 7};
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_post_run(vulkan, &params, image, made, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(*made, NULL, rgb));
 }
 
 /* ---- published values ------------------------------------------------------------------------ */
@@ -301,11 +276,10 @@ static void test_the_shader_is_its_formulas(void **state)
     for (int map = 0; map < (int)COUNT(names); map++)
         for (int encodes = 0; encodes < 2; encodes++) {
             char text[128];
-            struct neph_image *made;
             float *rgb[3];
             snprintf(text, sizeof(text), "tone=on tone_map=%s encode=%s exposure_ev=-1.5",
                      names[map], encodes ? "srgb" : "linear");
-            run(*state, text, image, &made, rgb);
+            struct neph_image *made = post_made(*state, text, image, rgb);
             for (int i = 0; i < count; i++) {
                 struct rgb x = colours[i];
                 for (int c = 0; c < 3; c++)
@@ -329,11 +303,11 @@ static void test_the_table_is_near_its_formula(void **state)
 {
     struct rgb colours[count];
     fill(colours, 4);
-    struct neph_image *image = image_of(width, height, colours), *by_table, *by_formula;
+    struct neph_image *image = image_of(width, height, colours);
     float *table[3], *formula[3];
     double sum = 0.0, most = 0.0;
-    run(*state, "tone=on lut=on", image, &by_table, table);
-    run(*state, "tone=on", image, &by_formula, formula);
+    struct neph_image *by_table = post_made(*state, "tone=on lut=on", image, table);
+    struct neph_image *by_formula = post_made(*state, "tone=on", image, formula);
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) {
             const double error = fabs((double)table[c][i] - formula[c][i]);
@@ -371,9 +345,8 @@ static void test_extremes_stay_numbers(void **state)
         "tone=on film_slope=2 film_toe=0.99 film_shoulder=0.99 film_white_clip=0",
         "tone=on film_slope=0.01 film_toe=0 film_shoulder=0 film_black_clip=1"};
     for (size_t k = 0; k < COUNT(settings); k++) {
-        struct neph_image *made;
         float *rgb[3];
-        run(*state, settings[k], image, &made, rgb);
+        struct neph_image *made = post_made(*state, settings[k], image, rgb);
         for (int i = 0; i < n * n * n; i++)
             for (int c = 0; c < 3; c++)
                 assert_true(rgb[c][i] >= 0.0f && rgb[c][i] <= 1.0f); /* no NaN passes */
@@ -387,9 +360,10 @@ static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **s
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.5, 0.5, 0.5}};
-    struct neph_image *image = image_of(width, height, colours), *made;
+    struct neph_image *image = image_of(width, height, colours);
     float *rgb[3];
-    run(*state, "tone=on tone_map=none encode=linear vignette=1", image, &made, rgb);
+    struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=linear vignette=1",
+                                        image, rgb);
     const double x = (width - 1.0), y = (height - 1.0); /* of the corner pixel's centre, doubled */
     const double tangent_2 = (x * x + y * y) / (double)(width * width + height * height);
     neph_assert_close(rgb[1][0], 0.5 / ((1.0 + tangent_2) * (1.0 + tangent_2)), shader_tolerance,
@@ -405,11 +379,11 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.25, 0.25, 0.25}};
-    struct neph_image *image = image_of(width, height, colours), *made, *without;
+    struct neph_image *image = image_of(width, height, colours);
     float *rgb[3], *plain[3];
     double sum = 0.0, squares = 0.0;
-    run(*state, "tone=on tone_map=none grain=8", image, &made, rgb);
-    run(*state, "tone=on tone_map=none", image, &without, plain);
+    struct neph_image *made = post_made(*state, "tone=on tone_map=none grain=8", image, rgb);
+    struct neph_image *without = post_made(*state, "tone=on tone_map=none", image, plain);
     for (int i = 0; i < count; i++) {
         const double step = (double)(rgb[0][i] - plain[0][i]) * 255.0 / 8.0;
         assert_true(fabs(step) <= 0.5001 &&

@@ -3,48 +3,18 @@
  * Upscalers: the values of their kernels, and what every filter owes to a constant, to a mirror and
  * to a picture that has its size already.
  */
-#include "tests/renderer/renderer_test.h"
-
-#include "renderer/post/chain.h"
+#include "tests/renderer/post_test.h"
 
 static const char *const filters[] = {"nearest", "bilinear", "directional", "catmull_rom",
                                       "lanczos", "gaussian", "smoothstep"};
 
-static void set(struct neph_settings *settings, const char *assignment)
+/* An image enlarged to 100 / percent of its sides, by settings with the others in `words`. */
+static struct neph_image *upscaled(struct neph_vulkan *vulkan, const char *filter, double percent,
+                                   const char *words, const struct neph_image *image, float *rgb[3])
 {
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_options_set(neph_post_options, "test", assignment, settings, &diag), &diag);
-}
-
-static struct neph_settings settings_of(const char *filter, double percent)
-{
-    struct neph_settings settings = neph_options_default(neph_post_options);
-    char assignment[64];
-    snprintf(assignment, sizeof(assignment), "upscale=%s", filter);
-    set(&settings, assignment);
-    snprintf(assignment, sizeof(assignment), "screen_percent=%.17g", percent);
-    set(&settings, assignment);
-    return settings;
-}
-
-static struct neph_image *image_of(int width, int height, float *rgb[3])
-{
-    struct neph_image *image;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_image_create(width, height, &image, &diag), &diag);
-    neph_assert_ok(neph_image_add_rgb(image, NULL, rgb, &diag), &diag);
-    return image;
-}
-
-static struct neph_image *upscaled(struct neph_vulkan *vulkan, const struct neph_settings *settings,
-                                   const struct neph_image *image, float *rgb[3])
-{
-    const struct neph_post_params params = {.settings = *settings};
-    struct neph_diag diag = {0};
-    struct neph_image *made;
-    neph_assert_ok(neph_post_run(vulkan, &params, image, &made, NULL, &diag), &diag);
-    assert_true(neph_image_rgb(made, NULL, rgb));
-    return made;
+    char text[200];
+    snprintf(text, sizeof(text), "upscale=%s screen_percent=%.17g %s", filter, percent, words);
+    return post_made(vulkan, text, image, rgb);
 }
 
 static void fill(float *rgb[3], int count, uint64_t seed)
@@ -99,14 +69,13 @@ static void test_kernels_are_theirs(void **state)
     neph_assert_close(catmull_rom(1.5), -0.0625, 0.0, 0.0);
     enum { side = 13, bright = 6 };
     float *in[3], *out[3];
-    struct neph_image *image = image_of(side, side, in);
+    struct neph_image *image = post_image(side, side, in);
     for (int i = 0; i < side * side; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = i % side == bright ? 1.25f : 0.25f; /* undershoots stay above 0 */
     for (size_t k = 0; k < COUNT(cases); k++) {
         /* 3 times: the pixel in the middle of three is at a texel's centre, in y. */
-        const struct neph_settings settings = settings_of(cases[k].filter, 100.0 / 3.0);
-        struct neph_image *made = upscaled(*state, &settings, image, out);
+        struct neph_image *made = upscaled(*state, cases[k].filter, 100.0 / 3.0, "", image, out);
         assert_int_equal(made->width_px, 3 * side);
         const int row = 3 * bright + 1;
         for (int x = 0; x < 3 * side; x++) {
@@ -129,11 +98,10 @@ static void test_the_gaussian_is_its_formula(void **state)
 {
     enum { side = 11 };
     float *in[3], *out[3];
-    struct neph_image *image = image_of(side, side, in);
+    struct neph_image *image = post_image(side, side, in);
     fill(in, side * side, 3);
-    struct neph_settings settings = settings_of("gaussian", 100.0 / 3.0);
-    set(&settings, "upscale_softness=0.7");
-    struct neph_image *made = upscaled(*state, &settings, image, out);
+    struct neph_image *made = upscaled(*state, "gaussian", 100.0 / 3.0, "upscale_softness=0.7",
+                                       image, out);
     for (int y = 9; y < 24; y++)
         for (int x = 9; x < 24; x++) {
             const double px = (x + 0.5) / 3.0, py = (y + 0.5) / 3.0;
@@ -165,14 +133,14 @@ static void test_a_constant_stays_what_it_is(void **state)
 {
     static const double percents[] = {12.5, 37.0, 50.0, 100.0 / 1.5, 77.0, 100.0};
     float *in[3], *out[3];
-    struct neph_image *image = image_of(19, 7, in);
+    struct neph_image *image = post_image(19, 7, in);
     for (int i = 0; i < 19 * 7; i++)
         in[0][i] = in[1][i] = 0.7f, in[2][i] = 1e4f;
     for (size_t f = 0; f < COUNT(filters); f++)
         for (size_t p = 0; p < COUNT(percents); p++) {
-            struct neph_settings settings = settings_of(filters[f], percents[p]);
-            set(&settings, "upscale_softness=0"); /* the gaussian's Laplacian does not sum to 0 */
-            struct neph_image *made = upscaled(*state, &settings, image, out);
+            /* the gaussian's Laplacian does not sum to 0 */
+            struct neph_image *made = upscaled(*state, filters[f], percents[p],
+                                               "upscale_softness=0", image, out);
             for (size_t i = 0; i < neph_image_pixel_count(made); i++) {
                 neph_assert_close(out[0][i], 0.7, 3e-6,
                                   0.0); /* weights of up to 13 samples sum to 1 */
@@ -187,16 +155,15 @@ static void test_a_mirror_changes_nothing(void **state)
 {
     enum { width = 23, height = 15 }; /* to 61 x 40: no place is on the border of two texels */
     float *in[3], *mirrored[3], *out[3], *out_mirrored[3];
-    struct neph_image *image = image_of(width, height, in);
-    struct neph_image *mirror = image_of(width, height, mirrored);
+    struct neph_image *image = post_image(width, height, in);
+    struct neph_image *mirror = post_image(width, height, mirrored);
     fill(in, width * height, 11);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             mirrored[c][width * height - 1 - i] = in[c][i]; /* both axes */
     for (size_t f = 0; f < COUNT(filters); f++) {
-        const struct neph_settings settings = settings_of(filters[f], 37.5);
-        struct neph_image *made = upscaled(*state, &settings, image, out);
-        struct neph_image *other = upscaled(*state, &settings, mirror, out_mirrored);
+        struct neph_image *made = upscaled(*state, filters[f], 37.5, "", image, out);
+        struct neph_image *other = upscaled(*state, filters[f], 37.5, "", mirror, out_mirrored);
         const size_t count = neph_image_pixel_count(made);
         for (size_t i = 0; i < count; i++) /* sums in another order */
             neph_assert_close(out[1][i], out_mirrored[1][count - 1 - i], 0.0, 1e-5);
@@ -213,11 +180,10 @@ static void test_a_picture_of_its_size_stays_what_it_is(void **state)
     static const char *const through[] = {"nearest", "bilinear", "catmull_rom", "lanczos",
                                           "smoothstep"};
     float *in[3], *out[3];
-    struct neph_image *image = image_of(17, 9, in);
+    struct neph_image *image = post_image(17, 9, in);
     fill(in, 17 * 9, 5);
     for (size_t f = 0; f < COUNT(through); f++) {
-        const struct neph_settings settings = settings_of(through[f], 100.0);
-        struct neph_image *made = upscaled(*state, &settings, image, out);
+        struct neph_image *made = upscaled(*state, through[f], 100.0, "", image, out);
         for (int i = 0; i < 17 * 9; i++)
             neph_assert_close(out[0][i], in[0][i], 2e-6, 2e-6); /* sines of multiples of pi */
         neph_image_destroy(made);
@@ -229,12 +195,12 @@ static void test_a_picture_of_its_size_stays_what_it_is(void **state)
 static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = image_of(9, 9, in);
+    struct neph_image *image = post_image(9, 9, in);
     fill(in, 81, 8);
     for (int guarded = 0; guarded < 2; guarded++) {
-        struct neph_settings settings = settings_of("lanczos", 100.0 / 3.0);
-        set(&settings, guarded ? "lanczos_guard=on" : "lanczos_guard=off");
-        struct neph_image *made = upscaled(*state, &settings, image, out);
+        struct neph_image *made = upscaled(*state, "lanczos", 100.0 / 3.0,
+                                           guarded ? "lanczos_guard=on" : "lanczos_guard=off",
+                                           image, out);
         int bad = 0;
         for (int i = 0; i < 27 * 27; i++)
             bad += !isfinite(out[0][i]);
@@ -247,8 +213,9 @@ static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state
 static void test_what_is_too_large_is_refused(void **state)
 {
     float *in[3];
-    struct neph_image *image = image_of(4096, 1, in), *made = NULL;
-    const struct neph_post_params params = {.settings = settings_of("bilinear", 12.5)};
+    struct neph_image *image = post_image(4096, 1, in), *made = NULL;
+    const struct neph_post_params params = {
+        .settings = post_settings("upscale=bilinear screen_percent=12.5")};
     struct neph_diag diag = {0};
     assert_int_equal(neph_post_run(*state, &params, image, &made, NULL, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "16384")); /* the largest side */

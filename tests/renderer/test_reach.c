@@ -131,7 +131,6 @@ static const struct {
 
 static void test_what_is_refused(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct test_scene test;
         char reason[256] = "";

@@ -16,10 +16,8 @@ static void open_volume(struct neph_vulkan *vulkan, const char *words, const int
     snprintf(text, sizeof(text), "atrous=on %s", words);
     const struct neph_settings settings = test_settings(text);
     test_passes_open(vulkan, &settings, size_px, (int[2]){4, 8}, seed, test);
-    for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
-        test_set(test, RT_HALF_DEPTH, i, (float[4]){100.0f});
-        test_set(test, RT_HISTORY_STATE, i, (float[4]){1.0f, 50.0f});
-    }
+    test_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
+    test_fill(test, RT_HISTORY_STATE, 1, 50, 0, 0);
 }
 
 /* Rounding of some 75 sums, of exp() to 3 ulps times the weight's exponent, and of halves. */
@@ -36,13 +34,14 @@ static void test_each_step_equals_the_twin(void **state)
             float volume[4];
             for (int c = 0; c < 4; c++)
                 volume[c] = (float)test_uniform(&seed);
-            if (test_random(&seed) % 16 == 0)
-                volume[test_random(&seed) % 4] = test_random(&seed) % 2 ? NAN : -1.0f;
+            if (neph_test_random(&seed) % 16 == 0)
+                volume[neph_test_random(&seed) % 4] = neph_test_random(&seed) % 2 ? NAN : -1.0f;
             test_set(&test, inputs[step], i, volume);
             test_set(&test, RT_HALF_DEPTH, i,
-                     (float[4]){test_random(&seed) % 4 ? 100.0f + (float)(test_random(&seed) % 9)
-                                                       : NEPH_GPU_FAR_M});
-            if (test_random(&seed) % 16 == 0)
+                     (float[4]){neph_test_random(&seed) % 4
+                                    ? 100.0f + (float)(neph_test_random(&seed) % 9)
+                                    : NEPH_GPU_FAR_M});
+            if (neph_test_random(&seed) % 16 == 0)
                 test_set(&test, RT_HISTORY_STATE, i, (float[4]){0.0f});
         }
         test_passes_run(&test, names[step]);
@@ -131,12 +130,9 @@ static void test_the_upscale_reads_what_is_filtered(void **state)
 {
     struct test_passes test;
     open_volume(*state, "upscale=bilinear upscale_dither=none", (int[2]){32, 16}, 0, &test);
-    for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++) {
-        test_set(&test, RT_HISTORY, i, (float[4]){1.0f, 1.0f, 1.0f, 0.25f});
-        test_set(&test, RT_HISTORY_BEFORE, i, (float[4]){2.0f, 2.0f, 2.0f, 0.5f});
-    }
-    for (size_t i = 0; i < test_elements(&test, RT_DEPTH); i++)
-        test_set(&test, RT_DEPTH, i, (float[4]){100.0f});
+    test_fill(&test, RT_HISTORY, 1, 1, 1, 0.25f);
+    test_fill(&test, RT_HISTORY_BEFORE, 2, 2, 2, 0.5f);
+    test_fill(&test, RT_DEPTH, 100, 0, 0, 0);
     test_passes_run(&test, "upscale");
     uint32_t *words = test_download(&test, RT_VOLUME);
     float value[4];

@@ -23,7 +23,7 @@ static void compose_both(struct test_passes *test)
 /* 0, and 1e-6 .. 1e6 on a logarithmic scale. */
 static float random_radiance(uint64_t *seed)
 {
-    return test_random(seed) % 8 ? (float)pow(10.0, 12.0 * test_uniform(seed) - 6.0) : 0.0f;
+    return neph_test_random(seed) % 8 ? (float)pow(10.0, 12.0 * test_uniform(seed) - 6.0) : 0.0f;
 }
 
 /* The shader multiplies, rounds, adds and rounds, as C does: with one rounding of a fused
@@ -31,7 +31,7 @@ static float random_radiance(uint64_t *seed)
 static void test_compose_equals_the_twin(void **state)
 {
     uint64_t seed = 20261126;
-    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
+    for (size_t s = 0; s < COUNT(sizes_px); s++)
         for (int f = 0; f < 2; f++) {
             const uint64_t start = seed;
             struct test_passes test;
@@ -64,7 +64,7 @@ static void test_identities(void **state)
         {{0, 0, 0, 0.25f}, 0.25f, 0},
     };
     uint64_t seed = 7;
-    for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+    for (size_t k = 0; k < COUNT(cases); k++) {
         struct test_passes test;
         open_view(state, "color_format=float", sizes_px[4], seed, &test);
         for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
@@ -121,7 +121,7 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
 {
     static const char *const settings[] = {
         "", "taa_box=variance", "taa_box=variance taa_guard=off taa_filter=off taa_hdr_weight=off"};
-    for (uint64_t i = 0; i < 2 * sizeof(settings) / sizeof(settings[0]); i++) {
+    for (uint64_t i = 0; i < 2 * COUNT(settings); i++) {
         uint64_t seed = i;
         struct test_passes test;
         open_view(state, settings[i / 2], sizes_px[4], seed, &test);
@@ -136,8 +136,7 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
         }
         compose_both(&test);
         uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-            test_set(&test, RT_COLOR, e, (float[4]){NAN, NAN, NAN, NAN});
+        test_fill(&test, RT_COLOR, NAN, NAN, NAN, NAN);
         uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
         assert_memory_equal(by_pass, by_itself,
                             neph_rt_device_words(&test.device, RT_TAA_OUT) * sizeof(uint32_t));
@@ -153,8 +152,7 @@ static uint32_t *upscaled(struct test_passes *test, int composition)
     test->view.settings[RT_COMPOSITION] = (float)composition;
     test_passes_run(test, "upscale");
     if (composition == RT_COMPOSITION_PASS) {
-        free(test->twin.targets[RT_VOLUME]);
-        test->twin.targets[RT_VOLUME] = test_download(test, RT_VOLUME);
+        test_take(test, RT_VOLUME);
         test_passes_run(test, "composition");
     }
     return test_download(test, RT_COLOR);
@@ -182,8 +180,7 @@ static void test_the_upscale_composes_as_the_pass_does(void **state)
             test_set(&test, RT_BEHIND, e, (float[4]){random_radiance(&seed), 0.1f, 1.0f / 7.0f});
         }
         uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-            test_set(&test, RT_COLOR, e, (float[4]){0.0f});
+        test_fill(&test, RT_COLOR, 0, 0, 0, 0);
         uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
         const size_t bytes = neph_rt_device_words(&test.device, RT_COLOR) * sizeof(uint32_t);
         assert_memory_equal(by_pass, by_itself, bytes);

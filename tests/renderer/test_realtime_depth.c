@@ -22,11 +22,12 @@ static void test_halves_round_to_nearest_even(void **state)
     (void)state;
     uint64_t seed = 20261121;
     for (int i = 0; i < 2000000; i++) {
-        const uint32_t bits = (uint32_t)test_random(&seed);
+        const uint32_t bits = (uint32_t)neph_test_random(&seed);
         float value;
         memcpy(&value, &bits, sizeof(value));
         if (i % 2)
-            value = ldexpf((float)(test_uniform(&seed) - 0.5), (int)(test_random(&seed) % 44) - 26);
+            value = ldexpf((float)(test_uniform(&seed) - 0.5),
+                           (int)(neph_test_random(&seed) % 44) - 26);
         if (isnan(value))
             continue;
         const _Float16 expected = (_Float16)value;
@@ -43,7 +44,7 @@ static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {
 /* Near, far, sky, all alike: what a depth buffer can hold. */
 static float random_depth_m(uint64_t *seed)
 {
-    switch (test_random(seed) % 4) {
+    switch (neph_test_random(seed) % 4) {
     case 0:
         return NEPH_GPU_FAR_M;
     case 1:
@@ -58,7 +59,7 @@ static void test_min_max_equals_the_twin(void **state)
     static const char *const maps[] = {"depth_map=checkerboard", "depth_map=nearest",
                                        "depth_map=farthest", "depth_map=reversed"};
     uint64_t seed = 1;
-    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++)
+    for (size_t s = 0; s < COUNT(sizes_px); s++)
         for (int m = 0; m < 4; m++) {
             const uint64_t start = seed;
             const struct neph_settings settings = test_settings(maps[m]);

@@ -17,7 +17,7 @@ enum { KINDS = RT_DITHER_SLICE + 1, CHANNELS = 4 };
 static void fill_ranks(uint32_t ranks[NEPH_RT_NOISE_COUNT], uint64_t seed)
 {
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
-        ranks[i] = (uint32_t)(test_random(&seed) % 4096);
+        ranks[i] = (uint32_t)(neph_test_random(&seed) % 4096);
 }
 
 static double distance_round_the_circle(double a, double b)
@@ -56,7 +56,7 @@ static void test_interleaved_gradient_values(void **state)
         {3, 5, 71, 0.453828153633854}, /* 64 frames later */
         {0, 0, 63, 0.128914494166843},
     };
-    for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++)
+    for (size_t i = 0; i < COUNT(known); i++)
         neph_assert_close(interleaved(known[i].x, known[i].y, known[i].frame), known[i].value, 0.0,
                           interleaved_error(known[i].x, known[i].y));
 }
@@ -86,9 +86,10 @@ static void test_interleaved_is_the_published_formula(void **state)
     int left_out = 0;
     enum { COUNT = 400000 };
     for (int i = 0; i < COUNT; i++) {
-        const int x = (int)(test_random(&seed) % 8192) - 256;
-        const int y = (int)(test_random(&seed) % 8192) - 256;
-        const uint32_t frame = (uint32_t)(test_random(&seed) % 1000), channel = (uint32_t)i % 4;
+        const int x = (int)(neph_test_random(&seed) % 8192) - 256;
+        const int y = (int)(neph_test_random(&seed) % 8192) - 256;
+        const uint32_t frame = (uint32_t)(neph_test_random(&seed) % 1000),
+                       channel = (uint32_t)i % 4;
         const struct twin_dither dither = {0};
         double inner;
         const double expected = published(x, y, frame, channel, &inner);
@@ -136,7 +137,7 @@ static void test_white_values(void **state)
         {-1, 0, 0, 0, 0x0394ccb3u},
         {1919, 1079, 100, 7, 0x8954e262u},
     };
-    for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++) {
+    for (size_t i = 0; i < COUNT(known); i++) {
         const struct twin_dither dither = {.seed = known[i].seed};
         const double value = (double)twin_dither(&dither, RT_DITHER_WHITE, known[i].x, known[i].y,
                                                  known[i].frame, 0);
@@ -155,7 +156,7 @@ static void test_white_is_white(void **state)
         uint32_t frame, channel;
     } others[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0},
                   {0, 0, 0, 1}, {0, 0, 0, 2}, {0, 0, 0, 3}};
-    enum { COUNT = 1 << 16, OTHERS = sizeof(others) / sizeof(others[0]) };
+    enum { COUNT = 1 << 16, OTHERS = COUNT(others) };
     const struct twin_dither dither = {.seed = 3};
     double mean = 0.0, square = 0.0, products[OTHERS] = {0.0};
     for (int i = 0; i < COUNT; i++) {
@@ -224,7 +225,7 @@ static void test_blue_goes_on_by_irrationals(void **state)
     for (int c = 0; c < CHANNELS; c++) {
         assert_true(steps[c] % 2 == 1); /* 2^32 frames without repetition */
         assert_true(distance_round_the_circle(steps[c] * 0x1p-32, irrationals[c]) < 0x1p-32);
-        for (size_t i = 0; i < sizeof(frames) / sizeof(frames[0]); i++)
+        for (size_t i = 0; i < COUNT(frames); i++)
             for (int y = 0; y < 64; y++)
                 for (int x = 0; x < 64; x++) {
                     const size_t place = (size_t)(64 * ((y + 37 * c) % 64) + (x + 47 * c) % 64);
@@ -262,7 +263,7 @@ static void test_values_stay_within_the_unit_interval(void **state)
     const struct twin_dither dither = {1, ranks};
     for (int kind = 0; kind < KINDS; kind++)
         for (int i = 0; i < 20000; i++) {
-            const uint64_t word = test_random(&seed), more = test_random(&seed);
+            const uint64_t word = neph_test_random(&seed), more = neph_test_random(&seed);
             const float value = twin_dither(&dither, kind, (int)(uint32_t)word, (int)(word >> 32),
                                             (uint32_t)more, (uint32_t)(more >> 32));
             assert_true(value >= 0.0f && value < 1.0f);
@@ -334,7 +335,7 @@ static void test_the_shader_is_the_same(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, size_px, origin_px, 0x123456789u, &test);
         const struct twin_dither dither = {test.view.seed, test.noise_ranks};
-        for (size_t f = 0; f < sizeof(frames) / sizeof(frames[0]); f++) {
+        for (size_t f = 0; f < COUNT(frames); f++) {
             test.view.frame = frames[f];
             for (int y = 0; y < size_px[1]; y++)
                 for (int x = 0; x < size_px[0]; x++) {

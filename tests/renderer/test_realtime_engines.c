@@ -17,7 +17,7 @@ static void test_a_slice_turns(void **state)
     uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
     uint64_t seed = 41;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
-        ranks[i] = (uint32_t)(test_random(&seed) % 4096);
+        ranks[i] = (uint32_t)(neph_test_random(&seed) % 4096);
     const struct twin_dither dither = {0, ranks};
     for (int i = 0; i < 64; i++) {
         const int x = i * 5 % 64, y = i;
@@ -37,13 +37,11 @@ static void test_a_slice_turns(void **state)
 static void test_the_sky_of_the_override(void **state)
 {
     for (int is_near = 0; is_near < 2; is_near++) {
-        const struct neph_settings settings = test_settings(
-            is_near ? "override=parallel override_sky_m=20000"
-                    : "override=parallel override_sky_m=1e6");
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){20, 20}, (int[2]){0, 0}, 1, &test);
-        for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
-            test_set(&test, RT_HALF_DEPTH, i, (float[4]){NEPH_GPU_FAR_M});
+        test_open(*state, 20, 20, 1, &test, "%s",
+                  is_near ? "override=parallel override_sky_m=20000"
+                          : "override=parallel override_sky_m=1e6");
+        test_fill(&test, RT_HALF_DEPTH, NEPH_GPU_FAR_M, 0, 0, 0);
         const int usual = twin_default_slot(&test.view, 2, 2), other = (usual + 2) % 4;
         const int *place = twin_slot_place(&test.view, other);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
@@ -71,12 +69,10 @@ static void test_history_follows_the_jitter(void **state)
         {"jittered_depth=off reproject_jitter=on", 0}, /* the rays of media have none */
     };
     for (int i = 0; i < 3; i++) {
-        char words[200];
-        snprintf(words, sizeof(words),
-                 "box=none fresh_weight=0 color_format=float depth_format=float %s",
-                 cases[i].assignments);
         struct test_passes test;
-        reconstruct_open(*state, words, 32, 24, &test);
+        reconstruct_open(*state, 32, 24, &test,
+                         "box=none fresh_weight=0 color_format=float depth_format=float %s",
+                         cases[i].assignments);
         const float now_px[2] = {0.25f, -0.375f}, before_px[2] = {-0.125f, 0.25f};
         memcpy(test.view.jitter_px, now_px, sizeof(now_px));
         memcpy(test.view.jitter_before_px, before_px, sizeof(before_px));
@@ -103,9 +99,7 @@ static const int order[9][2] = {{1, 1}, {2, 1}, {0, 1}, {1, 2}, {1, 0},
 static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const float depths_m[9],
                       struct test_passes *test)
 {
-    char words[300];
-    snprintf(words, sizeof(words), "color_format=float depth_format=float %s", assignments);
-    reconstruct_open(vulkan, words, 12, 12, test);
+    reconstruct_open(vulkan, 12, 12, test, "color_format=float depth_format=float %s", assignments);
     for (int i = 0; i < 9; i++) {
         const int *at = order[i];
         const float light = 1.0f + (float)i;
@@ -178,10 +172,9 @@ static void test_what_stands_in_for_history(void **state)
         skipped_one(&test, at);
         twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_run(&test);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
-        neph_assert_close(value[0], expected, 2e-6, 0); /* nine sums and products of float32 */
+        /* nine sums and products of float32 */
+        neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], 0), expected, 2e-6, 0);
         test_passes_close(&test);
     }
 }
@@ -197,12 +190,10 @@ static void test_rejected_is_not_absent(void **state)
         int at[2];
         skipped_one(&test, at);
         twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
-        reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
+        test_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
         test.view.has_history = (uint32_t)is_rejected;
         reconstruct_run(&test);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
-        assert_true(value[0] == (is_rejected ? 3.0f : 1.0f));
+        assert_true(half_value(&test, RT_HISTORY, at[0], at[1], 0) == (is_rejected ? 3.0f : 1.0f));
         test_passes_close(&test);
     }
 }
@@ -225,10 +216,8 @@ static int count_void(struct test_passes *test)
 static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
                         struct test_passes *test)
 {
-    char words[200];
-    snprintf(words, sizeof(words), "box=none fresh_weight=0 %s", assignments);
-    reconstruct_open(vulkan, words, 32, 24, test);
-    reconstruct_fill(test, RT_HISTORY_BEFORE, 1, 1, 1, 1);
+    reconstruct_open(vulkan, 32, 24, test, "box=none fresh_weight=0 %s", assignments);
+    test_fill(test, RT_HISTORY_BEFORE, 1, 1, 1, 1);
 }
 
 /* One texel of the frame before was 1200 m nearer: its tile of four is rejected where that is
@@ -242,8 +231,8 @@ static void test_a_change_of_the_nearest_depth(void **state)
     for (int i = 0; i < 3; i++) {
         struct test_passes test;
         open_bright(*state, cases[i].assignments, &test);
-        reconstruct_fill(&test, RT_HALF_DEPTH, 1300, 0, 0, 0);
-        reconstruct_fill(&test, RT_HALF_DEPTH_BEFORE, 1300, 0, 0, 0);
+        test_fill(&test, RT_HALF_DEPTH, 1300, 0, 0, 0);
+        test_fill(&test, RT_HALF_DEPTH_BEFORE, 1300, 0, 0, 0);
         twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){100});
         reconstruct_run(&test);
         assert_int_equal(count_void(&test), cases[i].rejected);
@@ -261,7 +250,7 @@ static void test_where_a_rejection_looks(void **state)
         int rejected;
     } cases[] = {{"on", 0.0f, 0},    {"off", 0.0f, 1},   {"moved", 0.0f, 1},
                  {"moved", 0.3f, 1}, {"moved", 1.0f, 0}, {"off", 1.0f, 1}};
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         char words[64];
         snprintf(words, sizeof(words), "reject_depth=0.1 reject_around=%s", cases[i].around);
@@ -287,13 +276,13 @@ static void test_history_is_relit(void **state)
                  {"relight=0.1", 1.5, {0.99, 1.0, 1.02}},
                  {"relight=0.1", 2.0, {1.0, 1.0, 1.0}}};
     const double px_per_m = 32.0 / (2.0 * 100.0 * 0.4663077 * 32.0 / 24.0);
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         char words[128];
         snprintf(words, sizeof(words),
                  "color_format=float gradient=on box_motion_px=1 box_change=1 %s", cases[i].words);
         open_bright(*state, words, &test);
-        reconstruct_fill(&test, RT_CHANGE, 0.98f, 1.0f, 1.04f, 0.0f);
+        test_fill(&test, RT_CHANGE, 0.98f, 1.0f, 1.04f, 0.0f);
         test.view.wind_m[0] = (float)(cases[i].parts / px_per_m);
         reconstruct_run(&test);
         float value[4];
@@ -326,13 +315,11 @@ static void test_near_media_have_no_history(void **state)
 static void open_box(struct neph_vulkan *vulkan, const char *assignments, const float history[4],
                      float age, struct test_passes *test)
 {
-    char words[300];
-    snprintf(words, sizeof(words), "color_format=float depth_format=float %s", assignments);
-    reconstruct_open(vulkan, words, 12, 12, test);
-    reconstruct_fill(test, RT_RAY, 1, 1, 1, 0.2f);
+    reconstruct_open(vulkan, 12, 12, test, "color_format=float depth_format=float %s", assignments);
+    test_fill(test, RT_RAY, 1, 1, 1, 0.2f);
     twin_put_tile(&test->twin, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
-    reconstruct_fill(test, RT_HISTORY_BEFORE, history[0], history[1], history[2], history[3]);
-    reconstruct_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
+    test_fill(test, RT_HISTORY_BEFORE, history[0], history[1], history[2], history[3]);
+    test_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
 }
 
 /* Towards the middle: of (6, 2, 1) a quarter of the way is left, along red. Clamped: (3, 2, 1). */
@@ -362,7 +349,7 @@ static void test_colours_are_clipped(void **state)
         /* the box has no width along blue: its middle */
         {"box_hold=clip", {2.5f, 1.5f, 5, 0.4f}, {2, 1.5, 1, 0.4f}, 8, 8},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         open_box(*state, cases[i].assignments, cases[i].history, (float)cases[i].age, &test);
         reconstruct_run(&test);
@@ -412,13 +399,11 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
     for (int i = 0; i < 2; i++) {
         struct test_passes test;
         open_nine(*state, assignments[i], depths_m, &test);
-        reconstruct_fill(&test, RT_HISTORY_BEFORE, 20, 20, 20, 1);
+        test_fill(&test, RT_HISTORY_BEFORE, 20, 20, 20, 1);
         reconstruct_run(&test);
         int at[2];
         skipped_one(&test, at);
-        float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
-        assert_true(value[0] == (i ? 8.0f : 9.0f));
+        assert_true(half_value(&test, RT_HISTORY, at[0], at[1], 0) == (i ? 8.0f : 9.0f));
         test_passes_close(&test);
     }
 }
@@ -427,18 +412,16 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
 static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 {
     struct test_passes test;
-    reconstruct_open(*state, "box=none fresh_weight=0.2 fresh_space=channels color_format=float",
-                     12, 12, &test);
-    reconstruct_fill(&test, RT_RAY, 1, 3, 0, 0.5f);
-    reconstruct_fill(&test, RT_HISTORY_BEFORE, 3, 3, 0, 1);
+    reconstruct_open(*state, 12, 12, &test,
+                     "box=none fresh_weight=0.2 fresh_space=channels color_format=float");
+    test_fill(&test, RT_RAY, 1, 3, 0, 0.5f);
+    test_fill(&test, RT_HISTORY_BEFORE, 3, 3, 0, 1);
     reconstruct_run(&test);
     int at[2];
     reconstruct_marched(&test, 1, 1, at);
-    float value[4];
-    twin_fetch_half(&test.twin, RT_HISTORY, at[0], at[1], value);
     const double expected[4] = {7.0 / 3.0, 3, 0, 0.9};
     for (int c = 0; c < 4; c++)
-        neph_assert_close(value[c], expected[c], 1e-6, 0);
+        neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], c), expected[c], 1e-6, 0);
     test_passes_close(&test);
 }
 
@@ -449,14 +432,11 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
                          struct test_passes *test)
 {
-    char words[300];
-    snprintf(words, sizeof(words), "upscale_dither=none color_format=float %s", assignments);
-    const struct neph_settings settings = test_settings(words);
-    test_passes_open(vulkan, &settings, (int[2]){12, 12}, (int[2]){0, 0}, 3, test);
-    reconstruct_fill(test, RT_DEPTH, 100, 0, 0, 0);
-    reconstruct_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
-    reconstruct_fill(test, RT_HISTORY, 0, 0, 0, 1);
-    reconstruct_fill(test, RT_HISTORY_STATE, 1, 100, 0, 0);
+    test_open(vulkan, 12, 12, 3, test, "upscale_dither=none color_format=float %s", assignments);
+    test_fill(test, RT_DEPTH, 100, 0, 0, 0);
+    test_fill(test, RT_HALF_DEPTH, 100, 0, 0, 0);
+    test_fill(test, RT_HISTORY, 0, 0, 0, 1);
+    test_fill(test, RT_HISTORY_STATE, 1, 100, 0, 0);
 }
 
 static void upscale(struct test_passes *test, int x, int y, float value[4])
@@ -503,11 +483,11 @@ static void test_inverse_weights(void **state)
         {"upscale=bilinear upscale_same_kind=on", NEPH_GPU_FAR_M, 1},
         {"upscale=bilinear upscale_same_kind=off", NEPH_GPU_FAR_M, 0.5625},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         float value[4];
         open_upscale(*state, cases[i].assignments, &test);
-        reconstruct_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
+        test_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 3, 3, (float[4]){100});
         twin_put_half(&test.twin, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
         upscale(&test, 6, 6, value);
@@ -526,8 +506,8 @@ static void test_contrast_of_opacity(void **state)
         struct test_passes test;
         float value[4];
         open_upscale(*state, assignments[i], &test);
-        reconstruct_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
-        reconstruct_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
+        test_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
+        test_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 2, 2, (float[4]){100});
         twin_put_half(&test.twin, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
         upscale(&test, 6, 6, value);

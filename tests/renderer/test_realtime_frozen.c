@@ -7,14 +7,9 @@
  * Bits are those of one driver: another one, or its compiler for another processor, may round
  * elsewhere. There the test only says so; what must hold everywhere is in the other tests.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/sequence_test.h"
 
-#include "base/files.h"
 #include "base/hash.h"
-#include "renderer/realtime/options.h"
-#include "renderer/realtime/pipeline.h"
-
-#include <stdlib.h>
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, FRAMES = 8 };
 
@@ -31,9 +26,6 @@ static const struct {
     {"camera_pan", "ours1", "08f454f312e1428b"},
 };
 
-/* Blue noise is made once for all tests. */
-static char cache_folder[] = "/tmp/neph-test-frozen-XXXXXX";
-
 static struct neph_scene *load(const char *name)
 {
     char path[512];
@@ -44,38 +36,18 @@ static struct neph_scene *load(const char *name)
     return scene;
 }
 
-static struct neph_realtime *open_preset(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                         const char *preset)
-{
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
-        &diag);
-    settings.values[RT_STEPS] = 16;
-    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
-                                                .height_px = HEIGHT_PX,
-                                                .settings = &settings,
-                                                .seed = 1,
-                                                .cache_folder = cache_folder};
-    struct neph_realtime *realtime = NULL;
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    return realtime;
-}
-
 static void hash_frames(struct neph_vulkan *vulkan, const char *scene_name, const char *preset,
                         char hex[NEPH_HASH_HEX_SIZE])
 {
     enum { CHANNELS_MAX = 16, PIXELS = WIDTH_PX * HEIGHT_PX };
     struct neph_scene *scene = load(scene_name);
-    struct neph_realtime *realtime = open_preset(vulkan, scene, preset);
+    const struct neph_settings settings = test_preset(preset, "steps=16");
+    struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     float *all = calloc((size_t)FRAMES * CHANNELS_MAX * PIXELS, sizeof(*all));
     size_t count = 0;
     struct neph_diag diag = {0};
     for (int frame = 0; frame < FRAMES; frame++) {
-        struct neph_image *image = NULL;
-        const struct neph_realtime_frame picture = {scene, frame, NULL};
-        neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
+        struct neph_image *image = test_next(realtime, scene, frame, NULL);
         assert_true(image->channel_count <= CHANNELS_MAX);
         for (int c = 0; c < image->channel_count; c++, count += PIXELS)
             memcpy(all + count, image->channels[c].samples, PIXELS * sizeof(*all));
@@ -95,7 +67,7 @@ static void test_frozen_presets_keep_their_bits(void **state)
     snprintf(device, sizeof(device), "%s; %s", description.driver, description.device);
     const bool is_known = strcmp(device, measured_on) == 0;
     int wrong = 0;
-    for (size_t i = 0; i < sizeof(frozen) / sizeof(frozen[0]) && is_known; i++) {
+    for (size_t i = 0; i < COUNT(frozen) && is_known; i++) {
         char hex[NEPH_HASH_HEX_SIZE];
         hash_frames(vulkan, frozen[i].scene, frozen[i].preset, hex);
         if (strncmp(hex, frozen[i].hash, 16) == 0)
@@ -111,21 +83,10 @@ static void test_frozen_presets_keep_their_bits(void **state)
     assert_int_equal(wrong, 0);
 }
 
-static int setup(void **state)
-{
-    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(cache_folder, NULL);
-    return test_vulkan_teardown(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_frozen_presets_keep_their_bits),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

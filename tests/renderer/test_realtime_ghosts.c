@@ -14,20 +14,15 @@ static const struct {
 static void open_plain(struct neph_vulkan *vulkan, int p, const char *words,
                        struct test_passes *test)
 {
-    char text[256];
-    snprintf(text, sizeof(text),
-             "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
-             "taa_alpha=0.125 %s %s",
-             passes[p].words, words);
-    const struct neph_settings settings = test_settings(text);
-    test_passes_open(vulkan, &settings, (int[2]){16, 8}, (int[2]){0, 0}, 0, test);
+    test_open(vulkan, 16, 8, 0, test,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
+              "taa_alpha=0.125 %s %s",
+              passes[p].words, words);
     test->view.has_history = 1;
-    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++) {
-        test_set(test, RT_DEPTH, i, (float[4]){128.0f});
-        test_set(test, RT_COLOR, i, (float[4]){2.0f, 2.0f, 2.0f});
-        test_set(test, RT_TAA_BEFORE, i, (float[4]){1.0f, 1.0f, 1.0f});
-        test_set(test, RT_VOLUME, i, (float[4]){0.0f, 0.0f, 0.0f, 1.0f});
-    }
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+    test_fill(test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(test, RT_TAA_BEFORE, 1, 1, 1, 0);
+    test_fill(test, RT_VOLUME, 0, 0, 0, 1);
 }
 
 static void run(struct test_passes *test, int p)
@@ -82,11 +77,10 @@ static void test_media_are_responsive(void **state)
                  {"taa_responsive=medium", 0.5f, 0.125},
                  {"taa_responsive=medium taa_alpha=0.75", 0.1f, 0.75}};
     for (int p = 0; p < 2; p++)
-        for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        for (size_t i = 0; i < COUNT(cases); i++) {
             struct test_passes test;
             open_plain(*state, p, cases[i].words, &test);
-            for (size_t e = 0; e < test_elements(&test, RT_VOLUME); e++)
-                test_set(&test, RT_VOLUME, e, (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
+            test_fill(&test, RT_VOLUME, 0, 0, 0, cases[i].through);
             run(&test, p);
             neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 1), 1.0 + cases[i].weight, 0.0,
                               1e-6);
@@ -109,8 +103,7 @@ static void test_history_follows_the_exposure(void **state)
             open_plain(*state, p, cases[i].words, &test);
             test.view.exposure = 8.0f;
             test.view.exposure_before = 0.5f;
-            for (size_t e = 0; e < test_elements(&test, RT_TAA_BEFORE); e++)
-                test_set(&test, RT_TAA_BEFORE, e, (float[4]){0.5f, 0.5f, 0.5f});
+            test_fill(&test, RT_TAA_BEFORE, 0.5f, 0.5f, 0.5f, 0);
             run(&test, p);
             neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 2), cases[i].kept, 1e-6, 0.0);
             test_passes_close(&test);

@@ -4,18 +4,15 @@
  * marched twice: no change where nothing has changed, all of it where something has, and the gain
  * of light that changes everywhere alike.
  */
-#include "tests/renderer/march_test.h"
-#include "tests/renderer/realtime_test.h"
+#include "tests/renderer/sequence_test.h"
 #include "tests/renderer/twins/slots.h"
 
-#include "base/files.h"
-#include "renderer/realtime/pipeline.h"
 #include "renderer/realtime/suns.h"
 
 static float random_light(uint64_t *seed)
 {
     static const float odd[] = {0.0f, 1e-9f, 65504.0f, 1e9f, NAN, INFINITY, -1.0f};
-    const uint64_t i = test_random(seed) % 20;
+    const uint64_t i = neph_test_random(seed) % 20;
     return i < 7 ? odd[i] : (float)test_uniform(seed);
 }
 
@@ -46,7 +43,7 @@ static void fill_depths(struct test_passes *test, int target, uint64_t *seed)
 {
     static const float depths_m[] = {10.0f, 10.0f, 10.0f, 10.5f, 11.0f, 100.0f, NEPH_GPU_FAR_M};
     for (size_t i = 0; i < test_elements(test, target); i++)
-        test_set(test, target, i, (float[4]){depths_m[test_random(seed) % 7]});
+        test_set(test, target, i, (float[4]){depths_m[neph_test_random(seed) % 7]});
 }
 
 /* Looks of which some are not second ones. */
@@ -57,10 +54,10 @@ static void fill_looks(struct test_passes *test, int now, int then, uint64_t *se
     for (size_t i = 0; i < test_elements(test, then); i++) {
         float value[4];
         test_get(test, then, i, value);
-        value[3] = (float)(test_random(seed) % 3 == 0);
+        value[3] = (float)(neph_test_random(seed) % 3 == 0);
         test_set(test, then, i, value);
         test_get(test, now, i, value);
-        value[3] *= (float)(test_random(seed) % 2);
+        value[3] *= (float)(neph_test_random(seed) % 2);
         test_set(test, now, i, value);
     }
 }
@@ -79,7 +76,7 @@ static void test_the_passes_equal_their_twins(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round / 2 % 5],
                          (int[2]){round % 3 * 4, round % 2 * 8}, start, &test);
-        test.view.frame = (uint32_t)test_random(&seed);
+        test.view.frame = (uint32_t)neph_test_random(&seed);
         fill(&test, RT_RAY, &seed);
         fill(&test, RT_BEHIND, &seed);
         fill_kept(&test, RT_KEPT_RAY, &seed);
@@ -106,15 +103,6 @@ static void test_the_passes_equal_their_twins(void **state)
             if (writes & NEPH_RT_BIT(target))
                 test_same_words(&test, target, start);
         test_passes_close(&test);
-    }
-}
-
-/* What the device made of four targets, for the twin. */
-static void take(struct test_passes *test, const int targets[4])
-{
-    for (int t = 0; t < 4; t++) {
-        free(test->twin.targets[targets[t]]);
-        test->twin.targets[targets[t]] = test_download(test, targets[t]);
     }
 }
 
@@ -152,9 +140,11 @@ static void test_the_reconstruction_finds_changes_as_their_pass_does(void **stat
             memcpy(before[t], test.twin.targets[targets[t]], count * sizeof(*before[t]));
         }
         test_passes_run(&test, "change");
-        take(&test, (const int[4]){RT_CHANGE, RT_CHANGE_BEHIND, RT_CHANGE, RT_CHANGE_BEHIND});
+        test_take(&test, RT_CHANGE);
+        test_take(&test, RT_CHANGE_BEHIND);
         test_passes_run(&test, "reconstruction");
-        take(&test, targets);
+        for (int t = 0; t < 4; t++)
+            test_take(&test, targets[t]);
         struct test_passes alone = test;
         for (int t = 0; t < 4; t++)
             alone.twin.targets[targets[t]] = before[t];
@@ -230,7 +220,7 @@ static void test_what_flashes_with_a_period(void **state)
         {{4, 3.6, 3.2, 2.8, 2.4, 2.8, 3.2, 3.6, -1}, false},
         {{4, 3.2, 2.4, 1.6, 0.8, 1.6, 2.4, 3.2, 4, 3.2, 2.4, -1}, false},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_rt_suns suns = {.count = 0};
         for (uint32_t n = 0; cases[i].irradiance[n] >= 0.0; n++) {
             const struct neph_sun sun = sun_of(cases[i].irradiance[n], 1.0);
@@ -295,9 +285,7 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}, .resting = device->view->resting};
     for (int t = 0; t < 2; t++) {
         const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
-        uint32_t *words = malloc(neph_rt_device_words(device, target) * sizeof(*words));
-        struct neph_diag diag = {0};
-        neph_assert_ok(neph_rt_device_download(device, target, words, &diag), &diag);
+        uint32_t *words = test_words(device, target);
         for (size_t i = 0; i < TILES; i++) {
             float change[4];
             neph_rt_load(&device->view->targets[target], words, i, change);
@@ -316,40 +304,19 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     }
 }
 
-/* Fog before a ground, the sun behind the camera. */
-static void scene_ground(struct test_scene *test)
+/* Preset `ours`, with the digits of whose settings all tests share its kernels. Numbers that are not
+ * to count are too small for halves, and for whole frames. */
+static struct neph_realtime *open_watched(struct neph_vulkan *vulkan, const struct test_scene *test,
+                                          const char *assignments, struct changes *changes)
 {
-    test_scene_init(test);
-    test_add_medium(test, 0.03, 0.05, 0.0);
-    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-    test_add_box(test, (struct neph_vec3){-2.0, 0.0, -12.0}, (struct neph_vec3){2.0, 4.0, -11.0});
-}
-
-static char folder[] = "/tmp/neph-test-gradient-XXXXXX"; /* blue noise, made once */
-
-static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
-                                           const struct test_scene *test,
-                                           const struct neph_settings *settings)
-{
-    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
-                                                .height_px = HEIGHT_PX,
-                                                .settings = settings,
-                                                .seed = 7,
-                                                .cache_folder = folder};
-    struct neph_realtime *realtime = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, &test->scene, &params, &realtime, &diag), &diag);
+    struct neph_settings settings = test_preset("ours", "steps=4 relight=1e-9 change_hold=1e-9");
+    settings.values[RT_OVERRIDE_WAKE] = 1e-9;
+    test_assign(neph_rt_options, assignments, &settings);
+    struct neph_realtime *realtime = test_sequence(vulkan, &test->scene, &settings, WIDTH_PX,
+                                                   HEIGHT_PX);
+    *changes = (struct changes){0};
+    neph_realtime_observe(realtime, take_changes, changes);
     return realtime;
-}
-
-static struct neph_image *next(struct neph_realtime *realtime, const struct test_scene *test,
-                               int frame)
-{
-    const struct neph_realtime_frame picture = {&test->scene, frame, NULL};
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, NULL, &diag), &diag);
-    return image;
 }
 
 static void dim_the_sun(struct test_scene *test, double part)
@@ -365,15 +332,13 @@ static void test_light_is_told_from_noise(void **state)
 {
     enum { BEFORE = 24, AFTER = 12 };
     struct test_scene test;
-    scene_ground(&test);
-    const struct neph_settings settings = test_settings("gradient=on steps=4");
-    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
-    struct changes changes = {0};
-    neph_realtime_observe(realtime, take_changes, &changes);
+    test_scene_fence(&test);
+    struct changes changes;
+    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame == BEFORE)
             dim_the_sun(&test, 0.5);
-        neph_image_destroy(next(realtime, &test, frame));
+        neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         const int since = frame - BEFORE;
         if (frame >= 8 && (since < 0 || since >= 4))
             assert_int_equal(changes.medium, 0);
@@ -397,15 +362,13 @@ static void test_slow_light_is_a_gain(void **state)
 {
     enum { BEFORE = 12, AFTER = 8 };
     struct test_scene test;
-    scene_ground(&test);
-    const struct neph_settings settings = test_settings("gradient=on steps=4 relight=0.1");
-    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
-    struct changes changes = {0};
-    neph_realtime_observe(realtime, take_changes, &changes);
+    test_scene_fence(&test);
+    struct changes changes;
+    struct neph_realtime *realtime = open_watched(*state, &test, "relight=0.1", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame >= BEFORE)
             dim_the_sun(&test, frame < BEFORE + AFTER - 1 ? 0.99 : 0.5);
-        neph_image_destroy(next(realtime, &test, frame));
+        neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         if (frame >= BEFORE + 4 && frame < BEFORE + AFTER - 1) {
             const double expected = 1.0 + (pow(0.99, 4) - 1.0) / 4.0;
             neph_assert_close(changes.gain[0], expected, 0.0, 1e-3 / 4.0);
@@ -422,18 +385,15 @@ static void test_slow_light_is_a_gain(void **state)
  * tiles know from the eighth frame on, before that and without it none. */
 static void test_light_that_flashes_unseen_is_a_change(void **state)
 {
-    static const char *const texts[] = {"gradient=on steps=4",
-                                        "gradient=on steps=4 change_strobe=on"};
+    static const char *const strobes[] = {"change_strobe=off", "change_strobe=on"};
     for (int on = 0; on < 2; on++) {
         struct test_scene test;
-        scene_ground(&test);
-        const struct neph_settings settings = test_settings(texts[on]);
-        struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
-        struct changes changes = {0};
-        neph_realtime_observe(realtime, take_changes, &changes);
+        test_scene_fence(&test);
+        struct changes changes;
+        struct neph_realtime *realtime = open_watched(*state, &test, strobes[on], &changes);
         for (int frame = 0; frame < 14; frame++) {
             dim_the_sun(&test, frame % 2 ? 0.5 : 2.0);
-            neph_image_destroy(next(realtime, &test, frame));
+            neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
             if (frame == 6)
                 assert_int_equal(changes.medium, 0);
         }
@@ -448,14 +408,12 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
 static void test_the_override_rests_after_a_jump(void **state)
 {
     struct test_scene test;
-    scene_ground(&test);
-    const struct neph_settings settings = test_settings("gradient=on steps=4 override_wake=16");
-    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
-    struct changes changes = {0};
-    neph_realtime_observe(realtime, take_changes, &changes);
+    test_scene_fence(&test);
+    struct changes changes;
+    struct neph_realtime *realtime = open_watched(*state, &test, "override_wake=16", &changes);
     for (int frame = 0; frame < 32; frame++) {
         dim_the_sun(&test, frame == 10 ? 0.5 : 0.99);
-        neph_image_destroy(next(realtime, &test, frame));
+        neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         assert_int_equal(changes.resting, frame >= 10 && frame < 26 && frame / 4 % 2 == 1);
     }
     neph_realtime_destroy(realtime);
@@ -465,20 +423,18 @@ static void test_the_override_rests_after_a_jump(void **state)
 static void test_what_a_solid_uncovers_has_changed(void **state)
 {
     struct test_scene test;
-    scene_ground(&test);
-    const struct neph_settings settings = test_settings("gradient=on steps=4 reject_depth=0.1");
-    struct neph_realtime *realtime = open_realtime(*state, &test, &settings);
-    struct changes changes = {0};
-    neph_realtime_observe(realtime, take_changes, &changes);
+    test_scene_fence(&test);
+    struct changes changes;
+    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < 12; frame++) {
-        struct neph_solid *box = &test.scene.solids[1];
+        struct neph_solid *box = &test.scene.solids[2];
         if (frame == 10)
             box->box.min_m.x += 1.0, box->box.max_m.x += 1.0;
-        neph_image_destroy(next(realtime, &test, frame));
+        neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         if (frame == 9)
             assert_int_equal(changes.void_tiles, 0);
         if (frame == 10) /* a strip at each side, and the tiles around */
-            assert_in_range(changes.void_tiles, 8, TILES / 2);
+            neph_assert_in_range(changes.void_tiles, 8, TILES / 2);
         if (frame == 11)
             assert_int_equal(changes.void_tiles, 0);
     }
@@ -504,18 +460,14 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
 {
     enum { BEFORE = 40, WATCHED = 8, AFTER = 10, SETTLED = 60 };
     struct test_scene test;
-    scene_ground(&test);
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, preset, &settings, &diag),
-        &diag);
-    settings.values[RT_STEPS] = 4;
-    struct neph_realtime *realtime = open_realtime(vulkan, &test, &settings);
+    test_scene_fence(&test);
+    const struct neph_settings settings = test_preset(preset, "steps=4");
+    struct neph_realtime *realtime = test_sequence(vulkan, &test.scene, &settings, WIDTH_PX,
+                                                   HEIGHT_PX);
     struct neph_image *before = NULL, *after = NULL;
     *unrest = 0.0;
     for (int frame = 0; frame < BEFORE; frame++) {
-        struct neph_image *image = next(realtime, &test, frame);
+        struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
         if (frame >= BEFORE - WATCHED)
             *unrest += difference(image, before) / WATCHED;
         neph_image_destroy(before);
@@ -523,7 +475,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     }
     dim_the_sun(&test, 0.5);
     for (int frame = BEFORE; frame < BEFORE + SETTLED; frame++) {
-        struct neph_image *image = next(realtime, &test, frame);
+        struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
         if (frame == BEFORE + AFTER)
             after = image;
         else if (frame == BEFORE + SETTLED - 1)
@@ -548,17 +500,6 @@ static void test_the_second_generation_rests_and_follows(void **state)
     assert_true(left[1] < 0.1);
 }
 
-static int setup(void **state)
-{
-    return mkdtemp(folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(folder, NULL);
-    return test_vulkan_teardown(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -576,5 +517,5 @@ int main(void)
         cmocka_unit_test(test_what_a_solid_uncovers_has_changed),
         cmocka_unit_test(test_the_second_generation_rests_and_follows),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

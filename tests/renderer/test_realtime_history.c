@@ -13,9 +13,7 @@ static const char ramp_settings[] = "box=none fresh_weight=0 color_format=float 
 static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int width, int height,
                       struct test_passes *test)
 {
-    char both[300];
-    snprintf(both, sizeof(both), "%s%s", ramp_settings, assignments);
-    reconstruct_open(vulkan, both, width, height, test);
+    reconstruct_open(vulkan, width, height, test, "%s%s", ramp_settings, assignments);
     const uint32_t half_width = test->view.targets[RT_HISTORY].width;
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++)
         test_set(test, RT_HISTORY_BEFORE, i,
@@ -117,7 +115,7 @@ static void test_history_is_where_geometry_says(void **state)
         {WIND, 4.0, "wind=on"},
         {WIND, 0.0, "wind=off"},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         open_ramp(*state, cases[i].assignments, 127, 33, &test);
         apply_motion(&test.view, &cases[i]);
@@ -162,7 +160,7 @@ static void test_parallel_history_is_where_geometry_says(void **state)
         open_ramp(*state, c->assignments, 127, 33, &test);
         test_make_parallel(&test.view, 33.0f); /* 1 px is 2 m */
         apply_motion(&test.view, c);
-        reconstruct_fill(&test, RT_RAY_DISTANCE, distances_m[i % 3], 0, 0, 0);
+        test_fill(&test, RT_RAY_DISTANCE, distances_m[i % 3], 0, 0, 0);
         reconstruct_run(&test);
         for (int y = 3; y < 14; y++)
             for (int x = 5; x < 58; x++) {
@@ -188,7 +186,7 @@ static void test_what_does_not_move(void **state)
             test.view.wind_m[0] = 5.0f;
         else
             test.view.before.position_m[0] = 5.0f;
-        reconstruct_fill(&test, RT_RAY_DISTANCE, distances_m[i], 0, 0, 0);
+        test_fill(&test, RT_RAY_DISTANCE, distances_m[i], 0, 0, 0);
         reconstruct_run(&test);
         for (int y = 1; y < 17; y++)
             for (int x = 1; x < 31; x++) {
@@ -233,10 +231,9 @@ static void test_filters_are_exact_on_polynomials(void **state)
                 const double expected = degree == 0   ? 0.25
                                         : degree == 1 ? u + v
                                                       : u * u + u * v + v * v;
-                float value[4];
-                twin_fetch_half(&test.twin, RT_HISTORY, x, y, value);
                 /* 1e-4 px of place, and rounding */
-                neph_assert_close(value[0], expected, 1e-6, degree * 2e-6);
+                neph_assert_close(half_value(&test, RT_HISTORY, x, y, 0), expected, 1e-6,
+                                  degree * 2e-6);
             }
         test_passes_close(&test);
     }
@@ -286,7 +283,7 @@ static void test_filters_do_not_ring(void **state)
     open_ramp(*state, "history_filter=catmull_rom", 127, 33, &test);
     reconstruct_turn(&test.view.before, 0.03, 0.02, 0.1);
     for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++) {
-        const float bit = (float)(test_random(&seed) % 2);
+        const float bit = (float)(neph_test_random(&seed) % 2);
         test_set(&test, RT_HISTORY_BEFORE, i, (float[4]){bit, bit, bit, bit});
     }
     reconstruct_run(&test);
@@ -319,11 +316,9 @@ static int count_without_history(const struct test_passes *test)
 static void open_two_lights(struct neph_vulkan *vulkan, const char *assignments, int width,
                             int height, struct test_passes *test)
 {
-    char both[300];
-    snprintf(both, sizeof(both), "box=none fresh_weight=0 %s", assignments);
-    reconstruct_open(vulkan, both, width, height, test);
-    reconstruct_fill(test, RT_RAY, 0.5f, 0, 0, 1);
-    reconstruct_fill(test, RT_HISTORY_BEFORE, 0.25f, 0, 0, 1);
+    reconstruct_open(vulkan, width, height, test, "box=none fresh_weight=0 %s", assignments);
+    test_fill(test, RT_RAY, 0.5f, 0, 0, 1);
+    test_fill(test, RT_HISTORY_BEFORE, 0.25f, 0, 0, 1);
 }
 
 static void test_cuts_and_first_frames(void **state)
@@ -339,7 +334,7 @@ static void test_cuts_and_first_frames(void **state)
         {"validity=off", false, false, true}, /* whatever the memory holds */
         {"validity=off cut_reset=on", true, false, false},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         open_two_lights(*state, cases[i].assignments, 21, 10, &test);
         test.view.is_cut = cases[i].is_cut;
@@ -387,7 +382,7 @@ static void test_what_was_hidden_is_rejected(void **state)
         {"reject_scene_m=50 reject_within_m=9", 0},
         {"reject_scene_m=100", 0},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         open_two_lights(*state, cases[i].assignments, 64, 36, &test);
         for (int y = 0; y < 18; y++)
@@ -456,8 +451,8 @@ static void assert_own_rays(const struct test_passes *test)
 }
 
 /* A still scene is whole after four frames: every texel has its own ray, bit by bit, whatever
- * the sizes, orders and filters. And it stays as it is for another hundred frames without rays: no
- * rounding of places makes it creep. */
+ * the sizes, orders and filters. And it stays as it is without rays: no rounding of places makes it
+ * creep. What is the same bits after four more, one for each slot's turn, is so for ever. */
 static void test_four_frames_make_a_whole(void **state)
 {
     static const char *const assignments[] = {
@@ -469,7 +464,8 @@ static void test_four_frames_make_a_whole(void **state)
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     for (int i = 0; i < 4 * 5; i++) {
         struct test_passes test;
-        reconstruct_open(*state, assignments[i / 5], sizes_px[i % 5][0], sizes_px[i % 5][1], &test);
+        reconstruct_open(*state, sizes_px[i % 5][0], sizes_px[i % 5][1], &test, "%s",
+                         assignments[i / 5]);
         reconstruct_turn(&test.view.now, 0.4, -0.3, 0.2);
         test.view.before = test.view.now;
         test.view.has_history = 0;
@@ -478,13 +474,13 @@ static void test_four_frames_make_a_whole(void **state)
             reconstruct_run(&test);
             reconstruct_next_frame(&test);
         }
-        reconstruct_fill(&test, RT_RAY, 9, 9, 9, 1);
+        test_fill(&test, RT_RAY, 9, 9, 9, 1);
         test.view.settings[RT_FRESH_WEIGHT] = 0;
-        for (int frame = 0; frame < (i % 5 == 4 ? 100 : 1); frame++) {
+        for (int frame = 0; frame < 4; frame++) {
             reconstruct_run(&test);
             reconstruct_next_frame(&test);
         }
-        reconstruct_swap(&test, RT_HISTORY, RT_HISTORY_BEFORE);
+        test_swap(&test, RT_HISTORY, RT_HISTORY_BEFORE);
         assert_own_rays(&test);
         test_passes_close(&test);
     }
@@ -500,7 +496,7 @@ static void test_no_density_is_exactly_nothing(void **state)
     for (int i = 0; i < 5; i++) {
         struct test_passes test;
         uint64_t seed = 41;
-        reconstruct_open(*state, assignments[i], 61, 35, &test);
+        reconstruct_open(*state, 61, 35, &test, "%s", assignments[i]);
         for (int frame = 0; frame < 8; frame++) {
             test.view.before = test.view.now;
             reconstruct_turn(&test.view.before, 0.1 * test_uniform(&seed),
@@ -539,10 +535,9 @@ static void test_a_bad_ray_is_not_used(void **state)
     static const float bad[] = {NAN, INFINITY, -1.0f};
     for (int i = 0; i < 6; i++) {
         struct test_passes test;
-        reconstruct_open(*state, i / 3 ? "override=none validity=off" : "override=none validity=on",
-                         64, 36, &test);
-        reconstruct_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
-        reconstruct_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
+        reconstruct_open(*state, 64, 36, &test, "override=none validity=%s", i / 3 ? "off" : "on");
+        test_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
+        test_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
         test.view.before.right[2] -= 0.6f * 2 / 64 * test.view.before.half_width;
         test.view.before.up[2] -= 0.6f * 2 / 36 * test.view.before.half_height;
         twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
@@ -567,10 +562,10 @@ static void test_a_bad_ray_is_not_used(void **state)
 static void test_without_any_ray(void **state)
 {
     struct test_passes test;
-    reconstruct_open(*state, "", 64, 36, &test);
+    reconstruct_open(*state, 64, 36, &test, "%s", "");
     for (int i = 0; i < 9; i++)
         twin_put_tile(&test.twin, RT_RAY, 7 + i % 3, 3 + i / 3, (float[4]){NAN, 0, 0, 1});
-    reconstruct_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
+    test_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
     reconstruct_run(&test);
     int void_count = 0;
     for (int i = 0; i < 32 * 18; i++) {
@@ -592,15 +587,16 @@ static void test_garbage_is_no_history(void **state)
     for (int i = 0; i < 2; i++) {
         struct test_passes test;
         uint64_t seed = 51;
-        reconstruct_open(*state, i ? "color_format=float depth_format=float" : "", 127, 33, &test);
-        reconstruct_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
+        reconstruct_open(*state, 127, 33, &test, "%s",
+                         i ? "color_format=float depth_format=float" : "");
+        test_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
         const int targets[] = {RT_HISTORY_BEFORE, RT_HISTORY_STATE_BEFORE, RT_HISTORY,
                                RT_HISTORY_STATE, RT_HALF_DEPTH_BEFORE};
         for (int t = 0; t < 5; t++)
             for (size_t e = 0; e < test_elements(&test, targets[t]); e++) {
                 float value[4];
                 for (int c = 0; c < 4; c++)
-                    value[c] = bad[test_random(&seed) % 5];
+                    value[c] = bad[neph_test_random(&seed) % 5];
                 test_set(&test, targets[t], e, value);
             }
         test.view.has_history = 0;
@@ -633,18 +629,16 @@ static void test_ages_average_rays(void **state)
         {"fresh_weight=1", {1, 1, 1, 1, 1, 1}},
     };
     for (int i = 0; i < 4; i++) {
-        char assignments[100];
-        snprintf(assignments, sizeof(assignments),
-                 "override=none box=none color_format=float depth_format=float %s",
-                 cases[i].assignments);
         struct test_passes test;
         uint64_t seed = 61;
-        reconstruct_open(*state, assignments, 12, 12, &test);
+        reconstruct_open(*state, 12, 12, &test,
+                         "override=none box=none color_format=float depth_format=float %s",
+                         cases[i].assignments);
         test.view.has_history = 0;
         double expected = 0.0;
         for (int frame = 0; frame < 24; frame++) {
             const double ray = test_uniform(&seed);
-            reconstruct_fill(&test, RT_RAY, (float)ray, 0, 0, 1);
+            test_fill(&test, RT_RAY, (float)ray, 0, 0, 1);
             reconstruct_run(&test);
             if (frame % 4 == 0) { /* the turn of the texels that were first in frame 0 */
                 const double weight = cases[i].weights[frame / 4];
@@ -667,8 +661,8 @@ static void test_ages_average_rays(void **state)
 static void test_ages_have_limits(void **state)
 {
     struct test_passes test;
-    reconstruct_open(*state, "override=none", 12, 12, &test);
-    reconstruct_fill(&test, RT_HISTORY_STATE_BEFORE, 255, 100, 0, 0);
+    reconstruct_open(*state, 12, 12, &test, "override=none");
+    test_fill(&test, RT_HISTORY_STATE_BEFORE, 255, 100, 0, 0);
     for (int has_history = 0; has_history < 2; has_history++) {
         test.view.has_history = (uint32_t)has_history;
         reconstruct_run(&test);
@@ -692,8 +686,8 @@ static void test_a_view_is_what_it_is_alone(void **state)
     for (int i = 0; i < 3; i++) {
         const struct neph_settings settings = test_settings(assignments[i]);
         struct test_passes alone, beside;
-        reconstruct_open(*state, assignments[i], 61, 35, &alone);
-        test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){64, 36}, 4, &beside);
+        reconstruct_open(*state, 61, 35, &alone, "%s", assignments[i]);
+        test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){64, 36}, 7, &beside);
         beside.view.has_history = 1;
         reconstruct_turn(&alone.view.before, 0.02, 0.03, 0.01);
         beside.view.before = alone.view.before;
@@ -701,14 +695,14 @@ static void test_a_view_is_what_it_is_alone(void **state)
         for (int t = 0; t < 7; t++) {
             const bool is_tile = inputs[t] == RT_TILE || inputs[t] == RT_RAY ||
                                  inputs[t] == RT_RAY_DISTANCE;
-            reconstruct_fill(&beside, inputs[t], NAN, -1, INFINITY, NAN);
+            test_fill(&beside, inputs[t], NAN, -1, INFINITY, NAN);
             const int width = is_tile ? 16 : 31, height = is_tile ? 9 : 18;
             for (int e = 0; e < width * height; e++) {
                 float value[4];
                 for (int c = 0; c < 4; c++)
                     value[c] = (float)test_uniform(&seed);
                 if (inputs[t] == RT_TILE)
-                    value[0] = (float)(test_random(&seed) % 4);
+                    value[0] = (float)(neph_test_random(&seed) % 4);
                 const int x = e % width, y = e / width;
                 if (is_tile) {
                     twin_put_tile(&alone.twin, inputs[t], x, y, value);

@@ -27,8 +27,8 @@ static void fill_states(struct test_passes *test, double most, uint64_t *seed)
     static const float left[] = {0.0f, 0.01f, 0.5f, 1.0f, -1.0f, 2.0f, NAN};
     for (size_t i = 0; i < test_elements(test, RT_TAA_STATE_BEFORE); i++)
         test_set(test, RT_TAA_STATE_BEFORE, i,
-                 (float[4]){left[test_random(seed) % 7], (float)between(seed, 0.0, 4.0 * most),
-                            random_depth_m(seed)});
+                 (float[4]){left[neph_test_random(seed) % 7],
+                            (float)neph_test_uniform(seed, 0.0, 4.0 * most), random_depth_m(seed)});
 }
 
 static void test_the_pass_equals_the_twin(void **state)
@@ -51,10 +51,10 @@ static void test_the_pass_equals_the_twin(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round / 4 % 4], (int[2]){0, 0}, start, &test);
         const double most = round % 3 ? 1.0 : 100.0;
-        test.view.frame = (uint32_t)test_random(&seed);
+        test.view.frame = (uint32_t)neph_test_random(&seed);
         test.view.has_history = round % 8 != 7;
-        test.view.jitter_px[0] = (float)between(&seed, -0.5, 0.5);
-        test.view.jitter_px[1] = (float)between(&seed, -0.5, 0.5);
+        test.view.jitter_px[0] = (float)neph_test_uniform(&seed, -0.5, 0.5);
+        test.view.jitter_px[1] = (float)neph_test_uniform(&seed, -0.5, 0.5);
         if (round % 2)
             move_camera(&test.view, 0.02, 2.0, &seed);
         fill_depths(&test, &seed);
@@ -80,17 +80,11 @@ static void test_the_pass_equals_the_twin(void **state)
 static void open_flat(struct neph_vulkan *vulkan, const char *words, float value,
                       struct test_passes *test)
 {
-    char text[256];
-    snprintf(text, sizeof(text),
-             "taa=locks taa_box=none taa_hdr_weight=off taa_format=float taa_age_max=8 %s", words);
-    const struct neph_settings settings = test_settings(text);
-    test_passes_open(vulkan, &settings, (int[2]){32, 16}, (int[2]){0, 0}, 0, test);
-    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
-        test_set(test, RT_DEPTH, i, (float[4]){128.0f});
-    for (size_t i = 0; i < test_elements(test, RT_COLOR); i++)
-        test_set(test, RT_COLOR, i, (float[4]){value, value, value});
-    for (size_t i = 0; i < test_elements(test, RT_TAA_STATE_BEFORE); i++)
-        test_set(test, RT_TAA_STATE_BEFORE, i, (float[4]){0.0f, 0.0f, 128.0f});
+    test_open(vulkan, 32, 16, 0, test,
+              "taa=locks taa_box=none taa_hdr_weight=off taa_format=float taa_age_max=8 %s", words);
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+    test_fill(test, RT_COLOR, value, value, value, 0);
+    test_fill(test, RT_TAA_STATE_BEFORE, 0, 0, 128, 0);
 }
 
 /* Lanczos is 1 at its texel and 0 at all others: at 100 % and without jitter the frame comes
@@ -119,15 +113,12 @@ static void test_a_history_counts_by_what_is_in_it(void **state)
     double mean = 0.0;
     for (int n = 0; n < 12; n++) {
         test.view.has_history = n > 0;
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-            test_set(&test, RT_COLOR, e, (float[4]){frames[n], frames[n], frames[n]});
+        test_fill(&test, RT_COLOR, frames[n], frames[n], frames[n], 0);
         run(&test);
         mean += (frames[n] - mean) / (n < 8 ? n + 1 : 9);
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 9, 9, 1), mean, 0.0, 1e-5);
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 9, 9, 3), n < 8 ? n + 1 : 8, 0.0, 1e-5);
-        uint32_t *words = test.twin.targets[RT_TAA_BEFORE];
-        test.twin.targets[RT_TAA_BEFORE] = test.twin.targets[RT_TAA_OUT];
-        test.twin.targets[RT_TAA_OUT] = words;
+        test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
     }
     test_passes_close(&test);
 }

@@ -191,7 +191,7 @@ static void test_threads_cover_all_texels(void **state)
         {RT_FROXEL, 0, 37 * 21 * 64},
         {RT_FROXEL_COLUMN, 0, 37 * 21},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
                                           .column = cases[i].column};
         assert_int_equal(neph_rt_thread_count(&view, &pass, i % 2 == 0), cases[i].count);
@@ -222,7 +222,7 @@ static void test_columns_of_froxels_go_with_the_picture(void **state)
     } cases[] = {{1920, 1080, 0, 12}, {3840, 2160, 0, 24}, {320, 180, 0, 2}, {161, 90, 0, 2},
                  {160, 90, 0, 1},     {96, 54, 0, 1},      {96, 54, 12, 12}};
     struct neph_settings settings = neph_options_default(neph_rt_options);
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         const int size_px[2] = {cases[i].width_px, cases[i].height_px};
         struct neph_gpu_view view;
         settings.values[RT_FROXEL_PX] = cases[i].asked_px;

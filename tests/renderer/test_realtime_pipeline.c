@@ -2,121 +2,23 @@
  *
  * The real-time renderer as a whole: what must hold of its frames whatever its passes do.
  */
-#include "tests/renderer/march_test.h"
-#include "tests/renderer/realtime_test.h"
-
-#include "base/files.h"
-#include "renderer/realtime/pipeline.h"
+#include "tests/renderer/sequence_test.h"
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36 };
-
-/* A fence in fog with the sun behind it: depth edges all over, and light that differs across them.
- */
-static void scene_fence(struct test_scene *test)
-{
-    test_scene_init(test);
-    test_add_medium(test, 0.03, 0.05, 0.0);
-    for (int i = 0; i < 12; i++)
-        test_add_box(test, (struct neph_vec3){-6.0 + i, 0.0, -12.0},
-                     (struct neph_vec3){-5.6 + i, 4.0, -11.8});
-    test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
-}
-
-static struct neph_settings preset(const char *name)
-{
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, name, &settings, &diag),
-        &diag);
-    return settings;
-}
-
-static void set(struct neph_settings *settings, const char *assignment)
-{
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_options_set(neph_rt_options, "realtime", assignment, settings, &diag),
-                   &diag);
-}
-
-/* Blue noise is made once for all tests. */
-static char cache_folder[] = "/tmp/neph-test-realtime-XXXXXX";
-
-static int setup(void **state)
-{
-    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(cache_folder, NULL);
-    return test_vulkan_teardown(state);
-}
-
-static struct neph_realtime *open_sized(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                        const struct neph_settings *settings, int width_px,
-                                        int height_px)
-{
-    struct neph_realtime *realtime = NULL;
-    struct neph_diag diag = {0};
-    const struct neph_realtime_params params = {.width_px = width_px,
-                                                .height_px = height_px,
-                                                .settings = settings,
-                                                .seed = 7,
-                                                .cache_folder = cache_folder};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    return realtime;
-}
 
 static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
                                            const struct neph_scene *scene,
                                            const struct neph_settings *settings)
 {
-    return open_sized(vulkan, scene, settings, WIDTH_PX, HEIGHT_PX);
-}
-
-static struct neph_image *next(struct neph_realtime *realtime, const struct neph_scene *scene,
-                               int frame, struct neph_realtime_stats *stats)
-{
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    const struct neph_realtime_frame picture = {scene, frame, NULL};
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
-    return image;
-}
-
-static void assert_same_bits(const struct neph_image *a, const struct neph_image *b)
-{
-    assert_int_equal(a->channel_count, b->channel_count);
-    for (int c = 0; c < a->channel_count; c++) {
-        assert_string_equal(a->channels[c].name, b->channels[c].name);
-        assert_memory_equal(a->channels[c].samples, b->channels[c].samples,
-                            neph_image_pixel_count(a) * sizeof(float));
-    }
+    return test_sequence(vulkan, scene, settings, WIDTH_PX, HEIGHT_PX);
 }
 
 static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                                  int frame, struct neph_march_stats *stats)
+                                  struct neph_march_stats *stats)
 {
     const struct neph_march_params params = {
-        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .frame = frame, .steps = 64, .sun_steps = 16};
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(vulkan, scene, &params, &image, stats, &diag), &diag);
-    return image;
-}
-
-static double rmse(const struct neph_image *image, const struct neph_image *truth)
-{
-    double sum = 0.0;
-    const size_t count = neph_image_pixel_count(image);
-    float *a[3], *b[3];
-    neph_image_rgb(image, NULL, a);
-    neph_image_rgb(truth, NULL, b);
-    for (int c = 0; c < 3; c++)
-        for (size_t i = 0; i < count; i++)
-            sum += ((double)a[c][i] - b[c][i]) * ((double)a[c][i] - b[c][i]);
-    return sqrt(sum / (3.0 * (double)count));
+        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 64, .sun_steps = 16};
+    return test_march(vulkan, scene, &params, stats);
 }
 
 /* --- what equals what ----------------------------------------------------------------------- */
@@ -124,12 +26,12 @@ static double rmse(const struct neph_image *image, const struct neph_image *trut
 static void test_off_is_the_march(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
-    const struct neph_settings settings = preset("off");
+    test_scene_fence(&test);
+    const struct neph_settings settings = test_preset("off", "");
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
     for (int frame = 0; frame < 3; frame++) {
-        struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+        struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
         assert_same_bits(image, truth);
         neph_image_destroy(image);
     }
@@ -140,13 +42,8 @@ static void test_off_is_the_march(void **state)
 /* Numbers as they are, and nothing that moves them. */
 static struct neph_settings plain(void)
 {
-    static const char *const assignments[] = {"taa=off",       "ray_dither=none",
-                                              "box=none",      "upscale_dither=none",
-                                              "override=none", "color_format=float"};
-    struct neph_settings settings = preset("fixed");
-    for (size_t i = 0; i < COUNT(assignments); i++)
-        set(&settings, assignments[i]);
-    return settings;
+    return test_preset("fixed", "taa=off ray_dither=none box=none upscale_dither=none "
+                                "override=none color_format=float");
 }
 
 /* In a march at half resolution each ray goes through the middle of a half-resolution texel: the
@@ -162,21 +59,15 @@ static void check_rays(struct neph_rt_device *device, const struct neph_rt_pass 
     struct ray_check *check = context;
     if (strcmp(pass->name, "march") != 0)
         return;
-    const int targets[] = {RT_TILE, RT_RAY};
-    uint32_t *words[2];
-    struct neph_diag diag = {0};
-    for (int t = 0; t < 2; t++) {
-        words[t] = malloc(neph_rt_device_words(device, targets[t]) * sizeof(uint32_t));
-        neph_assert_ok(neph_rt_device_download(device, targets[t], words[t], &diag), &diag);
-    }
+    uint32_t *tiles = test_words(device, RT_TILE), *rays = test_words(device, RT_RAY);
     float *volume[3], *transmittance[3];
     neph_image_rgb(check->half, "volume", volume);
     neph_image_rgb(check->half, "transmittance", transmittance);
     for (int tile = 0; tile < (WIDTH_PX / 4) * (HEIGHT_PX / 4); tile++) {
         static const int places[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
         float slot[4], ray[4];
-        neph_rt_load(&device->view->targets[RT_TILE], words[0], (size_t)tile, slot);
-        neph_rt_load(&device->view->targets[RT_RAY], words[1], (size_t)tile, ray);
+        neph_rt_load(&device->view->targets[RT_TILE], tiles, (size_t)tile, slot);
+        neph_rt_load(&device->view->targets[RT_RAY], rays, (size_t)tile, ray);
         const int *place = places[(int)slot[0]];
         const int x = 2 * (tile % (WIDTH_PX / 4)) + place[0];
         const int y = 2 * (tile / (WIDTH_PX / 4)) + place[1];
@@ -186,34 +77,60 @@ static void check_rays(struct neph_rt_device *device, const struct neph_rt_pass 
         assert_true(ray[3] == transmittance[0][i]);
         check->checked++;
     }
-    free(words[0]);
-    free(words[1]);
+    free(tiles);
+    free(rays);
 }
 
 static void test_a_tile_marches_as_march_does(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
+    test_scene_fence(&test);
     test.scene.solid_count = 0; /* or depths of the map would cut some rays elsewhere */
     const struct neph_settings settings = plain();
     const struct neph_march_params params = {
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
-    struct neph_image *half = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(test_march_frame(*state, &test.scene, &params, &half, NULL, &diag), &diag);
+    struct neph_image *half = test_march(*state, &test.scene, &params, NULL);
     struct ray_check check = {.half = half};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);
     for (int frame = 0; frame < 4; frame++)
-        neph_image_destroy(next(realtime, &test.scene, 0, NULL));
+        neph_image_destroy(test_next(realtime, &test.scene, 0, NULL));
     assert_int_equal(check.checked, 4 * (WIDTH_PX / 4) * (HEIGHT_PX / 4));
     neph_realtime_destroy(realtime);
     neph_image_destroy(half);
 }
 
-static const char *const presets[] = {"off",  "seed",  "fixed", "ue",
-                                      "c52e", "unity", "ours1", "ours"};
-enum { PRESETS = 8 };
+/* Those of a day come first; what each of them costs is its kernels. Every preset of a day renders
+ * frames in motion in tests/harness/e2e_realtime.py. */
+static const char *const presets[] = {"off",   "seed",  "fixed", "ours",
+                                      "ours1", "unity", "ue",    "c52e"};
+/* Those with validity=on, of a day and of a night. */
+static const char *const sound[] = {"fixed", "ours", "ue", "c52e", "unity"};
+
+static int preset_count(void)
+{
+    return neph_test_by_day(4, COUNT(presets));
+}
+
+static int sound_count(void)
+{
+    return neph_test_by_day(2, COUNT(sound));
+}
+
+static const char *const channels[] = {"R", "G", "B", "Z"};
+
+static void check_nothing(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                          const struct neph_image *truth, struct neph_settings settings)
+{
+    struct neph_realtime *realtime = open_realtime(vulkan, scene, &settings);
+    for (int frame = 0; frame < 5; frame++) {
+        struct neph_image *image = test_next(realtime, scene, 0, NULL);
+        for (int c = 0; c < 3; c++)
+            assert_same_channel(image, truth, channels[c]);
+        neph_image_destroy(image);
+    }
+    neph_realtime_destroy(realtime);
+}
 
 /* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.
  * One below the ground makes the kernels those of the other tests; without any see
@@ -221,45 +138,41 @@ enum { PRESETS = 8 };
 static void test_zero_density_changes_nothing(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
+    test_scene_fence(&test);
     test.scene.media[0].bounds = (struct neph_bounds){{-1.0, -9.0, -9.0}, {1.0, -8.0, -8.0}};
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
-    for (int p = 0; p < PRESETS; p += neph_test_by_day(3, 1)) {
-        struct neph_settings settings = preset(presets[p]);
-        set(&settings, "taa=off");
-        struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-        for (int frame = 0; frame < 5; frame++) {
-            struct neph_image *image = next(realtime, &test.scene, 0, NULL);
-            float *a[3], *b[3];
-            neph_image_rgb(image, NULL, a);
-            neph_image_rgb(truth, NULL, b);
-            for (int c = 0; c < 3; c++)
-                assert_memory_equal(a[c], b[c], WIDTH_PX * HEIGHT_PX * sizeof(float));
-            neph_image_destroy(image);
-        }
-        neph_realtime_destroy(realtime);
-    }
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
+    check_nothing(*state, &test.scene, truth, plain());
+    for (int p = 0; p < neph_test_by_day(1, COUNT(presets)); p++)
+        check_nothing(*state, &test.scene, truth, test_preset(presets[p], "taa=off"));
     neph_image_destroy(truth);
+}
+
+/* Two renderers make the same frames; of the second `observer` is called. */
+static void check_pair(struct neph_vulkan *vulkan, const char *preset,
+                       neph_realtime_observer *observer)
+{
+    enum { FRAMES = 6 };
+    struct test_scene test;
+    test_scene_fence(&test);
+    const struct neph_settings settings = test_preset(preset, "");
+    struct neph_realtime *one = open_realtime(vulkan, &test.scene, &settings);
+    struct neph_realtime *two = open_realtime(vulkan, &test.scene, &settings);
+    neph_realtime_observe(two, observer, NULL);
+    for (int frame = 0; frame < FRAMES; frame++) {
+        struct neph_image *a = test_next(one, &test.scene, frame, NULL);
+        struct neph_image *b = test_next(two, &test.scene, frame, NULL);
+        assert_same_bits(a, b);
+        neph_image_destroy(b);
+        neph_image_destroy(a);
+    }
+    neph_realtime_destroy(two);
+    neph_realtime_destroy(one);
 }
 
 static void test_same_sequence_same_bits(void **state)
 {
-    struct test_scene test;
-    scene_fence(&test);
-    for (int p = 0; p < PRESETS; p++) {
-        const struct neph_settings settings = preset(presets[p]);
-        struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
-        struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
-        for (int frame = 0; frame < 6; frame++) {
-            struct neph_image *a = next(one, &test.scene, frame, NULL);
-            struct neph_image *b = next(two, &test.scene, frame, NULL);
-            assert_same_bits(a, b);
-            neph_image_destroy(b);
-            neph_image_destroy(a);
-        }
-        neph_realtime_destroy(two);
-        neph_realtime_destroy(one);
-    }
+    for (int p = 0; p < preset_count(); p++)
+        check_pair(*state, presets[p], NULL);
 }
 
 /* Choices that are compiled into the shaders and choices that are looked up make the same bits:
@@ -273,23 +186,8 @@ static void generalise(struct neph_rt_device *device, const struct neph_rt_pass 
 
 static void test_specialised_shaders_make_the_same_bits(void **state)
 {
-    struct test_scene test;
-    scene_fence(&test);
-    for (int p = 1; p < PRESETS; p += neph_test_by_day(5, 1)) {
-        const struct neph_settings settings = preset(presets[p]);
-        struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
-        struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
-        neph_realtime_observe(two, generalise, NULL);
-        for (int frame = 0; frame < 5; frame++) {
-            struct neph_image *a = next(one, &test.scene, frame, NULL);
-            struct neph_image *b = next(two, &test.scene, frame, NULL);
-            assert_same_bits(a, b);
-            neph_image_destroy(b);
-            neph_image_destroy(a);
-        }
-        neph_realtime_destroy(two);
-        neph_realtime_destroy(one);
-    }
+    for (int p = 1; p < neph_test_by_day(3, COUNT(presets)); p++)
+        check_pair(*state, presets[p], generalise);
 }
 
 /* --- convergence ---------------------------------------------------------------------------- */
@@ -299,14 +197,14 @@ static void test_specialised_shaders_make_the_same_bits(void **state)
 static void test_error_against_the_number_of_frames(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
-    struct neph_image *truth = marched(*state, &test.scene, 0, NULL);
+    test_scene_fence(&test);
+    struct neph_image *truth = marched(*state, &test.scene, NULL);
     const struct neph_settings settings = plain();
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     double errors[12];
     for (int frame = 0; frame < 12; frame++) {
-        struct neph_image *image = next(realtime, &test.scene, 0, NULL);
-        errors[frame] = rmse(image, truth);
+        struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
+        errors[frame] = test_rmse(image, truth);
         print_message("frame %2d: RMSE %.3e\n", frame, errors[frame]);
         neph_image_destroy(image);
     }
@@ -327,14 +225,12 @@ static size_t count_bad(struct neph_rt_device *device)
     for (int t = 0; t < RT_TARGET_COUNT; t++) {
         if (!(used & NEPH_RT_BIT(t)))
             continue;
-        const size_t words = neph_rt_device_words(device, t);
-        const size_t elements = words / neph_rt_format_words(device->view->targets[t].format);
-        uint32_t *copy = malloc(words * sizeof(*copy));
-        struct neph_diag diag = {0};
-        neph_assert_ok(neph_rt_device_download(device, t, copy, &diag), &diag);
+        const struct neph_gpu_target *shape = &device->view->targets[t];
+        const size_t elements = (size_t)shape->width * shape->height;
+        uint32_t *copy = test_words(device, t);
         for (size_t i = 0; i < elements; i++) {
             float value[4];
-            neph_rt_load(&device->view->targets[t], copy, i, value);
+            neph_rt_load(shape, copy, i, value);
             for (int c = 0; c < 4; c++)
                 bad += !isfinite(value[c]);
         }
@@ -363,10 +259,8 @@ static void inject(struct neph_rt_device *device, const struct neph_rt_pass *pas
     struct injection *injection = context;
     const float *value = injected(injection, injection->seen);
     if (strcmp(pass->name, "march") == 0 && value) {
-        const size_t words = neph_rt_device_words(device, RT_RAY);
-        uint32_t *copy = malloc(words * sizeof(*copy));
         struct neph_diag diag = {0};
-        neph_assert_ok(neph_rt_device_download(device, RT_RAY, copy, &diag), &diag);
+        uint32_t *copy = test_words(device, RT_RAY);
         neph_rt_store(&device->view->targets[RT_RAY], copy, 37, value);
         neph_assert_ok(neph_rt_device_upload(device, RT_RAY, copy, &diag), &diag);
         free(copy);
@@ -381,17 +275,16 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
 {
     static const float values[][4] = {
         {NAN, 0, 0, 1}, {0, INFINITY, 0, 1}, {0, 0, -1, 1}, {0, 0, 0, NAN}, {NAN, NAN, NAN, NAN}};
-    static const char *const sound[] = {"fixed", "ue", "c52e", "unity", "ours"};
     struct test_scene test;
-    scene_fence(&test);
-    for (int p = 0; p < 5; p++) {
+    test_scene_fence(&test);
+    for (int p = 0; p < sound_count(); p++) {
         enum { FRAMES = 15 };
-        const struct neph_settings settings = preset(sound[p]);
+        const struct neph_settings settings = test_preset(sound[p], "");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         struct injection injection = {.first = 5, .count = COUNT(values), .values = values};
         neph_realtime_observe(realtime, inject, &injection);
         for (int frame = 0; frame < FRAMES; frame++)
-            neph_image_destroy(next(realtime, &test.scene, 0, NULL));
+            neph_image_destroy(test_next(realtime, &test.scene, 0, NULL));
         for (int frame = 0; frame < FRAMES; frame++)
             assert_true(injection.bad[frame] <= (injected(&injection, frame) ? 4u : 0u));
         neph_realtime_destroy(realtime);
@@ -407,7 +300,7 @@ static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *
     if (strcmp(pass->name, "scene") != 0 || !pattern[1])
         return;
     pattern[1] = 0; /* the first frame alone */
-    for (size_t t = 0; t < sizeof(past) / sizeof(past[0]); t++) {
+    for (size_t t = 0; t < COUNT(past); t++) {
         const size_t words = neph_rt_device_words(device, past[t]);
         uint32_t *garbage = malloc(words * sizeof(*garbage));
         for (size_t i = 0; i < words; i++)
@@ -422,21 +315,20 @@ static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *
 static void test_garbage_in_the_history_never_shows(void **state)
 {
     static const uint32_t patterns[] = {0x7fc00000u, 0x7e007e00u, 0x7149f2cau, 0};
-    static const char *const sound[] = {"fixed", "ue", "c52e", "unity", "ours"};
     struct test_scene test;
-    scene_fence(&test);
-    for (int p = 0; p < 5; p++) {
-        const struct neph_settings settings = preset(sound[p]);
+    test_scene_fence(&test);
+    for (int p = 0; p < sound_count(); p++) {
+        const struct neph_settings settings = test_preset(sound[p], "");
         struct neph_realtime *clean = open_realtime(*state, &test.scene, &settings);
         struct neph_image *expected[2];
         for (int frame = 0; frame < 2; frame++)
-            expected[frame] = next(clean, &test.scene, 0, NULL);
+            expected[frame] = test_next(clean, &test.scene, 0, NULL);
         for (int i = 0; i < 4; i++) {
             uint32_t pattern[2] = {patterns[i], 1};
             struct neph_realtime *dirty = open_realtime(*state, &test.scene, &settings);
             neph_realtime_observe(dirty, fill_past, pattern);
             for (int frame = 0; frame < 2; frame++) {
-                struct neph_image *image = next(dirty, &test.scene, 0, NULL);
+                struct neph_image *image = test_next(dirty, &test.scene, 0, NULL);
                 assert_same_bits(image, expected[frame]);
                 neph_image_destroy(image);
             }
@@ -467,16 +359,16 @@ static void set_dolly(struct test_scene *test, struct neph_camera_key keys[4])
 static void test_no_bad_number_in_motion(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
+    test_scene_fence(&test);
     struct neph_camera_key keys[4];
     set_dolly(&test, keys);
-    for (int p = 1; p < PRESETS; p++) {
-        const struct neph_settings settings = preset(presets[p]);
+    for (int p = 1; p < preset_count(); p++) {
+        const struct neph_settings settings = test_preset(presets[p], "");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         struct injection watch = {.count = 0};
         neph_realtime_observe(realtime, inject, &watch);
         for (int frame = 0; frame < 13; frame++)
-            neph_image_destroy(next(realtime, &test.scene, frame, NULL));
+            neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         for (int frame = 0; frame < 13; frame++)
             assert_int_equal(watch.bad[frame], 0);
         neph_realtime_destroy(realtime);
@@ -490,16 +382,16 @@ static void test_sizes(void **state)
     static const int sizes_px[][2] = {{1, 1},   {2, 3},   {5, 4}, {37, 21},
                                       {64, 36}, {63, 35}, {3, 90}};
     struct test_scene test;
-    scene_fence(&test);
-    const struct neph_settings settings = preset("fixed");
+    test_scene_fence(&test);
+    const struct neph_settings settings = test_preset("fixed", "");
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++) {
+    for (size_t s = 0; s < COUNT(sizes_px); s++) {
         struct neph_diag diag = {0};
         neph_assert_ok(
             neph_realtime_resize(realtime, &test.scene, sizes_px[s][0], sizes_px[s][1], &diag),
             &diag);
         for (int frame = 0; frame < 5; frame++) {
-            struct neph_image *image = next(realtime, &test.scene, 0, NULL);
+            struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
             assert_int_equal(image->width_px, sizes_px[s][0]);
             assert_int_equal(image->height_px, sizes_px[s][1]);
             float *rgb[3];
@@ -516,15 +408,15 @@ static void test_sizes(void **state)
 static void test_a_fourteenth_of_the_evaluations(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
+    test_scene_fence(&test);
     struct neph_march_stats whole;
-    neph_image_destroy(marched(*state, &test.scene, 0, &whole));
-    for (int p = 1; p < PRESETS; p++) {
-        const struct neph_settings settings = preset(presets[p]);
+    neph_image_destroy(marched(*state, &test.scene, &whole));
+    for (int p = 1; p < preset_count(); p++) {
+        const struct neph_settings settings = test_preset(presets[p], "");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         for (int frame = 0; frame < 4; frame++) {
             struct neph_realtime_stats stats;
-            neph_image_destroy(next(realtime, &test.scene, 0, &stats));
+            neph_image_destroy(test_next(realtime, &test.scene, 0, &stats));
             assert_int_equal(stats.rays, (WIDTH_PX / 4) * (HEIGHT_PX / 4));
             assert_true(stats.density_evaluations > 0);
             assert_true(stats.density_evaluations <= whole.density_evaluations / 14);
@@ -539,11 +431,11 @@ static void test_a_fourteenth_of_the_evaluations(void **state)
 static void test_coloured_extinction_is_refused(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
+    test_scene_fence(&test);
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 1.0};
-    const struct neph_settings settings = preset("fixed");
+    const struct neph_settings settings = test_preset("fixed", "");
     const struct neph_realtime_params params = {
-        .width_px = 8, .height_px = 8, .settings = &settings, .cache_folder = cache_folder};
+        .width_px = 8, .height_px = 8, .settings = &settings};
     struct neph_realtime *realtime = NULL;
     struct neph_diag diag = {0};
     assert_int_equal(neph_realtime_create(*state, &test.scene, &params, &realtime, &diag),
@@ -554,24 +446,20 @@ static void test_coloured_extinction_is_refused(void **state)
 static void test_given_depth(void **state)
 {
     struct test_scene test;
-    scene_fence(&test);
-    struct neph_settings settings = preset("fixed");
-    set(&settings, "taa_jitter=none");
-    struct neph_image *given = marched(*state, &test.scene, 0, NULL);
+    test_scene_fence(&test);
+    const struct neph_settings settings = plain();
+    struct neph_image *given = marched(*state, &test.scene, NULL);
     struct neph_realtime *from_scene = open_realtime(*state, &test.scene, &settings);
     struct neph_realtime *from_file = open_realtime(*state, &test.scene, &settings);
     struct neph_diag diag = {0};
     for (int frame = 0; frame < 5; frame++) {
-        struct neph_image *a = next(from_scene, &test.scene, 0, NULL), *b = NULL;
+        struct neph_image *a = test_next(from_scene, &test.scene, 0, NULL), *b = NULL;
         const struct neph_realtime_frame picture = {&test.scene, 0, given};
         neph_assert_ok(neph_realtime_render(from_file, &picture, &b, NULL, &diag), &diag);
-        const float *za = neph_image_channel(a, "Z"), *zb = neph_image_channel(b, "Z");
-        float *va[3], *vb[3];
-        neph_image_rgb(a, "volume", va);
-        neph_image_rgb(b, "volume", vb);
-        assert_memory_equal(za, zb, WIDTH_PX * HEIGHT_PX * sizeof(float));
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(va[c], vb[c], WIDTH_PX * HEIGHT_PX * sizeof(float));
+        assert_same_channel(a, b, "Z");
+        assert_same_channel(a, b, "volume.R");
+        assert_same_channel(a, b, "volume.G");
+        assert_same_channel(a, b, "volume.B");
         neph_image_destroy(a);
         neph_image_destroy(b);
     }
@@ -600,18 +488,14 @@ static void test_few_and_many_solids_look_alike(void **state)
             solids[i].turn = (struct neph_turn){i / 4 % 3, cos(0.1 * i), sin(0.1 * i)};
     }
     test.scene.solids = solids;
-    struct neph_settings settings = preset("fixed");
-    set(&settings, "taa=off");
-    for (size_t n = 0; n < sizeof(counts) / sizeof(counts[0]); n++) {
+    const struct neph_settings settings = plain();
+    for (size_t n = 0; n < COUNT(counts); n++) {
         test.scene.solid_count = counts[n];
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-        struct neph_image *frame = next(realtime, &test.scene, 0, NULL);
-        struct neph_image *march = marched(*state, &test.scene, 0, NULL);
-        static const char *const names[] = {"R", "G", "B", "Z"};
+        struct neph_image *frame = test_next(realtime, &test.scene, 0, NULL);
+        struct neph_image *march = marched(*state, &test.scene, NULL);
         for (int c = 0; c < 4; c++)
-            assert_memory_equal(neph_image_channel(frame, names[c]),
-                                neph_image_channel(march, names[c]),
-                                WIDTH_PX * HEIGHT_PX * sizeof(float));
+            assert_same_channel(frame, march, channels[c]);
         neph_image_destroy(march);
         neph_image_destroy(frame);
         neph_realtime_destroy(realtime);
@@ -633,21 +517,14 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
                        void *context)
 {
     int *checked = context;
-    struct neph_diag diag = {0};
     if (strcmp(pass->name, "march") != 0)
         return;
-    const int targets[2] = {RT_RAY, RT_RAY_DISTANCE};
-    uint32_t *words[2];
-    for (int t = 0; t < 2; t++) {
-        const size_t count = neph_rt_device_words(device, targets[t]);
-        words[t] = malloc(count * sizeof(uint32_t));
-        neph_assert_ok(neph_rt_device_download(device, targets[t], words[t], &diag), &diag);
-    }
+    uint32_t *rays = test_words(device, RT_RAY), *distances = test_words(device, RT_RAY_DISTANCE);
     const struct neph_gpu_target *shape = &device->view->targets[RT_RAY];
     for (size_t i = 0; i < (size_t)shape->width * shape->height; i++) {
         float ray[4], distance[4];
-        neph_rt_load(shape, words[0], i, ray);
-        neph_rt_load(&device->view->targets[RT_RAY_DISTANCE], words[1], i, distance);
+        neph_rt_load(shape, rays, i, ray);
+        neph_rt_load(&device->view->targets[RT_RAY_DISTANCE], distances, i, distance);
         const double tau = -log((double)ray[3]), way_m = tau / 0.4;
         const double expected_m = way_m * (8.0 / 3.0 + 1.0 / tau - 1.0 / expm1(tau));
         assert_true(ray[0] == 0.0f && ray[1] == 0.0f && ray[2] == 0.0f);
@@ -655,8 +532,8 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
         assert_true(fabs(distance[0] - expected_m) < 1e-5 * expected_m);
         ++*checked;
     }
-    free(words[1]);
-    free(words[0]);
+    free(distances);
+    free(rays);
 }
 
 /* Where nothing shines nothing is marched, here as in `march`, and T is as good as there. */
@@ -666,13 +543,11 @@ static void test_what_does_not_shine_is_not_marched(void **state)
     struct neph_realtime_stats stats;
     int checked = 0;
     scene_dark(&test);
-    struct neph_settings settings = preset("ours");
-    set(&settings, "color_format=float");
-    set(&settings, "depth_format=float");
-    set(&settings, "taa=off");
+    const struct neph_settings settings = test_preset(
+        "ours", "color_format=float depth_format=float taa=off");
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_dark, &checked);
-    neph_image_destroy(next(realtime, &test.scene, 0, &stats));
+    neph_image_destroy(test_next(realtime, &test.scene, 0, &stats));
     assert_int_equal(checked, ((WIDTH_PX + 3) / 4) * ((HEIGHT_PX + 3) / 4));
     assert_int_equal(stats.view_steps, 0);
     assert_int_equal(stats.rays, checked);
@@ -698,5 +573,5 @@ int main(void)
         cmocka_unit_test(test_few_and_many_solids_look_alike),
         cmocka_unit_test(test_what_does_not_shine_is_not_marched),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -41,7 +41,7 @@ static void test_the_shader_is_its_formula(void **state)
     } cases[] = {{"sharpen=on sharpen_amount=0.5", RT_TAA_OUT},
                  {"sharpen=on sharpen_amount=4 taa=off", RT_COLOR},
                  {"sharpen=on sharpen_amount=0 taa_format=float", RT_TAA_OUT}};
-    for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
+    for (size_t k = 0; k < COUNT(cases); k++) {
         const struct neph_settings settings = test_settings(cases[k].settings);
         struct test_passes test;
         uint64_t seed = 20261123 + k;

@@ -3,27 +3,12 @@
  * Pictures of which it is known that nothing has changed for long (renderer/realtime/stillness.h):
  * the gradient does not look at them, and no bit of them or of what follows is another one.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/sequence_test.h"
 #include "tests/renderer/taa_test.h"
 
-#include "base/files.h"
-#include "renderer/realtime/pipeline.h"
 #include "renderer/realtime/stillness.h"
 
 /* --- pictures -------------------------------------------------------------------------------- */
-
-static char cache_folder[] = "/tmp/neph-test-steady-XXXXXX";
-
-static int setup(void **state)
-{
-    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(cache_folder, NULL);
-    return test_vulkan_teardown(state);
-}
 
 /* A fence before a cloud that ends within the picture: edges, sky, thin and thick media. */
 static void fence_scene(struct test_scene *test)
@@ -36,21 +21,12 @@ static void fence_scene(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
 }
 
-/* `ours`, which is steady after few pictures: what has changed is soon forgotten, and all places of
- * the jitter soon seen. */
+/* `ours`, with the digits of its settings and so with its kernels, which is steady after few
+ * pictures: what has changed is soon forgotten. */
 static struct neph_settings settings_of(const char *steady)
 {
-    static const char *const words[] = {"steps=4", "taa_jitter_length=4", "override_wake=0",
-                                        "change_hold=0.1"};
-    struct neph_settings settings;
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_options_preset(neph_rt_options, "realtime", neph_rt_presets, "ours", &settings, &diag),
-        &diag);
-    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
-        neph_assert_ok(neph_options_set(neph_rt_options, "realtime", words[i], &settings, &diag),
-                       &diag);
-    neph_assert_ok(neph_options_set(neph_rt_options, "realtime", steady, &settings, &diag), &diag);
+    struct neph_settings settings = test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
+    test_assign(neph_rt_options, steady, &settings);
     return settings;
 }
 
@@ -58,15 +34,7 @@ static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
                                            const struct neph_scene *scene, const char *steady)
 {
     const struct neph_settings settings = settings_of(steady);
-    const struct neph_realtime_params params = {.width_px = 36,
-                                                .height_px = 20,
-                                                .settings = &settings,
-                                                .seed = 7,
-                                                .cache_folder = cache_folder};
-    struct neph_realtime *realtime = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    return realtime;
+    return test_sequence(vulkan, scene, &settings, 36, 20);
 }
 
 /* Whether passes have run for a picture. */
@@ -91,20 +59,12 @@ static struct ran render(struct neph_realtime *realtime, const struct neph_scene
     return (struct ran){has_run(&stats, "scene"), has_run(&stats, "gradient")};
 }
 
-static void assert_same_bits(const struct neph_image *a, const struct neph_image *b, int frame)
-{
-    for (int c = 0; c < a->channel_count; c++)
-        if (memcmp(a->channels[c].samples, b->channels[c].samples,
-                   neph_image_pixel_count(a) * sizeof(float)) != 0)
-            fail_msg("picture %d: another %s", frame, a->channels[c].name);
-}
-
-/* After 8 looks and 6 pictures of forgetting it is known; then the sun moves, a cloud, a solid and
- * the camera, each of which is seen at once. Solids are looked at until each of the jitter's 4
- * places has seen them; at first nothing is kept of 4 pictures. */
+/* After 9 looks and 6 pictures of forgetting it is known; then the sun moves, a cloud, a solid and
+ * the camera, each of which is seen at once. Solids are looked at until each of the jitter's 7
+ * places has seen them; at first nothing is kept of as many pictures. */
 static void test_no_bit_is_another(void **state)
 {
-    enum { PICTURES = 74, KNOWN_AFTER = 14, PLACES = 4 };
+    enum { PICTURES = 88, KNOWN_AFTER = 15, PLACES = 7 };
     struct test_scene test;
     int changed = 0, spared = 0;
     fence_scene(&test);
@@ -112,15 +72,15 @@ static void test_no_bit_is_another(void **state)
     struct neph_realtime *known = open_realtime(*state, &test.scene, "steady=auto");
     for (int frame = 0; frame < PICTURES; frame++) {
         struct neph_image *a = NULL, *b = NULL;
-        if (frame == 20)
+        if (frame == 24)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
-        if (frame == 38)
+        if (frame == 44)
             test.scene.media[0].gaussian.center_m.x += 0.5;
-        if (frame == 54)
+        if (frame == 64)
             test.scene.solids[1].box.max_m.y -= 0.5;
-        if (frame == 70)
+        if (frame == 84)
             test.key.look_at_m.x += 0.1;
-        if (frame == 20 || frame == 38 || frame == 54 || frame == 70)
+        if (frame == 24 || frame == 44 || frame == 64 || frame == 84)
             changed = frame;
         const struct ran by_asked = render(asked, &test.scene, frame, &a);
         const struct ran by_known = render(known, &test.scene, frame, &b);
@@ -128,7 +88,7 @@ static void test_no_bit_is_another(void **state)
         assert_int_equal(by_known.gradient, frame - changed < KNOWN_AFTER);
         assert_int_equal(by_known.scene, frame - changed < (changed > 0 ? PLACES : 2 * PLACES));
         spared += !by_known.gradient;
-        assert_same_bits(a, b, frame);
+        assert_same_bits(a, b);
         neph_image_destroy(b);
         neph_image_destroy(a);
     }
@@ -153,7 +113,7 @@ static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *sce
  * moves, and the way back from what is known is the same, too. */
 static void test_what_nobody_reads_is_no_other_picture(void **state)
 {
-    enum { PICTURES = 52, SUN_MOVES = 34, KNOWN_AFTER = 14 };
+    enum { PICTURES = 52, SUN_MOVES = 34, KNOWN_AFTER = 15 };
     struct test_scene test;
     int unread = 0;
     uint64_t most_bytes = 0;
@@ -167,7 +127,7 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
         render(read, &test.scene, frame, &a);
         if (frame % 7 == 5 || frame >= SUN_MOVES) {
             render(sent, &test.scene, frame, &b);
-            assert_same_bits(a, b, frame);
+            assert_same_bits(a, b);
         } else {
             const uint64_t bytes = fly(sent, &test.scene, frame, "upscale");
             most_bytes = bytes > most_bytes ? bytes : most_bytes;
@@ -186,7 +146,7 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
  * no ray marched again until something moves. */
 static void test_what_takes_light_alone_is_made_once(void **state)
 {
-    enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 18 };
+    enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 22 };
     struct test_scene test;
     int kept = 0;
     fence_scene(&test);
@@ -200,7 +160,7 @@ static void test_what_takes_light_alone_is_made_once(void **state)
         render(unasked, &test.scene, frame, &a);
         if (frame % 7 == 5 || frame >= SUN_MOVES) {
             render(sent, &test.scene, frame, &b);
-            assert_same_bits(a, b, frame);
+            assert_same_bits(a, b);
         } else {
             const bool is_kept = fly(sent, &test.scene, frame, "march") == 0;
             assert_int_equal(is_kept && frame >= KEPT_AFTER, is_kept);
@@ -222,8 +182,8 @@ static void fill(struct test_passes *test, int target, double most, double w, ui
     for (size_t i = 0; i < test_elements(test, target); i++) {
         float value[4];
         for (int c = 0; c < 3; c++)
-            value[c] = (float)between(seed, 0.0, most);
-        value[3] = (float)between(seed, 0.0, w);
+            value[c] = (float)neph_test_uniform(seed, 0.0, most);
+        value[3] = (float)neph_test_uniform(seed, 0.0, w);
         test_set(test, target, i, value);
     }
 }
@@ -240,7 +200,7 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
     test->view.settings[RT_SOLID_MOTION] = 0.0f;
     test->view.settings[RT_COMPOSITION] = RT_COMPOSITION_PASS;
     test->view.has_history = 1;
-    test->view.frame = (uint32_t)test_random(&seed);
+    test->view.frame = (uint32_t)neph_test_random(&seed);
     test->view.exposure = test->view.exposure_before = 1.0f;
     for (int target = 0; target < RT_TARGET_COUNT; target++)
         fill(test, target, 2.0, 1.0, &seed);
@@ -250,10 +210,8 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
         test_set(test, RT_HALF_DEPTH_BEFORE, i, (float[4]){depth_m});
         test_set(test, RT_HISTORY_STATE_BEFORE, i, (float[4]){(float)(i % 9), 12.0f});
     }
-    for (size_t i = 0; i < test_elements(test, RT_CHANGE); i++) {
-        test_set(test, RT_CHANGE, i, (float[4]){1.0f, 1.0f, 1.0f, 0.0f});
-        test_set(test, RT_CHANGE_BEHIND, i, (float[4]){1.0f, 1.0f, 1.0f, 0.0f});
-    }
+    test_fill(test, RT_CHANGE, 1, 1, 1, 0);
+    test_fill(test, RT_CHANGE_BEHIND, 1, 1, 1, 0);
     test_set(test, RT_RAY, 1, (float[4]){NAN, 0.0f, 0.0f, 1.0f});
     twin_tile_index(&test->twin);
 }
@@ -272,7 +230,7 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
         open_steady(*state, round, &test);
         test_passes_run(&test, "gradient");
         uint32_t *kept = test_download(&test, RT_KEPT_RAY);
-        for (size_t r = 0; r < sizeof(rows) / sizeof(rows[0]); r++) {
+        for (size_t r = 0; r < COUNT(rows); r++) {
             test.view.settings[RT_STEADY] = RT_STEADY_UNASKED;
             test_passes_run(&test, rows[r].pass);
             uint32_t *made[2] = {NULL};
@@ -331,5 +289,5 @@ int main(void)
         cmocka_unit_test(test_passes_that_know_do_as_those_that_look),
         cmocka_unit_test(test_what_is_not_known),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

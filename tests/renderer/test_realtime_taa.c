@@ -56,7 +56,7 @@ static void test_jitter_stays_in_the_pixel_and_repeats(void **state)
 /* --- views, pictures, cameras ---------------------------------------------------------------- */
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
-enum { SIZES = sizeof(sizes_px) / sizeof(sizes_px[0]) };
+enum { SIZES = COUNT(sizes_px) };
 
 static void run(struct test_passes *test)
 {
@@ -80,12 +80,12 @@ static void test_the_pass_equals_the_twin(void **state)
         const int origin_px[2] = {round % 3 * 4, round % 2 * 8};
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[size], origin_px, start, &test);
-        const double most = brightest[test_random(&seed) % 4];
-        test.view.frame = (uint32_t)test_random(&seed);
+        const double most = brightest[neph_test_random(&seed) % 4];
+        test.view.frame = (uint32_t)neph_test_random(&seed);
         test.view.has_history = round % 16 != 0;
         test.view.is_cut = round % 8 == 1;
-        test.view.jitter_px[0] = (float)between(&seed, -0.5, 0.5);
-        test.view.jitter_px[1] = (float)between(&seed, -0.5, 0.5);
+        test.view.jitter_px[0] = (float)neph_test_uniform(&seed, -0.5, 0.5);
+        test.view.jitter_px[1] = (float)neph_test_uniform(&seed, -0.5, 0.5);
         if (round % 8 >= 6)
             test_make_parallel(&test.view, 5.0f);
         if (round % 4)
@@ -130,12 +130,12 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
         for (int t = 0; t < 2; t++) {
             const int target = t ? RT_COLOR : RT_TAA_BEFORE;
             fill_colours(&test, target, 1.0, &seed);
-            const uint64_t one_in = (uint64_t[]){1, 3, 30}[test_random(&seed) % 3];
+            const uint64_t one_in = (uint64_t[]){1, 3, 30}[neph_test_random(&seed) % 3];
             for (size_t i = 0; i < test_elements(&test, target); i++) {
                 float colour[4];
                 test_get(&test, target, i, colour);
-                if (test_random(&seed) % one_in == 0)
-                    colour[test_random(&seed) % 3] = bad[test_random(&seed) % 7];
+                if (neph_test_random(&seed) % one_in == 0)
+                    colour[neph_test_random(&seed) % 3] = bad[neph_test_random(&seed) % 7];
                 test_set(&test, target, i, colour);
             }
         }
@@ -263,9 +263,8 @@ static void test_the_history_comes_from_where_things_were(void **state)
  * finds it a place in its picture. */
 static void test_nothing_comes_from_behind(void **state)
 {
-    const struct neph_settings settings = test_settings("taa_filter=off taa_box=none");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+    test_open(*state, 8, 8, 0, &test, "taa_filter=off taa_box=none");
     test.view.has_history = 1;
     test.view.before.forward[2] = 1.0f;
     test.view.before.right[0] = -1.0f;
@@ -290,8 +289,7 @@ static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
     test->view.has_history = 1;
     test->view.now.half_width = test->view.before.half_width = 1.0f;
     test->view.now.half_height = test->view.before.half_height = 0.25f;
-    for (size_t i = 0; i < test_elements(test, RT_DEPTH); i++)
-        test_set(test, RT_DEPTH, i, (float[4]){128.0f});
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
 }
 
 /* By all filters, to the last bit; what was out of the picture is the frame's. */
@@ -309,7 +307,7 @@ static void test_a_pan_by_whole_pixels_moves_the_history_whole(void **state)
         struct test_passes test;
         open_wall(*state, text, &test);
         fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
-        for (size_t p = 0; p < sizeof(pans_px) / sizeof(pans_px[0]); p++) {
+        for (size_t p = 0; p < COUNT(pans_px); p++) {
             /* the camera was left of here: things are now farther left */
             test.view.before.position_m[0] = -(float)pans_px[p][0];
             test.view.before.position_m[1] = (float)pans_px[p][1];
@@ -340,21 +338,16 @@ static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
         bool is_reset;
     } cases[] = {{"on", 0, 0, true},  {"off", 0, 0, true},  {"on", 1, 1, true},
                  {"on", 1, 0, false}, {"off", 1, 1, false}, {"off", 1, 0, false}};
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        char text[128];
-        snprintf(text, sizeof(text), "taa_filter=off taa_box=none cut_reset=%s",
-                 cases[i].cut_reset);
-        const struct neph_settings settings = test_settings(text);
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
         uint64_t seed = 3;
-        test_passes_open(*state, &settings, (int[2]){64, 36}, (int[2]){0, 0}, seed, &test);
+        test_open(*state, 64, 36, seed, &test, "taa_filter=off taa_box=none cut_reset=%s",
+                  cases[i].cut_reset);
         test.view.has_history = cases[i].has_history;
         test.view.is_cut = cases[i].is_cut;
         fill_depths(&test, &seed);
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
-            test_set(&test, RT_COLOR, e, (float[4]){1.0f, 0.5f, 0.25f});
-            test_set(&test, RT_TAA_BEFORE, e, (float[4]){7.0f, 8.0f, 9.0f});
-        }
+        test_fill(&test, RT_COLOR, 1, 0.5f, 0.25f, 0);
+        test_fill(&test, RT_TAA_BEFORE, 7, 8, 9, 0);
         run(&test);
         take_output(&test);
         for (int y = 0; y < 36; y++)
@@ -369,9 +362,8 @@ static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
  * samples of the Gaussian can do. exp(x) of a driver is off by up to 3 + 2 |x| ulps, here 25. */
 static void test_the_filter_is_about_the_unjittered_place(void **state)
 {
-    const struct neph_settings settings = test_settings("taa_format=float taa_hdr_weight=off");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){16, 16}, (int[2]){0, 0}, 0, &test);
+    test_open(*state, 16, 16, 0, &test, "taa_format=float taa_hdr_weight=off");
     for (uint32_t frame = 0; frame < 8; frame++) {
         double jitter_px[2];
         neph_rt_jitter(RT_JITTER_UE, 8, frame, jitter_px);
@@ -425,20 +417,15 @@ static void test_the_box_is_that_of_its_name(void **state)
         {"taa_box=distance", {0.2f, 0}, 1.0, 1.0, 0.0},
         {"taa_box=distance", {-0.2f, 0}, 1.0, 1.0, 1.0},
     };
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        char text[256];
-        snprintf(text, sizeof(text),
-                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=linear %s",
-                 cases[i].settings);
-        const struct neph_settings settings = test_settings(text);
+    for (size_t i = 0; i < COUNT(cases); i++) {
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+        test_open(*state, 8, 8, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=linear %s",
+                  cases[i].settings);
         test.view.has_history = 1;
         memcpy(test.view.jitter_px, cases[i].jitter_px, sizeof(cases[i].jitter_px));
-        for (size_t e = 0; e < 64; e++) {
-            test_set(&test, RT_DEPTH, e, (float[4]){1.0f});
-            test_set(&test, RT_TAA_BEFORE, e, (float[4]){5.0f, 5.0f, 5.0f});
-        }
+        test_fill(&test, RT_DEPTH, 1, 0, 0, 0);
+        test_fill(&test, RT_TAA_BEFORE, 5, 5, 5, 0);
         twin_put_full(&test.twin, RT_COLOR, 4, 4, (float[4]){1.0f, 1.0f, 1.0f});
         run(&test);
         take_output(&test);
@@ -457,13 +444,10 @@ static void test_the_space_of_the_box_matters(void **state)
         double red, blue;
     } cases[] = {{"linear", 0.9, 0.1}, {"reinhard", 0.9, 0.1}, {"ycocg", 0.5, 0.5}};
     for (int i = 0; i < 3; i++) {
-        char text[128];
-        snprintf(text, sizeof(text),
-                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
-                 cases[i].space);
-        const struct neph_settings settings = test_settings(text);
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){8, 8}, (int[2]){0, 0}, 0, &test);
+        test_open(*state, 8, 8, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                  cases[i].space);
         test.view.has_history = 1;
         for (size_t e = 0; e < 64; e++) {
             const float grey = e % 2 ? 1.0f : 0.0f;
@@ -484,14 +468,11 @@ static void test_a_history_in_the_box_is_left_alone(void **state)
 {
     static const char *const spaces[] = {"linear", "reinhard", "ycocg"};
     for (int s = 0; s < 3; s++) {
-        char text[128];
-        snprintf(text, sizeof(text),
-                 "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
-                 spaces[s]);
-        const struct neph_settings settings = test_settings(text);
         struct test_passes test;
         uint64_t seed = 17;
-        test_passes_open(*state, &settings, (int[2]){64, 36}, (int[2]){0, 0}, 0, &test);
+        test_open(*state, 64, 36, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                  spaces[s]);
         test.view.has_history = 1;
         fill_colours(&test, RT_TAA_BEFORE, 1.0, &seed);
         for (int y = 0; y < 36; y++)
@@ -528,10 +509,9 @@ static double weight_of(double out, double frame, double history)
  * ulps, the weight to that over r. */
 static void test_the_contrast_law_takes_small_differences_whole(void **state)
 {
-    const struct neph_settings settings = test_settings(
-        "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){64, 2}, (int[2]){0, 0}, 0, &test);
+    test_open(*state, 64, 2, 0, &test,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float");
     test.view.has_history = 1;
     const float luma = 3.0f;
     for (int x = 0; x < 64; x++) {
@@ -565,8 +545,7 @@ static void test_the_weight_grows_with_speed(void **state)
               "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
               "taa_velocity_px=40",
               &test);
-    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-        test_set(&test, RT_COLOR, e, (float[4]){1.0f, 1.0f, 1.0f});
+    test_fill(&test, RT_COLOR, 1, 1, 1, 0);
     for (int speed_px = 0; speed_px <= 60; speed_px += 5) {
         /* 3 : 4 : 5 */
         test.view.before.position_m[0] = 0.8f * (float)speed_px;
@@ -593,24 +572,20 @@ static void test_what_rests_is_the_mean_of_its_frames(void **state)
     double mean = 0.0;
     for (int n = 0; n < FRAMES; n++) {
         test.view.has_history = n > 0;
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-            test_set(&test, RT_COLOR, e, (float[4]){frames[n], frames[n], frames[n]});
+        test_fill(&test, RT_COLOR, frames[n], frames[n], frames[n], 0);
         run(&test);
         take_output(&test);
         mean += (frames[n] - mean) / (n < AGE_MAX ? n + 1 : AGE_MAX + 1);
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 1), mean, 0.0, 1e-5);
         assert_true(pixel_value(&test, RT_TAA_OUT, 99, 33, 3) == (n < AGE_MAX ? n + 1 : AGE_MAX));
-        uint32_t *words = test.twin.targets[RT_TAA_BEFORE];
-        test.twin.targets[RT_TAA_BEFORE] = test.twin.targets[RT_TAA_OUT];
-        test.twin.targets[RT_TAA_OUT] = words;
+        test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
     }
     test_passes_close(&test);
 }
 
 static void put_change(struct test_passes *test, int target, float gain, float residue)
 {
-    for (size_t i = 0; i < test_elements(test, target); i++)
-        test_set(test, target, i, (float[4]){gain, gain, gain, residue});
+    test_fill(test, target, gain, gain, gain, residue);
 }
 
 /* A change of the light, of the medium or behind it, and motion each bring back weight and box: at
@@ -632,11 +607,9 @@ static void test_change_and_motion_end_the_rest(void **state)
               "taa_filter=off taa_hdr_weight=off taa_contrast=0 taa_format=float taa_alpha=0.25 "
               "taa_alpha_moving=0.25 gradient=on taa_age_max=64 taa_change=0.2 taa_rest_px=1",
               &test);
-    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
-        test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
-        test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
-    }
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, 19);
+    for (size_t i = 0; i < COUNT(cases); i++) {
         put_change(&test, RT_CHANGE, 1.0f, cases[i].medium);
         put_change(&test, RT_CHANGE_BEHIND, 1.0f, cases[i].behind);
         test.view.before.position_m[0] = cases[i].motion_px;
@@ -670,7 +643,7 @@ static void test_history_takes_the_light_along(void **state)
               "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 taa_format=float "
               "taa_alpha=0 taa_alpha_moving=0 gradient=on taa_age_max=64 taa_rest_px=1 relight=0.1",
               &test);
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
             const float medium = (float)(2.0 * cases[i].share);
             test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
@@ -727,7 +700,7 @@ static void test_the_history_goes_with_the_medium(void **state)
         {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.2", 0.0f, 64.0f, 128.0f, 0},
         {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.01", 0.0f, 64.0f, 128.0f, 16}};
     uint64_t seed = 3;
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < COUNT(cases); i++) {
         char text[256];
         snprintf(text, sizeof(text),
                  "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
@@ -768,12 +741,9 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
     static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
     static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
     for (int i = 0; i < 8; i++) {
-        char text[128];
-        snprintf(text, sizeof(text), "taa_filter=off taa_box=none taa_alpha=1 taa_format=float %s",
-                 guards[i / 4]);
-        const struct neph_settings settings = test_settings(text);
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){1, 1}, (int[2]){0, 0}, 0, &test);
+        test_open(*state, 1, 1, 0, &test,
+                  "taa_filter=off taa_box=none taa_alpha=1 taa_format=float %s", guards[i / 4]);
         test.view.has_history = 1;
         const float frame = frames[i % 4];
         test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
@@ -790,10 +760,9 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
 /* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
 static void test_hdr_weights_hold_bright_samples_back(void **state)
 {
-    const struct neph_settings settings = test_settings(
-        "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 taa_format=float");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){1, 1}, (int[2]){0, 0}, 0, &test);
+    test_open(*state, 1, 1, 0, &test,
+              "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 taa_format=float");
     test.view.has_history = 1;
     test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
     test_set(&test, RT_COLOR, 0, (float[4]){9.0f, 9.0f, 9.0f});
@@ -811,14 +780,12 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
 static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
 {
     static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};
-    const struct neph_settings settings = test_settings("taa_filter=off");
     struct test_passes test;
-    test_passes_open(vulkan, &settings, (int[2]){64, 64}, (int[2]){0, 0}, seed, &test);
-    for (size_t v = 0; v < sizeof(values) / sizeof(values[0]); v++) {
+    test_open(vulkan, 64, 64, seed, &test, "taa_filter=off");
+    for (size_t v = 0; v < COUNT(values); v++) {
         const float value = (float)values[v];
         test.view.frame = (uint32_t)v;
-        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
-            test_set(&test, RT_COLOR, e, (float[4]){value, value, value});
+        test_fill(&test, RT_COLOR, value, value, value, 0);
         run(&test);
         twin_taa(&test.twin);
         test_same_words(&test, RT_TAA_OUT, v);

@@ -9,7 +9,7 @@
 #define PLAIN "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_guard=off "
 
 static const double alphas[] = {0.04, 0.1, 0.2, 0.5};
-enum { ALPHAS = sizeof(alphas) / sizeof(alphas[0]) };
+enum { ALPHAS = COUNT(alphas) };
 
 /* A film is a test_passes whose RT_TAA_BEFORE is the last output, on both sides. */
 static void film_open(struct neph_vulkan *vulkan, const char *settings_text, const int size_px[2],
@@ -18,8 +18,7 @@ static void film_open(struct neph_vulkan *vulkan, const char *settings_text, con
     const struct neph_settings settings = test_settings(settings_text);
     test_passes_open(vulkan, &settings, size_px, (int[2]){0, 0}, 0, film);
     film->view.has_history = 1;
-    for (size_t i = 0; i < test_elements(film, RT_DEPTH); i++)
-        test_set(film, RT_DEPTH, i, (float[4]){128.0f});
+    test_fill(film, RT_DEPTH, 128, 0, 0, 0);
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_rt_device_upload(&film->device, RT_DEPTH, film->twin.targets[RT_DEPTH], &diag), &diag);
@@ -35,8 +34,7 @@ static void film_upload(struct test_passes *film, int target)
 /* The history before the first frame. */
 static void film_start(struct test_passes *film, float value)
 {
-    for (size_t i = 0; i < test_elements(film, RT_TAA_BEFORE); i++)
-        test_set(film, RT_TAA_BEFORE, i, (float[4]){value, value, value});
+    test_fill(film, RT_TAA_BEFORE, value, value, value, 0);
     film_upload(film, RT_TAA_BEFORE);
 }
 
@@ -62,31 +60,35 @@ static float film_value(const struct test_passes *film, size_t index, int channe
     return value[channel];
 }
 
-static void plain_text(char *text, size_t text_size, double alpha, const char *more)
+/* A running mean and `more`. */
+static void open_plain(struct neph_vulkan *vulkan, double alpha, const char *more,
+                       const int size_px[2], struct test_passes *film)
 {
-    snprintf(text, text_size, PLAIN "taa_alpha=%g taa_alpha_moving=%g %s", alpha, alpha, more);
+    char text[256];
+    snprintf(text, sizeof(text), PLAIN "taa_alpha=%g taa_alpha_moving=%g %s", alpha, alpha, more);
+    film_open(vulkan, text, size_px, film);
 }
 
 /* --- the exponential mean ----------------------------------------------------------------------
  */
 
-/* White noise of 64x64 pixels, three channels and 120 frames comes out with sqrt(a / (2 - a)) of
- * its deviation, as if (2 - a) / a frames had been averaged. The error of the measured deviation: a
- * frame's output remembers 1 - a of the one before, so that the frames are worth
- * 120 (1 - p) / (1 + p), p = (1 - a)^2, independent ones: 5 for a = .04, 6 10^4 numbers in all,
- * whose deviation is known to 1 / sqrt(1.2 10^5) = .29 %; twice that for the number of samples. */
+/* White noise of 64x64 pixels and three channels comes out with sqrt(a / (2 - a)) of its deviation,
+ * as if (2 - a) / a frames had been averaged. The error of the measured deviation: a frame's output
+ * remembers 1 - a of the one before, so that n frames are worth n (1 - p) / (1 + p), p = (1 - a)^2,
+ * independent ones: 5 of each a, 6 10^4 numbers in all, whose deviation is known to
+ * 1 / sqrt(1.2 10^5) = .29 %; twice that for the number of samples. */
 static void test_noise_is_averaged_by_what_alpha_says(void **state)
 {
     static const double table_factor[] = {0.143, 0.229, 0.333, 0.577},
                         table_samples[] = {49, 19, 9, 3};
     for (int a = 0; a < ALPHAS; a++) {
-        char text[256];
-        plain_text(text, sizeof(text), alphas[a], "taa_format=float");
         struct test_passes film;
-        film_open(*state, text, (int[2]){64, 64}, &film);
+        open_plain(*state, alphas[a], "taa_format=float", (int[2]){64, 64}, &film);
         film_start(&film, 1.0f);
         uint64_t seed = 20261123;
-        const int count = 120, settling = (int)(4.0 / alphas[a]); /* variance within e^-8 */
+        const double p = pow(1.0 - alphas[a], 2.0);
+        const int count = (int)ceil(5.0 * (1.0 + p) / (1.0 - p));
+        const int settling = (int)(4.0 / alphas[a]); /* variance within e^-8 */
         double squares = 0.0;
         for (int frame = 0; frame < settling + count; frame++) {
             for (size_t i = 0; i < 64 * 64; i++) {
@@ -116,10 +118,8 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
     static const double at_period_2[] = {0.0204, 0.0526, 0.111, 0.333};
     static const float four[] = {2.0f, 1.0f, 0.0f, 1.0f}, two[] = {2.0f, 0.0f};
     for (int a = 0; a < ALPHAS; a++) {
-        char text[256];
-        plain_text(text, sizeof(text), alphas[a], "taa_format=float");
         struct test_passes film;
-        film_open(*state, text, (int[2]){1, 1}, &film);
+        open_plain(*state, alphas[a], "taa_format=float", (int[2]){1, 1}, &film);
         film_start(&film, 1.0f);
         double left_before = 1.0, crossed_half = 0.0, last_four[4];
         int one_percent = 0;
@@ -148,17 +148,18 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
 enum { WALL_PX = 256 };
 
 /* 256x1 pixels of 1 m at 128 m, passing at `speed_px` a frame to the left; a Gaussian of 2 px on
- * them ends at pixel 96. Its place and variance in the history of `frame_count` frames. */
-static void pan(struct neph_vulkan *vulkan, const char *settings_text, double speed_px,
-                int frame_count, double *centre_px, double *variance_px2)
+ * them ends at pixel 96. Its place and variance in the history of 10 / alpha frames. */
+static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, double speed_px,
+                double *centre_px, double *variance_px2)
 {
     static const double sigma_px = 2.0;
+    const int frames = (int)(10.0 / alpha);
     struct test_passes film;
-    film_open(vulkan, settings_text, (int[2]){WALL_PX, 1}, &film);
+    open_plain(vulkan, alpha, words, (int[2]){WALL_PX, 1}, &film);
     film.view.now.half_width = film.view.before.half_width = 1.0f;
     film.view.before.position_m[0] = -(float)speed_px;
-    for (int frame = 0; frame < frame_count; frame++) {
-        const double at_px = 96.0 + speed_px * (frame_count - 1 - frame);
+    for (int frame = 0; frame < frames; frame++) {
+        const double at_px = 96.0 + speed_px * (frames - 1 - frame);
         for (int x = 0; x < WALL_PX; x++) {
             const double way = (x + 0.5 - at_px) / sigma_px;
             const float value = (float)exp(-0.5 * way * way);
@@ -179,19 +180,18 @@ static void pan(struct neph_vulkan *vulkan, const char *settings_text, double sp
 }
 
 /* Each bilinear sample between pixels widens by v (1 - v) px^2, and a frame of age k has had k:
- * (1 - a) / a v (1 - v) in all. What is older than 250 frames is missing: 0.96^250 of it, times its
- * age in mean ages, 4e-4. */
+ * (1 - a) / a v (1 - v) in all. What is older than 10 / a frames is missing: at most 0.96^250 of it,
+ * times its age in mean ages, 4e-4. */
 static void test_bilinear_history_blurs_as_alpha_says(void **state)
 {
     static const double table_px[] = {2.45, 1.50, 1.00, 0.50};
     for (int a = 0; a < ALPHAS; a++) {
-        char text[256];
-        plain_text(text, sizeof(text), alphas[a], "taa_format=float taa_history=bilinear");
+        static const char words[] = "taa_format=float taa_history=bilinear";
         double centre_px, variance_px2;
-        pan(*state, text, 0.5, 250, &centre_px, &variance_px2);
+        pan(*state, alphas[a], words, 0.5, &centre_px, &variance_px2);
         neph_assert_close(sqrt(variance_px2), table_px[a], 0.02, 0.0);
         neph_assert_close(centre_px, 0.0, 0.0, 0.001); /* the history keeps up */
-        pan(*state, text, 0.25, 250, &centre_px, &variance_px2);
+        pan(*state, alphas[a], words, 0.25, &centre_px, &variance_px2);
         neph_assert_close(variance_px2, (1.0 - alphas[a]) / alphas[a] * 0.25 * 0.75, 0.01, 0.0);
     }
 }
@@ -200,10 +200,9 @@ static void test_bilinear_history_blurs_as_alpha_says(void **state)
  * up to 1 each frame, at up to 128 px from the middle; the Gaussian's sum is 5. */
 static void test_catmull_rom_does_not_widen(void **state)
 {
-    char text[256];
-    plain_text(text, sizeof(text), 0.04, "taa_format=float taa_history=catmull_rom");
+    static const char words[] = "taa_format=float taa_history=catmull_rom";
     double centre_px, variance_px2;
-    pan(*state, text, 0.5, 250, &centre_px, &variance_px2);
+    pan(*state, 0.04, words, 0.5, &centre_px, &variance_px2);
     neph_assert_close(variance_px2, 0.0, 0.0, 0.02);
     neph_assert_close(centre_px, 0.0, 0.0, 0.001);
 }
@@ -215,10 +214,8 @@ static void test_catmull_rom_does_not_widen(void **state)
  * whole ulps, and a step of 0.04 d < 1/2 is none. So the history stays 12 ulps short, 1.2 %. */
 static void test_a_history_in_halves_stalls(void **state)
 {
-    char text[256];
-    plain_text(text, sizeof(text), 0.04, "taa_format=half taa_rounding=nearest");
     struct test_passes film;
-    film_open(*state, text, (int[2]){64, 1}, &film);
+    open_plain(*state, 0.04, "taa_format=half taa_rounding=nearest", (int[2]){64, 1}, &film);
     film_start(&film, 1.0f);
     for (size_t x = 0; x < 64; x++) {
         const float value = 1.0f + (float)x * 0x1p-10f;
@@ -237,10 +234,8 @@ static void test_a_history_in_halves_stalls(void **state)
  * and four times that is allowed; 0.96^200 of the 6 ulps are still to come: 0.002. */
 static void test_rounding_by_chance_does_not_stall(void **state)
 {
-    char text[256];
-    plain_text(text, sizeof(text), 0.04, "taa_format=half taa_rounding=stochastic");
     struct test_passes film;
-    film_open(*state, text, (int[2]){64, 64}, &film);
+    open_plain(*state, 0.04, "taa_format=half taa_rounding=stochastic", (int[2]){64, 64}, &film);
     film_start(&film, 1.0f);
     const float value = 1.0f + 6.0f * 0x1p-10f;
     for (size_t i = 0; i < 64 * 64; i++)

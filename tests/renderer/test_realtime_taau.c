@@ -3,15 +3,13 @@
  * Temporal upsampling: its places, one frame of it against the twin, what many frames make of a
  * pattern that is known everywhere, and the pipeline with fewer pixels than its picture.
  */
-#include "tests/renderer/march_test.h"
+#include "tests/renderer/sequence_test.h"
 #include "tests/renderer/taa_test.h"
 
-#include "base/files.h"
 #include "renderer/realtime/jitter.h"
-#include "renderer/realtime/pipeline.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
-enum { SIZES = sizeof(sizes_px) / sizeof(sizes_px[0]) };
+enum { SIZES = COUNT(sizes_px) };
 
 /* --- sizes and places ------------------------------------------------------------------------- */
 
@@ -22,7 +20,7 @@ static void test_less_is_rendered_by_the_percentage(void **state)
         int picture_px, percent, rendered_px;
     } cases[] = {{1920, 50, 960}, {1080, 67, 724}, {1917, 50, 959}, {641, 100, 641},
                  {641, 99, 635},  {1, 50, 1},      {2, 50, 1},      {3, 50, 2}};
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+    for (size_t i = 0; i < COUNT(cases); i++)
         assert_int_equal(neph_rt_rendered_px(cases[i].picture_px, cases[i].percent),
                          cases[i].rendered_px);
 }
@@ -64,11 +62,11 @@ static void test_the_pass_equals_the_twin(void **state)
         struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round % SIZES], (int[2]){0, 0}, 3 * start,
                          &test);
-        const double most = brightest[test_random(&seed) % 4];
-        test.view.frame = (uint32_t)test_random(&seed);
+        const double most = brightest[neph_test_random(&seed) % 4];
+        test.view.frame = (uint32_t)neph_test_random(&seed);
         test.view.has_history = round % 16 != 0;
-        test.view.jitter_px[0] = (float)between(&seed, -0.5, 0.5);
-        test.view.jitter_px[1] = (float)between(&seed, -0.5, 0.5);
+        test.view.jitter_px[0] = (float)neph_test_uniform(&seed, -0.5, 0.5);
+        test.view.jitter_px[1] = (float)neph_test_uniform(&seed, -0.5, 0.5);
         if (round % 4)
             move_camera(&test.view, round % 4 == 1 ? 3.1 : 0.02, 2.0, &seed);
         fill_depths(&test, &seed);
@@ -99,12 +97,9 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
     size_t count = 0;
     struct test_passes test;
     for (int k = 0; k < 2; k++) {
-        char text[128];
-        snprintf(text, sizeof(text), "taa_box=distance taa_contrast=0 taa_format=float %s",
-                 kinds[k]);
-        const struct neph_settings settings = test_settings(text);
         uint64_t seed = 5;
-        test_passes_open(*state, &settings, (int[2]){64, 36}, (int[2]){0, 0}, 0, &test);
+        test_open(*state, 64, 36, 0, &test, "taa_box=distance taa_contrast=0 taa_format=float %s",
+                  kinds[k]);
         test.view.has_history = 1;
         test.view.jitter_px[0] = 0.3f;
         test.view.jitter_px[1] = -0.45f;
@@ -156,16 +151,12 @@ static struct kept find_wave(const struct test_passes *film, int y, double perio
 /* A camera at rest before waves, 1.5 cycles of the jitter's places. */
 static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double period_px)
 {
-    char text[256];
-    snprintf(text, sizeof(text),
-             "taa=on screen_percent=%d taa_box=none taa_hdr_weight=off taa_contrast=0 "
-             "taa_alpha=0.1 taa_format=float",
-             percent);
-    const struct neph_settings settings = test_settings(text);
     struct test_passes film;
-    test_passes_open(vulkan, &settings, (int[2]){120, 8}, (int[2]){0, 0}, 0, &film);
-    for (size_t i = 0; i < test_elements(&film, RT_DEPTH); i++)
-        test_set(&film, RT_DEPTH, i, (float[4]){128.0f});
+    test_open(vulkan, 120, 8, 0, &film,
+              "taa=on screen_percent=%d taa_box=none taa_hdr_weight=off taa_contrast=0 "
+              "taa_alpha=0.1 taa_format=float",
+              percent);
+    test_fill(&film, RT_DEPTH, 128, 0, 0, 0);
     const struct neph_gpu_view *view = &film.view;
     const int length = (int)view->settings[RT_TAA_JITTER_LENGTH];
     for (int frame = 0; frame < 5 * length; frame++) {
@@ -181,9 +172,7 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
                               (float[4]){(float)wave(place, period_px)});
             }
         twin_taa(&film.twin);
-        uint32_t *const out = film.twin.targets[RT_TAA_OUT];
-        film.twin.targets[RT_TAA_OUT] = film.twin.targets[RT_TAA_BEFORE];
-        film.twin.targets[RT_TAA_BEFORE] = out;
+        test_swap(&film, RT_TAA_OUT, RT_TAA_BEFORE);
     }
     const struct kept kept = find_wave(&film, 4, period_px);
     test_passes_close(&film);
@@ -212,19 +201,6 @@ static void test_waves_come_back_that_no_frame_has(void **state)
 
 /* --- the pipeline ----------------------------------------------------------------------------- */
 
-static char cache_folder[] = "/tmp/neph-test-taau-XXXXXX";
-
-static int setup(void **state)
-{
-    return mkdtemp(cache_folder) ? test_vulkan_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    neph_dir_remove(cache_folder, NULL);
-    return test_vulkan_teardown(state);
-}
-
 enum { WIDTH_PX = 64, HEIGHT_PX = 37 };
 
 static void scene_posts(struct test_scene *test)
@@ -240,54 +216,38 @@ static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_
                                   const char *text, int frame_count)
 {
     const struct neph_settings settings = test_settings(text);
-    const struct neph_realtime_params params = {.width_px = WIDTH_PX,
-                                                .height_px = HEIGHT_PX,
-                                                .settings = &settings,
-                                                .seed = 7,
-                                                .cache_folder = cache_folder};
-    struct neph_realtime *realtime = NULL;
+    struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
     for (int i = 0; i < frame_count; i++) {
-        const struct neph_realtime_frame frame = {scene, i, NULL};
         neph_image_destroy(image);
-        neph_assert_ok(neph_realtime_render(realtime, &frame, &image, NULL, &diag), &diag);
+        image = test_next(realtime, scene, i, NULL);
     }
     neph_realtime_destroy(realtime);
     return image;
-}
-
-static double rmse(const struct neph_image *image, const struct neph_image *truth)
-{
-    const float *a = neph_image_channel(image, "G"), *b = neph_image_channel(truth, "G");
-    double sum = 0.0;
-    for (size_t i = 0; i < neph_image_pixel_count(truth); i++)
-        sum += pow((double)a[i] - (double)b[i], 2.0);
-    return sqrt(sum / (double)neph_image_pixel_count(truth));
 }
 
 /* At half the size, marched whole or split: the picture has its own size and shape, all channels,
  * and at most half of the squared error that its rendered pixels have when made larger. */
 static void test_a_smaller_frame_makes_the_whole_picture(void **state)
 {
-    static const char *const splits[] = {"split=none", "split=four ray_dither=none"};
+    static const char *const images[] = {"split=none screen_percent=50",
+                                         "split=four ray_dither=none screen_percent=50"};
+    static const char *const larger[] = {
+        "split=none screen_percent=50 taa_jitter=none taa_filter=off",
+        "split=four ray_dither=none screen_percent=50 taa_jitter=none taa_filter=off"};
     struct test_scene test;
     scene_posts(&test);
     struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
     for (int s = 0; s < 2; s++) {
-        char text[128];
-        snprintf(text, sizeof(text), "%s screen_percent=50", splits[s]);
-        struct neph_image *image = last_of(*state, &test.scene, text, 64);
-        snprintf(text, sizeof(text), "%s screen_percent=50 taa_jitter=none taa_filter=off",
-                 splits[s]);
-        struct neph_image *blocks = last_of(*state, &test.scene, text, 8);
+        struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
+        struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
         assert_int_equal(image->width_px, WIDTH_PX);
         assert_int_equal(image->height_px, HEIGHT_PX);
         assert_int_equal(image->channel_count, truth->channel_count);
-        print_message("%s: rmse %.4f, of its pixels made larger %.4f\n", splits[s],
-                      rmse(image, truth), rmse(blocks, truth));
-        assert_true(pow(rmse(image, truth) / rmse(blocks, truth), 2.0) < 0.5);
+        const double error = test_rmse(image, truth), of_blocks = test_rmse(blocks, truth);
+        print_message("%s: rmse %.4f, of its pixels made larger %.4f\n", images[s], error,
+                      of_blocks);
+        assert_true(pow(error / of_blocks, 2.0) < 0.5);
         /* 37 rows are 19 rendered ones: row y is within the rendered (2 y + 1) 19 / 74 */
         const float *depth_m = neph_image_channel(image, "Z");
         for (int y = 0; y < HEIGHT_PX; y++)
@@ -328,5 +288,5 @@ int main(void)
         cmocka_unit_test(test_a_smaller_frame_makes_the_whole_picture),
         cmocka_unit_test(test_what_cannot_be_upsampled_says_so),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

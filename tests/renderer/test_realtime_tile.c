@@ -8,28 +8,10 @@
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-/* RT_TILE on the device, from the half-resolution depths that it has. */
 static void run_tile_index(struct test_passes *test)
 {
-    struct neph_diag diag = {0};
-    *test->device.view = test->view;
-    neph_assert_ok(neph_rt_device_run(&test->device, neph_rt_pass_named("tile index"), &diag),
-                   &diag);
-}
-
-static void upload(struct test_passes *test, int target)
-{
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_rt_device_upload(&test->device, target, test->twin.targets[target], &diag),
-                   &diag);
-}
-
-/* The device's RT_TILE becomes the twin's, to be looked at. */
-static void fetch_back(struct test_passes *test, int target)
-{
-    struct neph_diag diag = {0};
-    neph_assert_ok(
-        neph_rt_device_download(&test->device, target, test->twin.targets[target], &diag), &diag);
+    test_passes_run(test, "tile index");
+    test_take(test, RT_TILE);
 }
 
 static int slot_at(const struct test_passes *test, int x, int y)
@@ -44,7 +26,7 @@ static float random_depth_m(uint64_t *seed)
 {
     static const float depths_m[] = {8.0f,     10.0f,    12.5f,    10.0f,         100.0f,
                                      15000.0f, 20000.0f, 25000.0f, NEPH_GPU_FAR_M};
-    const size_t i = test_random(seed) % (sizeof(depths_m) / sizeof(depths_m[0]) + 1);
+    const size_t i = neph_test_random(seed) % (COUNT(depths_m) + 1);
     return i ? depths_m[i - 1] : (float)exp(14.0 * test_uniform(seed));
 }
 
@@ -54,23 +36,23 @@ static struct neph_settings random_settings(uint64_t *seed, int override, int fa
     settings.values[RT_OVERRIDE] = override;
     settings.values[RT_FAR] = far;
     settings.values[RT_GATHER] = gather;
-    settings.values[RT_SLOT_ORDER] = (double)(test_random(seed) % 4);
-    settings.values[RT_SLOT_CHECKERBOARD] = (double)(test_random(seed) % 2);
-    settings.values[RT_TILE_ORIGIN] = (double)(test_random(seed) % 2);
-    settings.values[RT_DEPTH_FORMAT] = (double)(test_random(seed) % 2);
-    settings.values[RT_OVERRIDE_DEPTH] = test_random(seed) % 2 ? 0.25 : 0.0;
-    settings.values[RT_SKY_M] = test_random(seed) % 2 ? 20000.0 : 1e15;
-    settings.values[RT_OVERRIDE_SKY_M] = test_random(seed) % 2 ? 20000.0 : 1e6;
-    settings.values[RT_RAY_DEPTH_MAX_M] = test_random(seed) % 2 ? 10000.0 : 1e15;
+    settings.values[RT_SLOT_ORDER] = (double)(neph_test_random(seed) % 4);
+    settings.values[RT_SLOT_CHECKERBOARD] = (double)(neph_test_random(seed) % 2);
+    settings.values[RT_TILE_ORIGIN] = (double)(neph_test_random(seed) % 2);
+    settings.values[RT_DEPTH_FORMAT] = (double)(neph_test_random(seed) % 2);
+    settings.values[RT_OVERRIDE_DEPTH] = neph_test_random(seed) % 2 ? 0.25 : 0.0;
+    settings.values[RT_SKY_M] = neph_test_random(seed) % 2 ? 20000.0 : 1e15;
+    settings.values[RT_OVERRIDE_SKY_M] = neph_test_random(seed) % 2 ? 20000.0 : 1e6;
+    settings.values[RT_RAY_DEPTH_MAX_M] = neph_test_random(seed) % 2 ? 10000.0 : 1e15;
     return settings;
 }
 
 /* Scenes of one depth nearly everywhere are what overrides happen in. */
 static void fill_depths(struct test_passes *test, uint64_t *seed)
 {
-    const uint64_t one_in = 1 + test_random(seed) % 12;
+    const uint64_t one_in = 1 + neph_test_random(seed) % 12;
     for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
-        const bool is_odd_one_out = test_random(seed) % one_in == 0;
+        const bool is_odd_one_out = neph_test_random(seed) % one_in == 0;
         test_set(test, RT_HALF_DEPTH, i,
                  (float[4]){is_odd_one_out ? random_depth_m(seed) : NEPH_GPU_FAR_M});
     }
@@ -83,14 +65,12 @@ static void compare_with_twin(struct neph_vulkan *vulkan, const struct neph_sett
     struct test_passes test;
     const int origin_px[2] = {seed % 2 ? 8 : 0, seed % 2 ? 4 : 0};
     test_passes_open(vulkan, settings, size_px, origin_px, seed, &test);
-    test.view.frame = (uint32_t)test_random(&random);
-    test.view.resting = test_random(&random) % 8 == 0;
+    test.view.frame = (uint32_t)neph_test_random(&random);
+    test.view.resting = neph_test_random(&random) % 8 == 0;
     fill_depths(&test, &random);
     for (size_t i = 0; i < neph_rt_device_words(&test.device, RT_TILE); i++)
-        test.twin.targets[RT_TILE][i] = (uint32_t)test_random(&random); /* of another frame */
-    upload(&test, RT_HALF_DEPTH);
-    upload(&test, RT_TILE);
-    run_tile_index(&test);
+        test.twin.targets[RT_TILE][i] = (uint32_t)neph_test_random(&random); /* of another frame */
+    test_passes_run(&test, "tile index");
     twin_tile_index(&test.twin);
     test_same_words(&test, RT_TILE, seed);
     test_passes_close(&test);
@@ -99,13 +79,13 @@ static void compare_with_twin(struct neph_vulkan *vulkan, const struct neph_sett
 static void test_tile_index_equals_the_twin(void **state)
 {
     uint64_t seed = 1;
-    for (size_t s = 0; s < sizeof(sizes_px) / sizeof(sizes_px[0]); s++) {
+    for (size_t s = 0; s < COUNT(sizes_px); s++) {
         const bool is_large = sizes_px[s][0] > 200;
         for (int i = 0; i < 2 * 12; i++) {
             const struct neph_settings settings = random_settings(&seed, i % 3, i / 3 % 2,
                                                                   i / 6 % 2);
             if (!is_large || i % 5 == 0)
-                compare_with_twin(*state, &settings, sizes_px[s], test_random(&seed));
+                compare_with_twin(*state, &settings, sizes_px[s], neph_test_random(&seed));
         }
     }
 }
@@ -115,18 +95,13 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
 {
     static const char *const orders[] = {"clockwise", "raster", "diagonal", "anticlockwise"};
     for (int i = 0; i < 8; i++) {
-        char assignments[100];
-        snprintf(assignments, sizeof(assignments),
-                 "override=none slot_order=%s slot_checkerboard=%s", orders[i % 4],
-                 i < 4 ? "on" : "off");
-        const struct neph_settings settings = test_settings(assignments);
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){21, 10}, (int[2]){0, 0}, 1, &test);
+        test_open(*state, 21, 10, 1, &test, "override=none slot_order=%s slot_checkerboard=%s",
+                  orders[i % 4], i < 4 ? "on" : "off");
         unsigned marched[6 * 3] = {0};
         for (uint32_t frame = 0; frame < 4; frame++) {
             test.view.frame = 0xffffffffu - 1u + frame; /* over the counter's end */
             run_tile_index(&test);
-            fetch_back(&test, RT_TILE);
             for (int t = 0; t < 18; t++) {
                 const int *place = twin_slot_place(&test.view, slot_at(&test, t % 6, t / 6));
                 marched[t] |= 1u << (place[0] + 2 * place[1]);
@@ -153,14 +128,12 @@ static void test_which_orders_see_near_and_far(void **state)
         {"override=none slot_order=clockwise slot_checkerboard=off", 0},
         {"override=none slot_order=raster slot_checkerboard=off", 0},
     };
-    for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
-        const struct neph_settings settings = test_settings(cases[c].assignments);
+    for (size_t c = 0; c < COUNT(cases); c++) {
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){40, 24}, (int[2]){0, 0}, 1, &test);
+        test_open(*state, 40, 24, 1, &test, "%s", cases[c].assignments);
         int seeing = 0;
         for (test.view.frame = 0; test.view.frame < 4; test.view.frame++) {
             run_tile_index(&test);
-            fetch_back(&test, RT_TILE);
             bool both_everywhere = true, both_anywhere = false;
             for (int t = 0; t < 10 * 6; t++) {
                 unsigned kinds = 0;
@@ -185,18 +158,12 @@ static void test_infinite_sky_starves_three_slots(void **state)
 {
     static const char *const overrides[] = {"parallel", "sequential"};
     for (int i = 0; i < 4; i++) {
-        char assignments[100];
-        snprintf(assignments, sizeof(assignments), "override=%s far=%s", overrides[i % 2],
-                 i / 2 ? "infinite" : "finite");
-        const struct neph_settings settings = test_settings(assignments);
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){20, 12}, (int[2]){0, 0}, 1, &test);
-        for (size_t e = 0; e < test_elements(&test, RT_HALF_DEPTH); e++)
-            test_set(&test, RT_HALF_DEPTH, e, (float[4]){NEPH_GPU_FAR_M});
-        upload(&test, RT_HALF_DEPTH);
+        test_open(*state, 20, 12, 1, &test, "override=%s far=%s", overrides[i % 2],
+                  i / 2 ? "infinite" : "finite");
+        test_fill(&test, RT_HALF_DEPTH, NEPH_GPU_FAR_M, 0, 0, 0);
         for (test.view.frame = 0; test.view.frame < 8; test.view.frame++) {
             run_tile_index(&test);
-            fetch_back(&test, RT_TILE);
             for (int t = 0; t < 15; t++) {
                 const int x = t % 5, y = t / 5;
                 assert_int_equal(slot_at(&test, x, y),
@@ -213,15 +180,12 @@ static void test_infinite_sky_starves_three_slots(void **state)
 /* What a half keeps of a depth is off by its rounding, 2^-11. */
 static void test_stored_depths(void **state)
 {
-    const struct neph_settings settings = test_settings("override=none ray_depth_max_m=10000");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){4096, 1}, (int[2]){0, 0}, 1, &test);
+    test_open(*state, 4096, 1, 1, &test, "override=none ray_depth_max_m=10000");
     uint64_t seed = 7;
     for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
         test_set(&test, RT_HALF_DEPTH, i, (float[4]){(float)exp(11.0 * test_uniform(&seed))});
-    upload(&test, RT_HALF_DEPTH);
     run_tile_index(&test);
-    fetch_back(&test, RT_TILE);
     for (int x = 0; x < 1024; x++) {
         const int *place = twin_slot_place(&test.view, slot_at(&test, x, 0));
         float tile[4], depth[4];
@@ -252,12 +216,8 @@ static void test_a_view_decides_alone(void **state)
                 twin_fetch_half(&beside.twin, RT_HALF_DEPTH, x, y, depth);
                 twin_put_half(&alone.twin, RT_HALF_DEPTH, x, y, depth);
             }
-        upload(&alone, RT_HALF_DEPTH);
-        upload(&beside, RT_HALF_DEPTH);
         run_tile_index(&alone);
         run_tile_index(&beside);
-        fetch_back(&alone, RT_TILE);
-        fetch_back(&beside, RT_TILE);
         int different = 0;
         for (int t = 0; t < 16 * 9; t++) {
             float a[4], b[4];
@@ -278,16 +238,13 @@ static void test_a_view_decides_alone(void **state)
  * they do not stop at its side. */
 static void test_normalised_coordinates_leave_the_view(void **state)
 {
-    const struct neph_settings settings = test_settings("override=none gather=normalised");
     struct test_passes test;
-    test_passes_open(*state, &settings, (int[2]){61, 4}, (int[2]){0, 0}, 4, &test);
+    test_open(*state, 61, 4, 4, &test, "override=none gather=normalised");
     assert_int_equal(test.view.targets[RT_HALF_DEPTH].width, 33);
     for (size_t e = 0; e < test_elements(&test, RT_HALF_DEPTH); e++)
         test_set(&test, RT_HALF_DEPTH, e, (float[4]){e % 33 < 31 ? 10.0f : 500.0f});
-    upload(&test, RT_HALF_DEPTH);
     for (test.view.frame = 0; test.view.frame < 4; test.view.frame++) {
         run_tile_index(&test);
-        fetch_back(&test, RT_TILE);
         for (int x = 0; x < 16; x++) {
             const bool is_outside = x == 15 &&
                                     twin_slot_place(&test.view, slot_at(&test, x, 0))[0] == 1;
@@ -443,7 +400,6 @@ static struct coverage measure_coverage(struct test_passes *test)
     unsigned marched[MAP_TILES * MAP_TILES] = {0};
     for (test->view.frame = 0; test->view.frame < 4; test->view.frame++) {
         run_tile_index(test);
-        fetch_back(test, RT_TILE);
         const int unmatched = count_unmatched(test);
         coverage.unmatched += unmatched;
         if (unmatched > coverage.unmatched_worst)
@@ -481,15 +437,14 @@ static void test_coverage_equals_the_python_program(void **state)
     float(*depths_m)[MAP_PX * MAP_PX] = malloc(MAP_COUNT * sizeof(*depths_m));
     make_maps(depths_m);
     for (int mode = 0; mode < MODE_COUNT; mode++) {
-        const struct neph_settings settings = test_settings(modes[mode]);
         struct test_passes test;
-        test_passes_open(*state, &settings, (int[2]){MAP_PX, MAP_PX}, (int[2]){0, 0}, 1, &test);
+        test_open(*state, MAP_PX, MAP_PX, 1, &test, "%s", modes[mode]);
         for (int map = 0; map < MAP_COUNT; map++) {
             for (size_t i = 0; i < MAP_PX * MAP_PX; i++)
                 twin_put_full(&test.twin, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
                               (float[4]){depths_m[map][i]});
             test_passes_run(&test, "depth map");
-            fetch_back(&test, RT_HALF_DEPTH);
+            test_take(&test, RT_HALF_DEPTH);
             const struct coverage actual = measure_coverage(&test);
             const struct coverage *expected = &maps[map].expected[mode];
             if (memcmp(&actual, expected, sizeof(actual)) != 0)
@@ -518,17 +473,18 @@ static void test_the_tile_index_makes_the_depth_map_as_its_pass_does(void **stat
         for (size_t i = 0; i < test_elements(&test, RT_STEADY_DEPTH); i++)
             test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
         test_passes_run(&test, "depth map");
-        run_tile_index(&test);
-        for (int t = 0; t < 2; t++)
-            fetch_back(&test, targets[t]);
-        uint32_t *blank = calloc(neph_rt_device_words(&test.device, RT_HALF_DEPTH), sizeof(*blank));
-        struct neph_diag diag = {0};
-        neph_assert_ok(neph_rt_device_upload(&test.device, RT_HALF_DEPTH, blank, &diag), &diag);
-        free(blank);
+        test_take(&test, RT_HALF_DEPTH);
+        test_passes_run(&test, "tile index");
+        uint32_t *const by_two[] = {test_download(&test, RT_HALF_DEPTH),
+                                    test_download(&test, RT_TILE)};
+        test_fill(&test, RT_HALF_DEPTH, 0, 0, 0, 0);
         test.view.settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-        run_tile_index(&test);
-        for (int t = 0; t < 2; t++)
+        test_passes_run(&test, "tile index");
+        for (int t = 0; t < 2; t++) {
+            free(test.twin.targets[targets[t]]);
+            test.twin.targets[targets[t]] = by_two[t];
             test_same_words(&test, targets[t], round);
+        }
         test_passes_close(&test);
     }
 }

@@ -20,16 +20,6 @@ static double open_by_wall(struct neph_vec3 point_m)
     return k >= 1.0 ? 1.0 : 1.0 - (acos(k) - k * sqrt(1.0 - k * k)) / M_PI;
 }
 
-/* The form factor, for a plane, of a rectangle that stands on it, of which a lower corner is at
- * `distance_m` along its normal (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration
- * Factors", B-4). */
-static double standing_rectangle(double distance_m, double width_m, double height_m)
-{
-    const double slant_m = hypot(distance_m, height_m);
-    return (atan(width_m / distance_m) - distance_m / slant_m * atan(width_m / slant_m)) /
-           (2.0 * M_PI);
-}
-
 static const double block_half_m = 0.9, block_height_m = 0.8;
 
 static double open_by_block(struct neph_vec3 point_m)

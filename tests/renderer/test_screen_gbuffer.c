@@ -25,12 +25,7 @@ static void set_room(struct test_scene *test)
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test->scene.environment_light = true;
     test->scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.5, 0.7, 0.4});
-    test->scene.light_count = 1;
-    test->scene.lights[0] = (struct neph_light){.position_m = {-0.5, 2.5, 1.5},
-                                                .intensity_w_per_sr = {2.0, 1.5, 1.0},
-                                                .axis = {0.0, -1.0, 0.0},
-                                                .inner_cosine = -2.0,
-                                                .outer_cosine = -3.0};
+    screen_add_light(test, (struct neph_vec3){-0.5, 2.5, 1.5});
     test_add_box(test, (struct neph_vec3){-20, -1, -20}, (struct neph_vec3){20, 0, 20});
     last_solid(test)->surface.texture = (struct neph_paint){
         .cell_m = 0.7, .pattern = NEPH_PATTERN_CHECKER, .other = {0.1, 0.2, 0.3}};
@@ -52,14 +47,6 @@ static void set_room(struct test_scene *test)
 struct buffers {
     float *depth, *normal, *base, *direct;
 };
-
-static float *read_target(struct neph_screening *screen, int target)
-{
-    struct neph_diag diag = {0};
-    float *texels = malloc(4 * WIDTH * HEIGHT * sizeof(*texels));
-    neph_assert_ok(neph_screening_read(screen, target, texels, &diag), &diag);
-    return texels;
-}
 
 static bool near(double a, double b, double relative, double absolute)
 {
@@ -103,9 +90,10 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
     set_room(&test);
     struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
     neph_image_destroy(screen_next(screen, &test));
-    const struct buffers got = {
-        read_target(screen, SCREEN_DEPTH), read_target(screen, SCREEN_NORMAL),
-        read_target(screen, SCREEN_BASE), read_target(screen, SCREEN_DIRECT)};
+    const struct buffers got = {screen_read(screen, WIDTH, HEIGHT, SCREEN_DEPTH),
+                                screen_read(screen, WIDTH, HEIGHT, SCREEN_NORMAL),
+                                screen_read(screen, WIDTH, HEIGHT, SCREEN_BASE),
+                                screen_read(screen, WIDTH, HEIGHT, SCREEN_DIRECT)};
     int others = 0;
     for (int p = 0; p < WIDTH * HEIGHT; p++)
         others += !is_twin(&test, &got, p);

@@ -53,7 +53,7 @@ static const struct {
      "gi_smooth=3 ssr=on ssr_resolution=full ssr_rays=4 ssr_steps=64 ssr_roughest=1 "
      "ssr_history=16 ssr_smooth=2 targets=float16 warm_up=31"},
 };
-enum { FROZEN_COUNT = sizeof(frozen) / sizeof(frozen[0]) };
+enum { FROZEN_COUNT = COUNT(frozen) };
 
 static void assert_text(const struct neph_settings *settings, const char *expected)
 {

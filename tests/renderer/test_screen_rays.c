@@ -20,12 +20,7 @@ static void set_mirror(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){0.0, 0.7, 0.0};
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test->scene.sun.present = false;
-    test->scene.light_count = 1;
-    test->scene.lights[0] = (struct neph_light){.position_m = {0.5, 1.2, 0.4},
-                                                .intensity_w_per_sr = {2.0, 1.5, 1.0},
-                                                .axis = {0.0, -1.0, 0.0},
-                                                .inner_cosine = -2.0,
-                                                .outer_cosine = -3.0};
+    screen_add_light(test, (struct neph_vec3){0.5, 1.2, 0.4});
     test_add_box(test, (struct neph_vec3){-9, -1, -9}, (struct neph_vec3){9, 0, 9});
     test->solids[0].surface.metalness = 1.0;
     test_add_box(test, (struct neph_vec3){-9, 0, -1}, (struct neph_vec3){9, 9, -0.5});
@@ -129,14 +124,6 @@ static void set_lit_wall(struct test_scene *test)
     test->solids[1].albedo = make_grey(0.8);
 }
 
-/* As in test_screen_ao.c. */
-static double standing_rectangle(double distance_m, double width_m, double height_m)
-{
-    const double slant_m = hypot(distance_m, height_m);
-    return (atan(width_m / distance_m) - distance_m / slant_m * atan(width_m / slant_m)) /
-           (2.0 * M_PI);
-}
-
 /* How far the light of a white floor is off by the first bounce, and biased, over pixels before the
  * wall, relative to all of it. */
 struct floor_gap {
@@ -190,14 +177,6 @@ static void test_light_of_a_wall(void **state)
 }
 
 /* ---- the mean over frames -------------------------------------------------------------------- */
-
-static float *counts_of(struct neph_screening *screen)
-{
-    struct neph_diag diag = {0};
-    float *counts = malloc(4 * WIDTH * HEIGHT * sizeof(*counts));
-    neph_assert_ok(neph_screening_read(screen, SCREEN_GI_COUNT, counts, &diag), &diag);
-    return counts;
-}
 
 /* The lit wall, which is pushed and turned, before a camera that goes to the side. */
 struct moving {
@@ -265,7 +244,7 @@ static void test_history_goes_with_the_surface(void **state)
                                               "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
     for (int i = -5; i <= 1; i++)
         neph_assert_ok(neph_screening_frame(screen, scene, i, NULL, NULL, &diag), &diag);
-    float *counts = counts_of(screen);
+    float *counts = screen_read(screen, WIDTH, HEIGHT, SCREEN_GI_COUNT);
     struct neph_scene *now = still_at(scene, 1.0), *before = still_at(scene, 0.0);
     int kept[2] = {0}, forgotten[2] = {0}, fresh = 0, strange = 0;
     for (int p = 0; p < WIDTH * HEIGHT; p++) {

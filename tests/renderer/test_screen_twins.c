@@ -19,12 +19,7 @@ static void set_things(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){0.0, 0.5, 0.0};
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test->scene.environment_light = true;
-    test->scene.light_count = 1;
-    test->scene.lights[0] = (struct neph_light){.position_m = {0.5, 1.6, 1.4},
-                                                .intensity_w_per_sr = {2.0, 1.5, 1.0},
-                                                .axis = {0.0, -1.0, 0.0},
-                                                .inner_cosine = -2.0,
-                                                .outer_cosine = -3.0};
+    screen_add_light(test, (struct neph_vec3){0.5, 1.6, 1.4});
     test_add_box(test, (struct neph_vec3){-9, -1, -9}, (struct neph_vec3){9, 0, 9});
     test_add_box(test, (struct neph_vec3){-0.9, 0, -0.5}, (struct neph_vec3){-0.1, 0.9, 0.3});
     test->solids[1].turn = (struct neph_turn){1, cos(0.4), sin(0.4)};
@@ -95,8 +90,7 @@ static void render(struct neph_vulkan *vulkan, const char *settings, enum kind k
     for (int t = 0; t < SCREEN_TARGET_COUNT; t++) {
         if (!(targets_used(&both->settings) >> t & 1u))
             continue;
-        both->texels[t] = malloc(4 * WIDTH * HEIGHT * sizeof(float));
-        neph_assert_ok(neph_screening_read(both->screen, t, both->texels[t], &diag), &diag);
+        both->texels[t] = screen_read(both->screen, WIDTH, HEIGHT, t);
         both->twin.targets[t] = both->texels[t];
     }
 }
@@ -190,10 +184,10 @@ static void test_occlusion(void **state)
         "ao=ssao ao_bias=0.01 ao_radius_m=2",
         "ao=unreal ao_places=pixel ao_radius_m=2 ao_directions=6 ao_steps=3 targets=float16",
     };
-    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+    for (size_t i = 0; i < COUNT(by_day); i++)
         check_occlusion(*state, by_day[i], PLAIN);
     check_occlusion(*state, "ao=gtao ao_slices=axis", FLAT);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+    for (size_t i = 0; i < COUNT(by_night) && neph_test_is_night(); i++)
         for (int kind = PLAIN; kind <= FLAT; kind++)
             check_occlusion(*state, by_night[i], (enum kind)kind);
 }
@@ -242,7 +236,7 @@ static void test_rays(void **state)
         return;
     check_rays(*state, "", PLAIN, 1);
     check_rays(*state, "", FLAT, 2);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]); i++)
+    for (size_t i = 0; i < COUNT(by_night); i++)
         check_rays(*state, by_night[i], PLAIN, 3);
 }
 
@@ -391,10 +385,10 @@ static void test_blur_and_smoothing(void **state)
         HALF "gi_smooth=1 ssr_smooth=1 ao_blur_px=1",
         HALF "gi_smooth=2 ssr_smooth=2 ao_blur_px=3 targets=float16",
     };
-    for (size_t i = 0; i < sizeof(by_day) / sizeof(by_day[0]); i++)
+    for (size_t i = 0; i < COUNT(by_day); i++)
         for (int kind = ROUGH; kind <= FLAT_ROUGH; kind++)
             check_smoothing(*state, by_day[i], (enum kind)kind);
-    for (size_t i = 0; i < sizeof(by_night) / sizeof(by_night[0]) && neph_test_is_night(); i++)
+    for (size_t i = 0; i < COUNT(by_night) && neph_test_is_night(); i++)
         for (int kind = PLAIN; kind <= FLAT_ROUGH; kind++)
             check_smoothing(*state, by_night[i], (enum kind)kind);
 }
@@ -465,6 +459,35 @@ static void test_a_mirror_finds_what_is_shown(void **state)
     drop(&both);
 }
 
+/* While nothing moves: the n-th frame counts 1 / n, until the history is full. */
+static void test_the_mean_over_frames(void **state)
+{
+    struct test_scene test;
+    struct neph_diag diag = {0};
+    double mean[WIDTH * HEIGHT] = {0.0};
+    set_things(&test);
+    struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT,
+                                              "ao=off ssr=off gi_smooth=0 gi_rays=1 gi_history=3");
+    for (int frame = 1; frame <= 6; frame++) {
+        static const int targets[] = {SCREEN_DEPTH, SCREEN_GI_RAW, SCREEN_GI_MEAN, SCREEN_GI_COUNT};
+        float *texels[4];
+        neph_assert_ok(neph_screening_frame(screen, &test.scene, 0.0, NULL, NULL, &diag), &diag);
+        for (int t = 0; t < 4; t++)
+            texels[t] = screen_read(screen, WIDTH, HEIGHT, targets[t]);
+        const int count = frame < 4 ? frame : 4;
+        for (int p = 0; p < WIDTH * HEIGHT; p++) {
+            mean[p] += (texels[1][4 * p + 3] - mean[p]) / count;
+            if (texels[0][4 * p] >= 1e15f) /* the sky */
+                continue;
+            neph_assert_close(texels[3][4 * p], count, 0.0, 0.0);
+            neph_assert_close(texels[2][4 * p + 3], mean[p], 0.0, 1e-3);
+        }
+        for (int t = 0; t < 4; t++)
+            free(texels[t]);
+    }
+    neph_screening_destroy(screen);
+}
+
 /* Without rays there is the sky, where it is open. */
 static void test_the_picture_without_rays(void **state)
 {
@@ -483,6 +506,7 @@ int main(void)
         cmocka_unit_test(test_half_resolution),
         cmocka_unit_test(test_blur_and_smoothing),
         cmocka_unit_test(test_a_mirror_finds_what_is_shown),
+        cmocka_unit_test(test_the_mean_over_frames),
         cmocka_unit_test(test_the_picture_without_rays),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

@@ -83,7 +83,6 @@ static void test_kept_for_the_next_run(void **state)
 /* Each thing that a shader is made from changes its name. */
 static void test_the_key(void **state)
 {
-    (void)state;
     enum { KEYS = 5 };
     char keys[KEYS][NEPH_HASH_HEX_SIZE];
     const uint32_t code[3] = {1, 2, 3}, constants[3] = {4, 5, 6}, others[3] = {4, 5, 7};
@@ -131,7 +130,6 @@ static void test_damaged_files(void **state)
 /* A folder that cannot be: nothing is kept, and nobody is told. (Root writes to read-only ones.) */
 static void test_no_folder(void **state)
 {
-    (void)state;
     struct neph_shader_cache *cache = open_cache("/dev/null/cache");
     put(cache, 1);
     assert_false(has(cache, 1));

@@ -128,8 +128,8 @@ static struct ray ray_of(const struct test_scene *test, const struct probe *p)
                         4.0 * epsilon * size_m};
 }
 
-/* Worst error in parts of what is allowed, for people; and how many probes were left out, or have met
- * the medium. */
+/* Worst error in parts of what is allowed, for people; how many probes were left out, and how many
+ * have met the medium. */
 struct worst {
     double extinction, depth;
     int left_out, met;

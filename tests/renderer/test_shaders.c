@@ -49,8 +49,8 @@ static const uint64_t seed = 20240607;
 #define PROBES_MAX 20000
 static struct probe *new_probes(void)
 {
-    struct probe *probes = calloc(PROBES_MAX, sizeof(*probes));
-    assert_non_null(probes);
+    static struct probe probes[PROBES_MAX];
+    memset(probes, 0, sizeof(probes));
     return probes;
 }
 
@@ -124,7 +124,6 @@ static void test_phi_and_friends(void **state)
     }
     print_message("phi: worst relative error %.2e\n", worst_phi);
     free(answers);
-    free(probes);
 }
 
 static void test_sum_of_many_steps_keeps_its_digits(void **state)
@@ -137,7 +136,6 @@ static void test_sum_of_many_steps_keeps_its_digits(void **state)
     for (int i = 0; i < 4; i++) /* a plain sum of 0.1 is off by 1e-3 here */
         neph_assert_close(answers[i].value[0], 60000.0 * (double)terms[i], epsilon, 0.0);
     free(answers);
-    free(probes);
 }
 
 /* The driver of lavapipe ends loops in silence (see compute.h): up to the limit that the renderers
@@ -164,7 +162,6 @@ static void test_loops_make_all_their_turns(void **state)
     answers = ask(*state, probes, 1);
     print_message("of 1000000 turns in one thread, %.0f are made\n", (double)answers[0].value[0]);
     free(answers);
-    free(probes);
 }
 
 /* --- phase functions ---------------------------------------------------------------------- */
@@ -210,7 +207,6 @@ static void test_phase_functions(void **state)
     }
     print_message("phase: worst error is %.2f of what is allowed\n", worst);
     free(answers);
-    free(probes);
 }
 
 /* --- fog ---------------------------------------------------------------------------------- */
@@ -294,7 +290,6 @@ static void test_fog_optical_depth(void **state)
     print_message("fog: %d of %d transmittances compared\n", compared, count);
     assert_true(compared > count * 9 / 10);
     free(answers);
-    free(probes);
 }
 
 static void test_fog_extinction(void **state)
@@ -318,7 +313,6 @@ static void test_fog_extinction(void **state)
                           layer.extinction_per_m * 2e-38 + 2e-38);
     }
     free(answers);
-    free(probes);
 }
 
 /* The ends of a march need only be roughly right: what they leave out must be as small as said. */
@@ -359,7 +353,6 @@ static void test_fog_distances_leave_out_what_they_say(void **state)
         }
     }
     free(answers);
-    free(probes);
 }
 
 /* --- solids ------------------------------------------------------------------------------- */
@@ -425,7 +418,6 @@ static void test_boxes(void **state)
     print_message("boxes: %d met, %d grazing of %d\n", met, grazing, count);
     assert_true(met > count / 10 && grazing < count / 1000);
     free(answers);
-    free(probes);
 }
 
 /* What the device knows of a sphere when the camera is at the origin. */
@@ -483,7 +475,6 @@ static void test_spheres(void **state)
     print_message("spheres: %d met, %d grazing of %d\n", met, grazing, count);
     assert_true(met > count / 10 && grazing < count / 100);
     free(answers);
-    free(probes);
 }
 
 /* The Earth below, from up to 100 m over it: where rays meet the ground. Its place is exact in
@@ -531,7 +522,6 @@ static void test_the_ground_of_a_planet(void **state)
     print_message("the ground of a planet: %d rays of %d\n", met, count);
     assert_true(met > count / 2);
     free(answers);
-    free(probes);
 }
 
 /* --- halves ------------------------------------------------------------------------------- */
@@ -608,7 +598,6 @@ static void test_what_a_drivers_halves_are_worth(void **state)
     print_message("halves: read right %d, written right %d\n", (right & NEPH_HALVES_READ) != 0,
                   (right & NEPH_HALVES_WRITTEN) != 0);
     assert_int_equal(right, (NEPH_HALVES_READ | NEPH_HALVES_WRITTEN) & ~wrong);
-    free(probes);
 }
 
 int main(void)

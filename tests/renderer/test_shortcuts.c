@@ -494,7 +494,6 @@ static void test_what_is_of_no_use_is_refused(void **state)
         {{.skip = true}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
         {{.sun_cache = true, .sun_cache_voxels = 64}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
     };
-    (void)state;
     struct test_scene test;
     test_scene_init(&test);
     add_blob(&test);
@@ -537,11 +536,14 @@ static void test_skipping_refuses_media_that_part(void **state)
 
 /* --- in real time --------------------------------------------------------------------------- */
 
-/* The second of two frames. */
+/* The second of two frames. By day of the march itself, whose kernels are there, by night of the
+ * split frame. */
 static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        const char *assignments, struct neph_realtime_stats *stats)
 {
-    const struct neph_settings settings = test_preset(NULL, assignments);
+    struct neph_settings settings = test_preset(NULL, assignments);
+    if (!neph_test_is_night())
+        settings.values[RT_SPLIT] = RT_SPLIT_NONE;
     const struct neph_realtime_params params = {WIDTH_PX, HEIGHT_PX, &settings, 7, NULL};
     return test_film(vulkan, scene, &params, 2, stats);
 }

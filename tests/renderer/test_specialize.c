@@ -7,6 +7,7 @@
 #include "tests/renderer/probe.h"
 
 #include "renderer/shader_code.h"
+#include "renderer/shaders/realtime_names.h"
 #include "renderer/specialize.h"
 
 #include <zlib.h>
@@ -170,17 +171,18 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
 
 static void test_valid_whatever_the_constants(void **state)
 {
-    enum { TRIES = 3, COUNT = 12 };
+    enum { COUNT = 12 };
+    const size_t tries = (size_t)neph_test_by_day(1, 3);
     const uint64_t seed = 20261123;
     uint64_t random = seed;
-    for (size_t i = 0; i < TRIES * sizeof(shaders) / sizeof(shaders[0]); i++) {
+    for (size_t i = 0; i < tries * sizeof(shaders) / sizeof(shaders[0]); i++) {
         uint32_t constants[COUNT], *spirv = NULL;
         size_t bytes = 0, whole_bytes = 0;
         for (int j = 0; j < COUNT; j++)
             constants[j] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
-        const size_t shader = i / TRIES;
+        const size_t shader = i / tries;
         print_message("%s, seed %llu, try %zu\n", shaders[shader].name, (unsigned long long)seed,
-                      i % TRIES);
+                      i % tries);
         specialize(shaders[shader].code, shaders[shader].code_bytes, constants, COUNT, &spirv,
                    &bytes, &whole_bytes);
         assert_false(has_open_constants(spirv, bytes));
@@ -189,10 +191,40 @@ static void test_valid_whatever_the_constants(void **state)
     }
 }
 
+/* Bits that a shader does not read make no other kernel (kernel.c), whatever they are: the words of
+ * both are the same. A step of the real-time pipeline reads few of 150 settings. */
+static void test_bits_that_are_not_read_change_nothing(void **state)
+{
+    (void)state;
+    enum { COUNT = RT_CONSTANT_COUNT };
+    uint64_t random = 39;
+    for (size_t i = 0; i < sizeof(shaders) / sizeof(shaders[0]); i++) {
+        uint32_t all[COUNT], read[COUNT], *words[2] = {NULL};
+        size_t bytes[2], whole_bytes;
+        int unread = 0;
+        if (!neph_test_is_night() && shaders[i].code != taa_code && shaders[i].code != probe_code)
+            continue;
+        for (int c = 0; c < COUNT; c++) {
+            all[c] = (uint32_t)neph_test_random(&random) >> neph_test_random(&random) % 32;
+            read[c] = all[c] & neph_shader_constant_bits(shaders[i].code, c);
+            unread += __builtin_popcount(~neph_shader_constant_bits(shaders[i].code, c));
+        }
+        specialize(shaders[i].code, shaders[i].code_bytes, all, COUNT, &words[0], &bytes[0],
+                   &whole_bytes);
+        specialize(shaders[i].code, shaders[i].code_bytes, read, COUNT, &words[1], &bytes[1],
+                   &whole_bytes);
+        print_message("%s: %d of %d bits are not read\n", shaders[i].name, unread, 32 * COUNT);
+        assert_int_equal(bytes[0], bytes[1]);
+        assert_memory_equal(words[0], words[1], bytes[0]);
+        assert_true(shaders[i].code != taa_code || unread > 32 * RT_CHOICE_CONSTANT_COUNT - 4 * 40);
+        free(words[0]);
+        free(words[1]);
+    }
+}
+
 /* A march of nothing knows no medium, no light and no cloud. */
 static void test_unused_goes(void **state)
 {
-    (void)state;
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
@@ -209,7 +241,6 @@ static void test_unused_goes(void **state)
 static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
-    (void)state;
     const uint32_t constants[3] = {[2] = 8};
     uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
@@ -224,15 +255,20 @@ static void test_the_size_of_work_groups_stays(void **state)
 
 /* --- what is refused ---------------------------------------------------------------------- */
 
-/* As pack_shader.py packs, with constants 1 and 33. */
+enum { PACKED_HEAD = 2 + 34 };
+
+/* As pack_shader.py packs, with constant 1 and the lowest digit of constant 33. */
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
-    uLongf deflated = 60 * sizeof(*packed);
+    uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
     memset(packed, 0, 64 * sizeof(*packed));
     packed[0] = (uint32_t)size_bytes;
-    packed[1] = packed[2] = 2;
-    assert_int_equal(compress((Bytef *)(packed + 4), &deflated, module, size_bytes), Z_OK);
-    return 4 * sizeof(*packed) + deflated;
+    packed[1] = 34;
+    packed[2 + 1] = UINT32_MAX;
+    packed[2 + 33] = 15;
+    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, module, size_bytes),
+                     Z_OK);
+    return PACKED_HEAD * sizeof(*packed) + deflated;
 }
 
 /* The batch that needs a kernel is told of its shader, its constants and the reason. */
@@ -245,7 +281,7 @@ static void test_a_refused_shader_is_named(void **state)
         .code = packed,
         .code_bytes = pack(no_spirv, sizeof(no_spirv), packed),
         .constant_count = 34,
-        .constants = {[1] = 7, [2] = 8, [33] = 9},
+        .constants = {[1] = 7, [2] = 8, [33] = 0x79},
     };
     const struct neph_dispatch dispatch = {.group_count = 1};
     const struct neph_kernel *kernel = NULL;
@@ -263,7 +299,6 @@ static void test_a_refused_shader_is_named(void **state)
 
 static void test_a_damaged_shader_is_found(void **state)
 {
-    (void)state;
     static const uint32_t module[16] = {1, 2, 3};
     uint32_t packed[64], *words = NULL;
     size_t size_bytes = 0;
@@ -273,10 +308,10 @@ static void test_a_damaged_shader_is_found(void **state)
     assert_int_equal(size_bytes, sizeof(module));
     assert_memory_equal(words, module, sizeof(module));
     free(words);
-    assert_true(neph_shader_has_constant(packed, 1) && neph_shader_has_constant(packed, 33));
-    assert_false(neph_shader_has_constant(packed, 0) || neph_shader_has_constant(packed, 34) ||
-                 neph_shader_has_constant(packed, 96));
-    packed[5] ^= 0x100;
+    static const uint32_t bits[][2] = {{0, 0}, {1, UINT32_MAX}, {33, 15}, {34, 0}, {96, 0}};
+    for (size_t i = 0; i < COUNT(bits); i++)
+        assert_int_equal(neph_shader_constant_bits(packed, (int)bits[i][0]), bits[i][1]);
+    packed[PACKED_HEAD + 1] ^= 0x100;
     assert_int_equal(neph_shader_unpack(packed, bytes, &words, &size_bytes, &diag),
                      NEPH_ERR_INTERNAL);
 }
@@ -286,6 +321,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_way),
         cmocka_unit_test(test_valid_whatever_the_constants),
+        cmocka_unit_test(test_bits_that_are_not_read_change_nothing),
         cmocka_unit_test(test_unused_goes),
         cmocka_unit_test(test_the_size_of_work_groups_stays),
         cmocka_unit_test(test_a_refused_shader_is_named),

@@ -53,7 +53,6 @@ static uint32_t once(uint32_t x)
 
 static uint32_t yes(uint32_t x)
 {
-    (void)x;
     return 1;
 }
 
@@ -105,7 +104,6 @@ static void test_what_is_kept_is_right(void **state)
 
 static void test_what_is_lost_is_found(void **state)
 {
-    (void)state;
     for (uint32_t way = 0; way < WAYS; way++) {
         const struct neph_kernel_params params = params_of(way);
         struct neph_spirv_lost lost;
@@ -124,7 +122,6 @@ static void test_what_is_lost_is_found(void **state)
  * that: threads that leave last have their own. Such a kernel is a message of validation's. */
 static void test_the_fault(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_vulkan_create(NULL, &vulkan, &diag), &diag);
@@ -139,7 +136,6 @@ static void test_the_fault(void **state)
 
 static void test_validation_tells(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = NULL;
     const struct neph_kernel *kernel = NULL;
     const struct neph_kernel_params kept = params_of(1), lost = params_of(2);

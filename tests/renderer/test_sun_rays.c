@@ -148,7 +148,6 @@ static void test_in_an_even_medium(void **state)
 
 static void test_other_rays_are_refused(void **state)
 {
-    (void)state;
     static const struct neph_shortcuts refused[] = {
         {.sun_growth = 4.5}, {.sun_growth = 1.0005}, {.sun_cone = 1.5}, {.sun_cone = -0.1}};
     struct test_scene test;

@@ -3,10 +3,10 @@
  * Traced light: a slab by adding and doubling, white furnaces of every medium, texels against the
  * tracer, and pictures that follow each other.
  */
+#include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
 
 #include "renderer/march_scene.h"
-#include "truth/slab.h"
 
 enum { WIDTH_PX = 32, HEIGHT_PX = 18, PATHS = 16, SEEDS = 4, PICTURES = 24 };
 
@@ -23,12 +23,6 @@ static struct neph_march_params params_of(uint32_t seed)
     };
 }
 
-static struct neph_image *march(struct neph_vulkan *vulkan, const struct test_scene *test,
-                                const struct neph_march_params *params)
-{
-    return test_march(vulkan, &test->scene, params, NULL);
-}
-
 /* The mean of a channel; each value is finite and not negative. */
 static double mean_of(const struct neph_image *frame, const char *channel)
 {
@@ -43,13 +37,7 @@ static double mean_of(const struct neph_image *frame, const char *channel)
     return sum / (double)count;
 }
 
-static struct neph_medium *no_sky(struct test_scene *test, struct neph_medium *medium)
-{
-    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    test->scene.background_w_per_m2_sr = make_grey(0.0);
-    test->scene.sun.irradiance_w_per_m2 = make_grey(1.0);
-    return medium;
-}
+static const double slab_fov_rad = 0.002;
 
 /* --- slabs --------------------------------------------------------------------------------- */
 
@@ -64,51 +52,18 @@ static const struct {
      true},
 };
 
-/* From y = 0 to 1, seen in a narrow angle: all pixels as good as in one direction. */
-static void slab_scene(struct test_scene *test, const struct neph_slab_params *slab,
-                       bool from_below)
-{
-    test_scene_init(test);
-    struct neph_medium *medium = no_sky(test, test_add_medium(test, slab->optical_depth, 0.0, 0.0));
-    medium->bounds.min_m.y = 0.0;
-    medium->bounds.max_m.y = 1.0;
-    medium->albedo = make_grey(slab->albedo);
-    medium->phase = slab->phase;
-    const double sine = sqrt(1.0 - slab->sun_cosine * slab->sun_cosine);
-    test->scene.sun.direction = (struct neph_vec3){sine, slab->sun_cosine, 0.0};
-    test->scene.vertical_fov_rad = 0.002;
-    test->key.position_m = (struct neph_vec3){0.0, from_below ? -0.5 : 1.5, 0.0};
-    test->key.look_at_m = (struct neph_vec3){0.7, 0.5, 0.3};
-}
-
-static double slab_per_sr(const struct test_scene *test, const struct neph_slab_params *of)
-{
-    const struct neph_vec3 view = neph_scene_camera(&test->scene, 0.0).forward;
-    const double cosine = fabs(view.y), azimuth_rad = atan2(view.z, view.x);
-    struct neph_slab_params params = *of;
-    struct neph_slab *slab = NULL;
-    struct neph_diag diag = {0};
-    params.view_count = 1;
-    params.view_cosines = &cosine;
-    neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
-    const double radiance = view.y < 0.0 ? neph_slab_reflected_per_sr(slab, 0, azimuth_rad)
-                                         : neph_slab_transmitted_per_sr(slab, 0, azimuth_rad);
-    neph_slab_destroy(slab);
-    return radiance;
-}
-
 /* Within four standard errors, found from seeds, and those within 2 %: so a wrong order of
  * scattering, which is 5 % and more here, is seen. */
 static void test_slabs_are_those_of_adding_and_doubling(void **state)
 {
     for (size_t s = 0; s < sizeof(slabs) / sizeof(slabs[0]); s++) {
         struct test_scene test;
-        slab_scene(&test, &slabs[s].slab, slabs[s].from_below);
+        slab_scene(&test, &slabs[s].slab, slabs[s].from_below, slab_fov_rad);
         const double truth = slab_per_sr(&test, &slabs[s].slab);
         double sum = 0.0, squares = 0.0;
         for (uint32_t seed = 0; seed < SEEDS; seed++) {
             const struct neph_march_params params = params_of(seed);
-            struct neph_image *frame = march(*state, &test, &params);
+            struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
             const double mean = mean_of(frame, "volume.G") / truth - 1.0;
             sum += mean;
             squares += mean * mean;
@@ -156,22 +111,25 @@ static const struct {
 
 /* In a sky of 1 that lights all alike, what absorbs nothing cannot be seen. Each path brings home
  * 1; what is off is those under way at the end for those at the start, and nothing where they count
- * that ahead. */
-static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_params *params)
+ * that ahead. By day only of one scene: others are kernels of their own. */
+static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_params *params,
+                           size_t by_day)
 {
-    for (size_t f = 0; f < COUNT(furnaces); f += (size_t)neph_test_by_day(2, 1)) {
+    for (size_t f = 0; f < COUNT(furnaces); f++) {
         struct test_scene test;
+        if (f != by_day && !neph_test_is_night())
+            continue;
         test_scene_init(&test);
         furnaces[f].build(&test);
         if (params->light.similar > 0.0)
             test.scene.media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
         for (int m = 0; m < test.scene.medium_count; m++)
             test.scene.media[m].albedo = make_grey(1.0);
-        no_sky(&test, NULL);
+        make_sunlit(&test);
         test.scene.sun.present = false;
         test.scene.background_w_per_m2_sr = make_grey(1.0);
         test.scene.environment_light = true;
-        struct neph_image *frame = march(vulkan, &test, params);
+        struct neph_image *frame = test_march(vulkan, &test.scene, params, NULL);
         const double radiance = mean_of(frame, "G");
         print_message("%s: %.5f\n", furnaces[f].name, radiance);
         assert_true(mean_of(frame, "transmittance.G") < 0.95);
@@ -182,13 +140,14 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
 
 static void test_white_furnaces(void **state)
 {
+    enum { BLOB, SHELL, BLOB_AND_FOG };
     struct neph_march_params params = params_of(7);
-    check_furnaces(*state, &params);
+    check_furnaces(*state, &params, BLOB_AND_FOG);
     params.light.rounds = 1;
     params.light.looks_ahead = true;
-    check_furnaces(*state, &params);
+    check_furnaces(*state, &params, BLOB);
     params.light.similar = 1.0;
-    check_furnaces(*state, &params);
+    check_furnaces(*state, &params, BLOB);
 }
 
 /* --- texels ----------------------------------------------------------------------------------- */
@@ -296,7 +255,7 @@ static void dense_blob(struct test_scene *test)
                                         make_blob(3.0, (struct neph_vec3){0.0, 1.6, -10.0}, 3.0));
     blob->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
     blob->albedo = make_grey(0.98);
-    no_sky(test, NULL);
+    make_sunlit(test);
 }
 
 static void check_texels(const struct texel held[RUNS][TEXELS],
@@ -349,7 +308,7 @@ static void test_sky_and_ground(void **state)
         if (ground) {
             test_add_box(&test, (struct neph_vec3){-40.0, -9.0, -60.0},
                          (struct neph_vec3){40.0, -8.0, 40.0});
-            test.solids[0].albedo = make_grey(0.9);
+            test.solids[test.scene.solid_count - 1].albedo = make_grey(0.9);
         } else {
             test.scene.background_w_per_m2_sr = make_grey(0.3);
             test.scene.environment_light = true;
@@ -415,7 +374,7 @@ static void test_orders_that_had_no_time(void **state)
                                           NULL, 24};
     struct test_scene test;
     double errors[2];
-    slab_scene(&test, &slab, true);
+    slab_scene(&test, &slab, true, slab_fov_rad);
     const double truth = slab_per_sr(&test, &slab);
     for (int ahead = 0; ahead < 2; ahead++) {
         struct neph_march_params params = params_of(1);
@@ -427,7 +386,7 @@ static void test_orders_that_had_no_time(void **state)
                                                  .memory = 32,
                                                  .blur_texels = 1.0,
                                                  .looks_ahead = ahead};
-        struct neph_image *frame = march(*state, &test, &params);
+        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         errors[ahead] = mean_of(frame, "volume.G") / truth - 1.0;
         neph_image_destroy(frame);
     }
@@ -450,7 +409,7 @@ static void test_paths_that_end_ahead(void **state)
     struct neph_diag diag = {0};
     struct neph_march_params params = params_of(1);
     double sum = 0.0, squares = 0.0, spread[2];
-    slab_scene(&test, &slab, true);
+    slab_scene(&test, &slab, true, slab_fov_rad);
     const struct neph_vec3 sun = test.scene.sun.direction;
     const double truth = slab_per_sr(&test, &slab);
     for (int ends = 0; ends < 2; ends++) {
@@ -494,7 +453,7 @@ static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, 
     struct neph_march_params params = params_of(4);
     params.light = (struct neph_light_paths){
         .texel_px = 1, .paths = 3, .rounds = 24, .memory = 1, .similar = similar, .seed = 4};
-    struct neph_image *frame = march(vulkan, test, &params);
+    struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
     const float *light = neph_image_channel(frame, "volume.G");
     const double mean = mean_of(frame, "volume.G");
     double squares = 0.0;
@@ -517,10 +476,10 @@ static void test_similar_media(void **state)
         {{4.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.9}, 0.7, 0, NULL, 24}, false, 0.03},
         {{16.0, 0.95, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.9}, 0.7, 0, NULL, 24}, true, 0.03},
     };
-    for (size_t r = 0; r < COUNT(rows); r++) {
+    for (size_t r = (size_t)neph_test_by_day(1, 0); r < COUNT(rows); r++) {
         struct test_scene test;
         double bias[2], rms[2];
-        slab_scene(&test, &rows[r].slab, rows[r].from_below);
+        slab_scene(&test, &rows[r].slab, rows[r].from_below, slab_fov_rad);
         const double truth = slab_per_sr(&test, &rows[r].slab);
         for (int i = 0; i < 2; i++)
             off_slab(*state, &test, truth, 0.2 * i, &bias[i], &rms[i]);
@@ -552,7 +511,7 @@ static void moving_scene(struct test_scene *test, struct neph_camera_key keys[2]
     test_scene_init(test);
     add_blob(test);
     test->scene.media[0].albedo = make_grey(1.0);
-    no_sky(test, NULL);
+    make_sunlit(test);
     keys[0] = keys[1] = test->key;
     keys[1].frame = PICTURES - 1;
     keys[1].position_m = (struct neph_vec3){4.0, 2.0, -2.0};
@@ -572,7 +531,7 @@ static void test_light_follows_a_camera(void **state)
     struct neph_image *moving = play(*state, &test.scene, 1, PICTURES);
     struct neph_march_params params = params_of(5);
     params.frame = PICTURES - 1;
-    struct neph_image *still = march(*state, &test, &params);
+    struct neph_image *still = test_march(*state, &test.scene, &params, NULL);
     const double ratio = mean_of(moving, "volume.G") / mean_of(still, "volume.G");
     print_message("after %d pictures in motion: %.4f of a picture at rest\n", PICTURES, ratio);
     assert_true(fabs(ratio - 1.0) < 0.05);
@@ -617,10 +576,9 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    (void)state;
     test_scene_init(&test);
     add_blob(&test);
-    no_sky(&test, NULL);
+    make_sunlit(&test);
     struct neph_march_params params = params_of(1);
     for (size_t i = 0; i < COUNT(bad); i++) {
         params.light = bad[i];

@@ -24,7 +24,7 @@ static struct neph_tracer_params params_of(int width_px, int height_px, int samp
     return (struct neph_tracer_params){.width_px = width_px,
                                        .height_px = height_px,
                                        .seed = seed,
-                                       .sun_nodes = NEPH_TRACER_SUN_NODES,
+                                       .sun_nodes = 4096, /* the default is for large frames */
                                        .samples = samples,
                                        .time_limit_s = INFINITY};
 }
@@ -134,7 +134,6 @@ static void judge_skewed(const char *name, struct verdict v, double skewness, do
 static double exact_single(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                            const void *context)
 {
-    (void)i, (void)context;
     const struct neph_rgb light =
         neph_transport_ray(&test->scene, test->key.position_m, ray).radiance;
     return channel == 0 ? light.r : channel == 1 ? light.g : light.b;
@@ -185,14 +184,6 @@ static void test_single_scattering_is_exact_transport(void **state)
 }
 
 /* --- clouds -------------------------------------------------------------------------------- */
-
-static void teardown(struct test_scene *test)
-{
-    for (int i = 0; i < test->scene.medium_count; i++) {
-        neph_grid_destroy(test->scene.media[i].grid);
-        neph_horizon_destroy(test->scene.media[i].horizon);
-    }
-}
 
 /* Smooth and lumpy, zero in places; 2.2 x 1.4 x 2.2 m ahead of the camera. */
 static void scene_grid(struct test_scene *test)
@@ -298,7 +289,7 @@ static void test_clouds_in_single_scattering(void **state)
         struct neph_image *frame = render(*state, &test, &params, NULL);
         judge(names[s], compare(&test, frame, exact_single, NULL), 2.0 / 64.0);
         neph_image_destroy(frame);
-        teardown(&test);
+        scene_teardown(&test);
     }
 }
 
@@ -358,7 +349,7 @@ static void test_a_grid_beneath_dark_fog(void **state)
     verdict.exact_error = fmax(0.0, verdict.exact_error - 7.0 / SAMPLES);
     judge("grid beneath dark fog", verdict, 2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
     neph_image_destroy(frame);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Fog 2^30 m beneath a grid, where a float32 knows a ray's way to 128 m: 13 mean free paths of the
@@ -391,7 +382,7 @@ static void test_a_grid_far_from_the_fog_below(void **state)
     judge("grid far from fog", compare(&test, frame, exact_single, NULL),
           2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
     neph_image_destroy(frame);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* All that is known of light scattered once where the sun stands straight ahead: from everywhere on
@@ -399,7 +390,6 @@ static void test_a_grid_far_from_the_fog_below(void **state)
 static double lit_from_behind(const struct test_scene *test, struct neph_vec3 ray, int i,
                               int channel, const void *context)
 {
-    (void)ray, (void)i;
     const double tau = *(const double *)context;
     const struct neph_rgb light = test->scene.sun.irradiance_w_per_m2;
     const struct neph_rgb albedo = test->scene.media[0].albedo;
@@ -438,7 +428,7 @@ static void test_procedural_clouds_against_the_light(void **state)
     judge_skewed("Horizon in fog, 16", compare(&test, frame, lit_from_behind, &optical_depth),
                  skewness, params.samples);
     neph_image_destroy(frame);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* A sun in the plane of a box's face: whether a place on the face lies in the box is a matter of
@@ -512,7 +502,7 @@ static void test_without_scattering_the_rest_is_exact(void **state)
     judge("no scattering", v, 0.0);
     assert_int_equal(v.count, 0);
     neph_image_destroy(frame);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Kernels know which kinds of media there are, and leave out what the others would need: each shape
@@ -535,7 +525,7 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
             snprintf(name, sizeof(name), "shape %zu in fog %zu", s, f);
             judge(name, compare(&test, frame, exact_single, NULL), 0.0);
             neph_image_destroy(frame);
-            teardown(&test);
+            scene_teardown(&test);
         }
 }
 
@@ -554,14 +544,15 @@ static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
 /* The surroundings' light as well, as in the furnace, which shares the kernels. */
 static void test_clouds_are_those_of_the_oracle(void **state)
 {
-    for (size_t s = 0; s < COUNT(clouds); s += (size_t)neph_test_by_day(2, 1)) {
+    const bool is_night = neph_test_is_night(); /* by day the spikes stand for other grids */
+    for (size_t s = is_night ? 0 : 2; s < COUNT(clouds); s += is_night ? 1 : 2) {
         struct test_scene test;
         test_scene_init(&test);
         clouds[s].build(&test);
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         test.scene.environment_light = true;
         judge_by_oracle(*state, clouds[s].name, &test, s >= FIRST_SLOW ? 128 : 256);
-        teardown(&test);
+        scene_teardown(&test);
     }
 }
 
@@ -573,7 +564,7 @@ static void test_a_grid_in_fog_is_that_of_the_oracle(void **state)
     add_bank(&test, 0.3);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     judge_by_oracle(*state, "grid in fog", &test, 128);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Light scattered once, the guess of its place among all that there is: colour, fog, a solid that
@@ -588,7 +579,7 @@ static void test_guessed_clouds_are_those_of_the_oracle(void **state)
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.05, 0.5, -1.0});
     test.scene.environment_light = true;
     judge_by_oracle(*state, "Horizon, single", &test, 128);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Single nodes in a void: nearly every node is far above the density around it. 16 nodes have 17
@@ -617,7 +608,7 @@ static void test_spikes_are_those_of_the_oracle(void **state)
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test.scene.environment_light = true;
     judge_by_oracle(*state, "spikes", &test, 1024);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Light is not seen at once in a breath of cloud: that is no error of 0. */
@@ -661,7 +652,7 @@ static void test_level_rays_stay_in_their_cells(void **state)
         for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
             sums[i] += (double)green[p];
         neph_image_destroy(frame);
-        teardown(&test);
+        scene_teardown(&test);
         neph_assert_close(sums[i], sums[0], 1e-5, 0.0);
     }
 }
@@ -669,7 +660,6 @@ static void test_level_rays_stay_in_their_cells(void **state)
 static double one(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                   const void *context)
 {
-    (void)test, (void)ray, (void)i, (void)channel, (void)context;
     return 1.0;
 }
 
@@ -690,8 +680,10 @@ static void heat(struct test_scene *test)
  * chance, else each path brings home 1. */
 static void test_clouds_in_the_white_furnace(void **state)
 {
-    for (size_t s = 0; s < sizeof(clouds) / sizeof(clouds[0]); s++) {
+    for (size_t s = 0; s < COUNT(clouds); s++) {
         struct test_scene test;
+        if (s > 0 && s < FIRST_SLOW && !neph_test_is_night())
+            continue; /* kernels of their own, of what "all media" has among its own */
         test_scene_init(&test);
         clouds[s].build(&test);
         heat(&test);
@@ -701,34 +693,15 @@ static void test_clouds_in_the_white_furnace(void **state)
         judge(clouds[s].name, v, 0.3);
         assert_true(v.count == 0 || s >= FIRST_OF_CHANCE);
         neph_image_destroy(frame);
-        teardown(&test);
+        scene_teardown(&test);
     }
 }
 
 /* --- multiple scattering: slabs ----------------------------------------------------------- */
 
-/* A slab from y = 0 to 1, wide as the world. */
-static void slab_scene(struct test_scene *test, const struct neph_slab_params *slab,
-                       bool from_below)
-{
-    test_scene_init(test);
-    struct neph_medium *medium = test_add_medium(test, slab->optical_depth, 0.0, 0.0);
-    medium->bounds.min_m.y = 0.0;
-    medium->bounds.max_m.y = 1.0;
-    medium->albedo = (struct neph_rgb){slab->albedo, slab->albedo, slab->albedo};
-    medium->phase = slab->phase;
-    test->scene.background_w_per_m2_sr = (struct neph_rgb){0.0, 0.0, 0.0};
-    test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    const double sine = sqrt(1.0 - slab->sun_cosine * slab->sun_cosine);
-    test->scene.sun.direction = (struct neph_vec3){sine, slab->sun_cosine, 0.0};
-    test->scene.sun.irradiance_w_per_m2 = (struct neph_rgb){1.0, 1.0, 1.0};
-    test->scene.vertical_fov_rad = 0.04; /* 48 pixels wide */
-    test->key.position_m = (struct neph_vec3){0.0, from_below ? -0.5 : 1.5, 0.0};
-    test->key.look_at_m = (struct neph_vec3){0.7, from_below ? 0.5 : 0.5, 0.3};
-}
-
 /* Frames of slabs are one row: each pixel is a view that must be solved for. */
 enum { slab_width_px = 48 };
+static const double slab_fov_rad = 0.04; /* that is 48 pixels wide */
 
 static struct neph_slab *solve_slab(const struct test_scene *test,
                                     const struct neph_slab_params *of)
@@ -749,7 +722,6 @@ static struct neph_slab *solve_slab(const struct test_scene *test,
 static double slab_truth(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                          const void *context)
 {
-    (void)channel;
     const struct neph_slab *slab = context;
     /* Light travels to the camera along -ray, sunlight along -x: azimuth between the two. */
     const double azimuth = atan2(ray.z, ray.x);
@@ -775,10 +747,10 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
     for (size_t s = 0; s < sizeof(slabs) / sizeof(slabs[0]); s++) {
         const struct neph_tracer_params params = params_of(slab_width_px, 1, slabs[s].samples);
         struct test_scene test;
-        slab_scene(&test, &slabs[s].slab, false);
+        slab_scene(&test, &slabs[s].slab, false, slab_fov_rad);
         struct neph_slab *slab = solve_slab(&test, &slabs[s].slab);
         for (int below = 0; below < 2; below++) { /* its mirror image: the same cosines */
-            slab_scene(&test, &slabs[s].slab, below);
+            slab_scene(&test, &slabs[s].slab, below, slab_fov_rad);
             struct neph_image *frame = render(*state, &test, &params, NULL);
             judge(slabs[s].name, compare(&test, frame, slab_truth, slab), 0.1);
             neph_image_destroy(frame);
@@ -792,7 +764,6 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
 static double half_space(const struct test_scene *test, struct neph_vec3 ray, int i, int channel,
                          const void *context)
 {
-    (void)i, (void)channel, (void)context;
     const double mu0 = test->scene.sun.direction.y, mu = -ray.y;
     return 0.9 / (4.0 * M_PI) * mu0 / (mu + mu0) * neph_chandrasekhar_h(0.9, mu) *
            neph_chandrasekhar_h(0.9, mu0);
@@ -803,7 +774,7 @@ static void test_the_half_space_is_chandrasekhars(void **state)
     const struct neph_slab_params slab = {40.0, 0.9, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.6, 0, NULL, 0};
     const struct neph_tracer_params params = params_of(32, 18, 256);
     struct test_scene test;
-    slab_scene(&test, &slab, false);
+    slab_scene(&test, &slab, false, slab_fov_rad);
     struct neph_image *frame = render(*state, &test, &params, NULL);
     judge("half-space", compare(&test, frame, half_space, NULL), 0.1);
     neph_image_destroy(frame);
@@ -834,13 +805,6 @@ static void test_white_furnace(void **state)
 }
 
 /* --- emission ----------------------------------------------------------------------------- */
-
-static void make_glow(struct test_scene *test)
-{
-    static const struct neph_rgb emissions[] = {{1, 20, 4}, {30, 1, 0}, {0, 2, 9}};
-    for (int m = 0; m < test->scene.medium_count; m++)
-        test->scene.media[m].emission_w_per_m2_sr = emissions[m % 3];
-}
 
 /* Seen, beside sunlight that is scattered once and in the dark without scattering: fogs that
  * overlap, whose first collisions are forced, and a blob among them. Light scattered once is the
@@ -962,7 +926,7 @@ static void test_a_glow_in_dark_clouds(void **state)
     test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
                                                                                            400};
     hold_to_oracle(*state, &test, 18);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* A sun below a fog without ground: no sunlight arrives, the tables that guesses make of it are
@@ -978,7 +942,7 @@ static void test_a_guess_without_sunlight(void **state)
     fog->albedo = make_grey(0.5);
     fog->emission_w_per_m2_sr = (struct neph_rgb){4, 2, 1};
     hold_to_oracle(*state, &test, 36);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* What a path gains at its collisions and what is left of it add up to the surround's light, but
@@ -1063,7 +1027,7 @@ static void dispatches_change_no_bit(void **state, void (*build)(struct test_sce
         }
     }
     neph_image_destroy(first);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 static void test_dispatches_change_no_bit(void **state)
@@ -1078,7 +1042,7 @@ static void test_seeds_are_independent(void **state)
 {
     struct test_scene test;
     build_multiple(&test);
-    struct neph_tracer_params params = params_of(24, 14, 256);
+    struct neph_tracer_params params = params_of(24, 14, 128);
     struct neph_image *a = render(*state, &test, &params, NULL);
     params.seed++;
     struct neph_image *b = render(*state, &test, &params, NULL);
@@ -1140,9 +1104,9 @@ static void test_targets_and_time_limits_stop(void **state)
     build_multiple(&test);
     struct neph_tracer_params params = params_of(24, 16, 1 << 20);
     struct neph_tracer_stats stats;
-    params.target_error = 0.05;
+    params.target_error = 0.1;
     neph_image_destroy(render(*state, &test, &params, &stats));
-    assert_true(stats.error <= 0.05 && stats.samples < 4096);
+    assert_true(stats.error <= 0.1 && stats.samples < 1024);
     struct neph_tracer_stats again; /* the clock has no say in where it stops */
     neph_image_destroy(render(*state, &test, &params, &again));
     assert_int_equal(stats.samples, again.samples);
@@ -1195,7 +1159,7 @@ static void test_refusals(void **state)
     test_add_medium(&test, 0.1, 0.1, 0.0)->extinction_color.r = 2.0;
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     refuses(*state, &test, &good, NEPH_ERR_UNSUPPORTED, "coloured");
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 /* Last, because the flag stays up. */

@@ -4,6 +4,7 @@
  * event, which test_tracer.c holds to the oracle: whatever the table has, however few its nodes,
  * the light is the same but for noise, which the frame knows; and nothing is ever negative.
  */
+#include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
 
 #include "scenes/grid.h"
@@ -50,12 +51,6 @@ static void build(struct test_scene *test, void (*scene_of)(struct test_scene *)
     test_scene_init(test);
     scene_of(test);
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
-}
-
-static void teardown(struct test_scene *test)
-{
-    for (int i = 0; i < test->scene.medium_count; i++)
-        neph_grid_destroy(test->scene.media[i].grid);
 }
 
 static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
@@ -152,7 +147,7 @@ static void judge_tables(struct neph_vulkan *vulkan, void (*scene_of)(struct tes
         neph_image_destroy(table);
     }
     neph_image_destroy(rays);
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 static void test_any_table_is_right(void **state)
@@ -175,7 +170,7 @@ static void test_no_light_is_negative(void **state)
     build(&test, scene_of_spikes);
     for (uint64_t seed = 1; seed <= (uint64_t)neph_test_by_day(4, 16); seed++)
         neph_image_destroy(render(*state, &test, 1000 << (seed % 4), seed, 8));
-    teardown(&test);
+    scene_teardown(&test);
 }
 
 int main(void)

@@ -15,21 +15,17 @@
 
 static void test_describes_the_device(void **state)
 {
-    (void)state;
-    struct neph_vulkan *vulkan = test_vulkan_open();
-    const struct neph_vulkan_description description = neph_vulkan_describe(vulkan);
+    const struct neph_vulkan_description description = neph_vulkan_describe(*state);
     print_message("%s, %s, Vulkan %s, subgroup %u, cpu %d\n", description.device,
                   description.driver, description.api_version, description.subgroup_size,
                   description.is_cpu);
     assert_true(description.device[0] != '\0');
     assert_true(description.driver[0] != '\0');
     assert_true(description.subgroup_size > 0);
-    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
 }
 
 static void test_two_devices_live_side_by_side(void **state)
 {
-    (void)state;
     struct neph_vulkan *first = test_vulkan_open();
     struct neph_vulkan *second = NULL;
     struct neph_diag diag = {0};
@@ -66,17 +62,13 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
 /* The shader that adds up a tracer's samples has constant 0 and not constant 2. */
 static void test_only_constants_of_the_shader_make_another_kernel(void **state)
 {
-    (void)state;
-    struct neph_vulkan *vulkan = test_vulkan_open();
-    const struct neph_kernel *kernel = sum_kernel(vulkan, 1, 0);
-    assert_ptr_equal(kernel, sum_kernel(vulkan, 1, 7));
-    assert_ptr_not_equal(kernel, sum_kernel(vulkan, 2, 0));
-    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
+    const struct neph_kernel *kernel = sum_kernel(*state, 1, 0);
+    assert_ptr_equal(kernel, sum_kernel(*state, 1, 7));
+    assert_ptr_not_equal(kernel, sum_kernel(*state, 2, 0));
 }
 
 static void test_destroy_takes_null(void **state)
 {
-    (void)state;
     assert_int_equal(neph_vulkan_destroy(NULL), 0);
 }
 
@@ -109,14 +101,12 @@ static void with_environment(const char *name, const char *value,
 
 static void test_no_driver_is_said_with_the_install_line(void **state)
 {
-    (void)state;
     with_environment("VK_ICD_FILENAMES", "/nonexistent/icd.json", NULL, "Vulkan",
                      "apt-get install mesa-vulkan-drivers");
 }
 
 static void test_no_validation_layer_is_said_with_the_install_line(void **state)
 {
-    (void)state;
     with_environment("VK_LAYER_PATH", "/nonexistent",
                      &(struct neph_vulkan_params){.validation = true}, "validation",
                      "apt-get install vulkan-validationlayers");
@@ -131,7 +121,6 @@ static void read_device_name(char device[256])
 
 static void test_unknown_device_lists_what_there_is(void **state)
 {
-    (void)state;
     char device[256];
     read_device_name(device);
     assert_unavailable(&(struct neph_vulkan_params){.device = "abacus"}, "abacus", device);
@@ -139,7 +128,6 @@ static void test_unknown_device_lists_what_there_is(void **state)
 
 static void test_device_is_found_by_part_of_its_name(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = NULL;
     char device[256];
     read_device_name(device);
@@ -153,7 +141,6 @@ static void test_device_is_found_by_part_of_its_name(void **state)
 
 static void test_validation_hears_a_mistake(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = test_vulkan_open();
     const VkBufferCreateInfo no_usage = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -170,7 +157,6 @@ static void test_validation_hears_a_mistake(void **state)
 
 static void test_validation_hears_a_leak(void **state)
 {
-    (void)state;
     struct neph_vulkan *vulkan = test_vulkan_open();
     struct neph_buffer leaked = {0};
     struct neph_diag diag = {0};
@@ -182,9 +168,8 @@ static void test_validation_hears_a_leak(void **state)
 
 static void test_memory_is_counted_as_long_as_it_is_had(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
-    struct neph_vulkan *vulkan = test_vulkan_open();
+    struct neph_vulkan *vulkan = *state;
     struct neph_buffer buffers[2] = {{0}, {0}};
     const uint64_t before = neph_device_memory();
     const size_t sizes_bytes[2] = {3 << 20, 5 << 20};
@@ -201,20 +186,16 @@ static void test_memory_is_counted_as_long_as_it_is_had(void **state)
     assert_true(neph_device_memory_most() == before + sizes_bytes[1]);
     neph_device_memory_watch();
     assert_true(neph_device_memory_most() == before);
-    neph_vulkan_destroy(vulkan);
 }
 
 static void test_too_large_a_buffer_is_refused(void **state)
 {
-    (void)state;
-    struct neph_vulkan *vulkan = test_vulkan_open();
     struct neph_buffer buffer = {0};
     struct neph_diag diag = {0};
     assert_int_equal(
-        neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, (size_t)1 << 40, "huge", &buffer, &diag),
+        neph_buffer_create(*state, NEPH_BUFFER_DEVICE, (size_t)1 << 40, "huge", &buffer, &diag),
         NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "huge"));
-    assert_int_equal(neph_vulkan_destroy(vulkan), 0);
 }
 
 /* --- what drivers have compiled -------------------------------------------------------------- */
@@ -261,7 +242,6 @@ static bool is_sound(const char *path)
 
 static void test_a_broken_cache_is_renewed(void **state)
 {
-    (void)state;
     static const char *const broken[] = {
         "", "not a cache",
         "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef and something"};
@@ -285,16 +265,18 @@ static void test_a_broken_cache_is_renewed(void **state)
 
 static void test_no_room_for_the_cache_is_no_error(void **state)
 {
-    (void)state;
     open_and_close("/dev/null/cache");
 }
+
+#define device_test(name)                                                                          \
+    cmocka_unit_test_setup_teardown(name, test_vulkan_setup, test_vulkan_teardown)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_describes_the_device),
+        device_test(test_describes_the_device),
         cmocka_unit_test(test_two_devices_live_side_by_side),
-        cmocka_unit_test(test_only_constants_of_the_shader_make_another_kernel),
+        device_test(test_only_constants_of_the_shader_make_another_kernel),
         cmocka_unit_test(test_destroy_takes_null),
         cmocka_unit_test(test_no_driver_is_said_with_the_install_line),
         cmocka_unit_test(test_no_validation_layer_is_said_with_the_install_line),
@@ -302,8 +284,8 @@ int main(void)
         cmocka_unit_test(test_device_is_found_by_part_of_its_name),
         cmocka_unit_test(test_validation_hears_a_mistake),
         cmocka_unit_test(test_validation_hears_a_leak),
-        cmocka_unit_test(test_memory_is_counted_as_long_as_it_is_had),
-        cmocka_unit_test(test_too_large_a_buffer_is_refused),
+        device_test(test_memory_is_counted_as_long_as_it_is_had),
+        device_test(test_too_large_a_buffer_is_refused),
         cmocka_unit_test(test_a_broken_cache_is_renewed),
         cmocka_unit_test(test_no_room_for_the_cache_is_no_error),
     };

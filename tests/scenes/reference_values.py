@@ -477,7 +477,8 @@ def write(path):
     out.append("struct reference_fog { struct neph_fog_layer layer; double y_m, k_y; int count; "
                "struct reference_depth depths[8]; };")
     out.append("static const struct reference_fog reference_fog[] = {")
-    out += ["    {%s, %d, %s}," % (c_list(same)[1:-1], *rest) for same, *rest in c_rows(fog_table())]
+    out += ["    {%s, %d, %s}," % (c_list(same)[1:-1], *rest)
+            for same, *rest in c_rows(fog_table())]
     out.append("};\n")
     out.append("struct reference_phase { struct neph_phase phase; int count; "
                "struct { double cosine, per_sr; } values[8]; };")

@@ -110,7 +110,7 @@ static void test_a_sheet_has_its_pattern(void **state)
             clear += value == 0.0;
             largest = fmax(largest, value);
         }
-    assert_in_range(clear, NODES * NODES / 4, 3 * NODES * NODES / 4);
+    neph_assert_in_range(clear, NODES * NODES / 4, 3 * NODES * NODES / 4);
     assert_true(largest > 0.8 && largest <= 1.0);
     neph_scene_destroy(scene);
 }

@@ -119,7 +119,8 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
     (void)state;
     const uint64_t first_seed = 141421;
     double largest_stated = 0.0, least_slack = INFINITY;
-    for (uint64_t trial = 0; trial < 400; trial += NEPH_TEST_EVERY) {
+    const uint64_t trials = (uint64_t)neph_test_by_day(150, 400);
+    for (uint64_t trial = 0; trial < trials; trial += NEPH_TEST_EVERY) {
         uint64_t seed = first_seed + trial;
         struct neph_medium fog = make_height_fog(pow(10.0, neph_test_uniform(&seed, -6, 1)),
                                                  pow(10.0, neph_test_uniform(&seed, -4, 0)));
@@ -190,7 +191,7 @@ static void test_corners(void **state)
     static const double falloffs[] = {0.0, 1e-300, 1e-9, 0.1, 100.0};
     static const double eyes[] = {-1e6, 0.0, 1e4, 1e6};
     static const double suns[] = {-1.0, 0.0, 1e-300, 1e-6, 0.5};
-    for (int n = 0; n < 5 * 5 * 4 * 5; n++) {
+    for (int n = 0; n < 5 * 5 * 4 * 5; n += neph_test_path_step()) {
         const double a = extinctions[n % 5], b = falloffs[n / 5 % 5], y = eyes[n / 25 % 4];
         const double s = suns[n / 100];
         const struct neph_medium fog = make_height_fog(a, b);
@@ -215,7 +216,7 @@ static void test_scattered_light_stays(void **state)
     (void)state;
     const uint64_t first_seed = 173205;
     double worst = 0.0;
-    for (uint64_t trial = 0; trial < 300; trial += NEPH_TEST_EVERY) {
+    for (uint64_t trial = 0; trial < 300; trial += (uint64_t)neph_test_path_step()) {
         uint64_t seed = first_seed + trial;
         const struct neph_medium fog = make_height_fog(
             pow(10.0, neph_test_uniform(&seed, -4, -1)),
