@@ -105,6 +105,11 @@ void neph_progress_step(struct neph_progress *progress, const char *what, const 
     fprintf(stderr, "\n");
 }
 
+void neph_progress_over(struct neph_progress *progress, const char *what, const char *outcome)
+{
+    neph_progress_step(progress, what, outcome, neph_wall_s() - progress->begun_s);
+}
+
 void neph_progress_tick(struct neph_progress *progress, const char *what)
 {
     static const double every_s = 10.0;

@@ -39,6 +39,9 @@ void neph_progress_begin(struct neph_progress *progress, const char *what);
 void neph_progress_step(struct neph_progress *progress, const char *what, const char *outcome,
                         double seconds);
 
+/* It is over, after the time since it began; no other step began since. */
+void neph_progress_over(struct neph_progress *progress, const char *what, const char *outcome);
+
 /* A step of many short ones is over: elsewhere than on a terminal a line every ten seconds. */
 void neph_progress_tick(struct neph_progress *progress, const char *what);
 

@@ -5,7 +5,6 @@
 #include "harness/cli/cli.h"
 
 #include "base/arena.h"
-#include "base/clock.h"
 #include "base/files.h"
 #include "base/interrupt.h"
 #include "harness/compare/frame.h"
@@ -448,14 +447,13 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     if (!status)
         status = neph_vulkan_open(&work->vulkan, diag);
     for (int i = 0; i < work->frames.count && !status; i++) {
-        const double start_s = neph_wall_s();
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted after %d of %d pictures", i,
                              work->frames.count);
         neph_progress_begin(&progress, work->frames.paths[i]);
         status = make(work, i, diag);
         if (!status)
-            neph_progress_step(&progress, work->frames.paths[i], "done", neph_wall_s() - start_s);
+            neph_progress_over(&progress, work->frames.paths[i], "done");
     }
     return status;
 }

@@ -5,7 +5,6 @@
 #include "base/path.h"
 #include "harness/cli/render_shown.h"
 
-#include "base/clock.h"
 #include "base/exr.h"
 #include "base/files.h"
 #include "base/owned.h"
@@ -446,9 +445,8 @@ static enum neph_status render_frames(const struct request *request, struct neph
         snprintf(what, sizeof(what), "frame %d", job->shot.frame);
         neph_progress_begin(&progress, what);
         set_size(&run);
-        const double start_s = neph_wall_s();
         status = render_next(&run, i, diag);
-        neph_progress_step(&progress, what, neph_status_name(status), neph_wall_s() - start_s);
+        neph_progress_over(&progress, what, neph_status_name(status));
         job->shot.frame++;
     }
     neph_progress_end(&progress);

@@ -5,7 +5,6 @@
  */
 #include "harness/experiments/experiments.h"
 
-#include "base/clock.h"
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/study/take.h"
@@ -189,12 +188,10 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         struct neph_scene *scene = NULL;
         status = neph_data_load_scene(request->shared.operands[i], &scene, diag);
         for (int p = 0; p < request->presets.count && !status; p++) {
-            const double start_s = neph_wall_s();
             neph_progress_begin(&progress, request->presets.words[p]);
             status = run_preset(request, run, scene, request->presets.words[p], &table, diag);
             if (!status)
-                neph_progress_step(&progress, request->presets.words[p], "measured",
-                                   neph_wall_s() - start_s);
+                neph_progress_over(&progress, request->presets.words[p], "measured");
         }
         neph_scene_destroy(scene);
     }

@@ -111,11 +111,10 @@ enum neph_status neph_flicker_prepare(struct neph_flicker_request *request, int 
 {
     struct neph_cli_shared *shared = &request->shared;
     enum neph_status status = check_takes(&request->takes, take_count, diag);
-    if (!status && shared->operand_count == 0) {
+    if (!status && shared->operand_count == 0)
         status = neph_flicker_suite_find(request->suite ? request->suite : otherwise,
-                                         &request->suite_scenes, &shared->operand_count, diag);
-        shared->operands = (const char *const *)request->suite_scenes;
-    }
+                                         &request->arena, &shared->operands, &shared->operand_count,
+                                         diag);
     return status ? status : neph_data_check_scenes(shared->operands, shared->operand_count, diag);
 }
 
@@ -154,7 +153,7 @@ bool neph_flicker_part(struct neph_flicker_request *request, int preset_count, i
 
 void neph_flicker_free(struct neph_flicker_request *request)
 {
-    neph_data_free_names(request->suite_scenes);
+    neph_arena_finish(&request->arena);
 }
 
 /* ---- the text: its head ---------------------------------------------------------------------- */

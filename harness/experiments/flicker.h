@@ -15,9 +15,9 @@ struct neph_flicker_request {
     struct neph_cli_list takes;
     const char *suite;
     int seed_count, frame_count, steps;
-    char **suite_scenes; /* owned */
-    bool is_part;        /* for --jobs: of one scene, and of .. */
-    int part_preset;     /* .. one preset */
+    struct neph_arena arena; /* of the suite's scenes */
+    bool is_part;            /* for --jobs: of one scene, and of .. */
+    int part_preset;         /* .. one preset */
 };
 
 /* Refuse a suite beside scenes. */

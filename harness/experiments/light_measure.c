@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/experiments/light.h"
 
-#include "base/clock.h"
 #include "base/sort.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
@@ -219,11 +218,10 @@ static enum neph_status try_cell(struct neph_light_study *study, const struct ne
     char what[200];
     struct neph_diag why = {.line = 0};
     struct scenes scenes = {.multiple = NULL};
-    const double start_s = neph_wall_s();
-    enum neph_status status = light_anew(study, scene, light, &scenes, &why);
     snprintf(what, sizeof(what), "%s, cell %d of %d", cell->scene, (int)(cell - study->cells) + 1,
              study->cell_count);
     neph_progress_begin(&study->progress, what);
+    enum neph_status status = light_anew(study, scene, light, &scenes, &why);
     if (!status)
         status = run_cell(study, &scenes, cell, &why);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED) {
@@ -235,8 +233,7 @@ static enum neph_status try_cell(struct neph_light_study *study, const struct ne
     if (status && diag)
         *diag = why;
     if (!status)
-        neph_progress_step(&study->progress, what, cell->left_out[0] ? "left out" : "measured",
-                           neph_wall_s() - start_s);
+        neph_progress_over(&study->progress, what, cell->left_out[0] ? "left out" : "measured");
     neph_scene_destroy(scenes.moving);
     neph_scene_destroy(scenes.single);
     neph_scene_destroy(scenes.multiple);

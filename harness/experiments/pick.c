@@ -26,7 +26,7 @@ struct request {
     struct neph_cli_list presets;
     const char *suite, *least;
     int seed, seeds, frames, steps;
-    char **suite_scenes; /* owned */
+    struct neph_arena arena; /* of the suite's scenes */
     const char *const *scenes;
     int scene_count;
 };
@@ -176,18 +176,17 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
                          "or ms",
                          request->least);
     request->choice.least = (enum neph_choice_number)least;
-    if (request->scene_count == 0) {
+    if (request->scene_count == 0)
         status = neph_flicker_suite_find(request->suite ? request->suite : "tuning",
-                                         &request->suite_scenes, &request->scene_count, diag);
-        request->scenes = (const char *const *)request->suite_scenes;
-    }
+                                         &request->arena, &request->scenes, &request->scene_count,
+                                         diag);
     return status ? status : neph_data_check_scenes(request->scenes, request->scene_count, diag);
 }
 
 static void finish(void *request_)
 {
     struct request *request = request_;
-    neph_data_free_names(request->suite_scenes);
+    neph_arena_finish(&request->arena);
 }
 
 /* A scene, of presets. */

@@ -5,7 +5,6 @@
  */
 #include "harness/experiments/experiments.h"
 
-#include "base/clock.h"
 #include "base/exr.h"
 #include "base/interrupt.h"
 #include "harness/data.h"
@@ -189,7 +188,6 @@ static enum neph_status measure_rows(struct study *study, const struct neph_post
     const struct neph_post_row *rows = study->rows;
     for (int r = 0; rows[r].name && !status; r++) {
         struct neph_settings settings;
-        const double start_s = neph_wall_s();
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         neph_progress_begin(&study->progress, rows[r].name);
@@ -198,7 +196,7 @@ static enum neph_status measure_rows(struct study *study, const struct neph_post
             status = neph_post_measure(study->device->vulkan, film, &settings,
                                        &study->numbers[study->scene][r], diag);
         if (!status)
-            neph_progress_step(&study->progress, rows[r].name, "measured", neph_wall_s() - start_s);
+            neph_progress_over(&study->progress, rows[r].name, "measured");
     }
     return status;
 }

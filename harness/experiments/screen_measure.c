@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/experiments/screen.h"
 
-#include "base/clock.h"
 #include "harness/engines/engines.h"
 #include "harness/run/flight.h"
 #include "harness/run/seed.h"
@@ -469,7 +468,6 @@ static enum neph_status run_scene(struct neph_screen_study *study, int s, struct
     const struct neph_scene *scene = study->request->scenes[s];
     struct neph_screen_scene *result = &study->scenes[s];
     struct known known = {NULL};
-    const double start_s = neph_wall_s();
     neph_progress_begin(&study->progress, scene->name);
     enum neph_status status = render(study, &study->truth, scene, 0, &known.truth, diag);
     if (!status && !study->request->is_part)
@@ -482,7 +480,7 @@ static enum neph_status run_scene(struct neph_screen_study *study, int s, struct
     for (int model = 0; model < study->request->models.count && !status; model++)
         status = run_model(study, model, s, &known, diag);
     if (!status)
-        neph_progress_step(&study->progress, scene->name, "measured", neph_wall_s() - start_s);
+        neph_progress_over(&study->progress, scene->name, "measured");
     free_frames(known.frames, known.frame_count);
     neph_image_destroy(known.cycles);
     neph_image_destroy(known.truth);

@@ -11,7 +11,6 @@
  */
 #include "harness/experiments/experiments.h"
 
-#include "base/clock.h"
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/engines/engines.h"
@@ -320,7 +319,6 @@ static enum neph_status run_cell(struct study *study, struct cell *cell, struct 
     char what[120];
     struct sight sight = {0};
     struct sums noise = {0};
-    const double start_s = neph_wall_s();
     snprintf(what, sizeof(what), "sun at %g degrees, %g m up", cell->sun_deg, cell->altitude_m);
     neph_progress_begin(&study->progress, what);
     enum neph_status status = see(study, cell, &sight, diag);
@@ -332,7 +330,7 @@ static enum neph_status run_cell(struct study *study, struct cell *cell, struct 
     for (int model = 0; model < study->request->models.count && !status; model++)
         status = run_model(study, &sight, model, &cell->gaps[model], diag);
     if (!status)
-        neph_progress_step(&study->progress, what, "measured", neph_wall_s() - start_s);
+        neph_progress_over(&study->progress, what, "measured");
     for (int i = 0; i < VIEWS; i++) {
         neph_image_destroy(sight.truths[i][0]);
         neph_image_destroy(sight.truths[i][1]);

@@ -96,17 +96,15 @@ static enum neph_status read_entry(const json_t *json, struct neph_arena *arena,
 {
     const json_t *sweeps = json_object_get(json, "sweeps");
     const int count = (int)json_array_size(sweeps);
-    char *scene = neph_suite_scene(json);
-    enum neph_status status = scene ? NEPH_OK : neph_fail_memory(diag);
-    entry->scene = neph_arena_text(arena, scene);
+    enum neph_status status = NEPH_OK;
+    entry->scene = neph_suite_scene(json, arena);
     entry->may_be_absent = true;
-    free(scene);
-    if (!status && (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX))
+    if (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX)
         status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is no list of 1 to %d",
                            NEPH_LIGHT_SWEEPS_MAX);
     for (int i = 0; i < count && !status; i++, entry->sweep_count++)
         status = read_sweep(json_array_get(sweeps, (size_t)i), &entry->sweeps[i], diag);
-    if (status && status != NEPH_ERR_MEMORY)
+    if (status)
         neph_prefix(diag, "%s: ", neph_json_text(json, "scene"));
     return status;
 }

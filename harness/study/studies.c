@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/study/studies.h"
 
-#include "base/clock.h"
 #include "base/files.h"
 #include "base/path.h"
 #include "harness/data.h"
@@ -202,10 +201,9 @@ static enum neph_status renew_scene(struct work *work, const char *name, struct 
         snprintf(what, sizeof(what), "%s of %s", engines[i]->name, scene->name);
         work->progress.kind = i;
         neph_progress_begin(&work->progress, what);
-        const double start_s = neph_wall_s();
         status = renew(work, scene, engines[i], &word, diag);
         if (!status)
-            neph_progress_step(&work->progress, what, word, neph_wall_s() - start_s);
+            neph_progress_over(&work->progress, what, word);
     }
     neph_scene_destroy(scene);
     return status;

@@ -84,39 +84,30 @@ enum neph_status neph_suite_find(const char *file, const char *format, const cha
     return status;
 }
 
-char *neph_suite_scene(const json_t *entry)
+const char *neph_suite_scene(const json_t *entry, struct neph_arena *arena)
 {
     const char *scene = neph_json_text(entry, "scene");
-    return strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
+    char *path = strchr(scene, '/') ? neph_data_path(scene) : strdup(scene);
+    arena->is_short |= !path;
+    scene = neph_arena_text(arena, path);
+    free(path);
+    return scene;
 }
 
-/* ---- flicker --------------------------------------------------------------------------------- */
-
-static enum neph_status copy_names(const json_t *entries, char ***scenes, int *count,
-                                   struct neph_diag *diag)
-{
-    const size_t entry_count = json_array_size(entries);
-    char **names = calloc(entry_count + 1, sizeof(*names));
-    if (!names)
-        return neph_fail_memory(diag);
-    for (size_t i = 0; i < entry_count; i++)
-        if (!(names[i] = neph_suite_scene(json_array_get(entries, i)))) {
-            neph_data_free_names(names);
-            return neph_fail_memory(diag);
-        }
-    *scenes = names;
-    *count = (int)entry_count;
-    return NEPH_OK;
-}
-
-enum neph_status neph_flicker_suite_find(const char *name, char ***scenes, int *count,
+enum neph_status neph_flicker_suite_find(const char *name, struct neph_arena *arena,
+                                         const char *const **scenes, int *count,
                                          struct neph_diag *diag)
 {
     json_t *entries = NULL;
-    enum neph_status status = neph_suite_find("scenes/studies/flicker.json",
-                                              "neph-flicker-suites-1", name, &entries, diag);
-    if (!status)
-        status = copy_names(entries, scenes, count, diag);
+    const enum neph_status status = neph_suite_find("scenes/studies/flicker.json",
+                                                    "neph-flicker-suites-1", name, &entries, diag);
+    if (status)
+        return status;
+    *count = (int)json_array_size(entries);
+    const char **names = neph_arena_zeroed(arena, (size_t)*count + 1, sizeof(*names));
+    for (int i = 0; i < *count && names; i++)
+        names[i] = neph_suite_scene(json_array_get(entries, (size_t)i), arena);
+    *scenes = names;
     json_decref(entries);
-    return status;
+    return neph_arena_check(arena, diag);
 }

@@ -7,6 +7,7 @@
 #ifndef NEPH_HARNESS_STUDY_SUITES_H
 #define NEPH_HARNESS_STUDY_SUITES_H
 
+#include "base/arena.h"
 #include "harness/json.h"
 
 /* The entries of a suite in a file of the project ("scenes/studies/flicker.json"), for the caller
@@ -15,14 +16,14 @@
 enum neph_status neph_suite_find(const char *file, const char *format, const char *name,
                                  json_t **entries, struct neph_diag *diag);
 
-/* Where an entry's scene is: a name of the catalogue, or, with a slash, a file of the project. The
- * caller frees it; NULL without memory. */
-char *neph_suite_scene(const json_t *entry);
+/* Where an entry's scene is: a name of the catalogue, or, with a slash, a file of the project. */
+const char *neph_suite_scene(const json_t *entry, struct neph_arena *arena);
 
 /* Names of the scenes of a suite of flicker studies: "tuning", which presets were chosen by,
  * "test", which they were not, and others. What is said of a preset is said of "test". The list and
- * its words are for the caller (neph_data_free_names). Errors as above. */
-enum neph_status neph_flicker_suite_find(const char *name, char ***scenes, int *count,
+ * its words are in `arena`. Errors as above. */
+enum neph_status neph_flicker_suite_find(const char *name, struct neph_arena *arena,
+                                         const char *const **scenes, int *count,
                                          struct neph_diag *diag);
 
 #endif

@@ -256,7 +256,6 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
                                    struct neph_store *store, struct neph_progress *progress,
                                    struct neph_sweep_truth *truth, struct neph_diag *diag)
 {
-    const double start_s = neph_wall_s();
     progress->kind = KIND_TRUTH;
     neph_progress_begin(progress, "truth");
     struct neph_shot shot = sweep->points[0].job.shot;
@@ -265,7 +264,7 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
     const enum neph_status status = neph_sweep_truth_make(params->plan, &shot, store, truth, diag);
     if (status)
         return status;
-    neph_progress_step(progress, "truth", "rendered", neph_wall_s() - start_s);
+    neph_progress_over(progress, "truth", "rendered");
     sweep->truth = truth->engine->name;
     sweep->floor = truth->noise;
     sweep->clear_of = truth->mask;

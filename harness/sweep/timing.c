@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/sweep/point.h"
 
-#include "base/clock.h"
 #include "harness/sweep/repeat.h"
 
 #include <math.h>
@@ -147,12 +146,11 @@ static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_s
         char what[64];
         snprintf(what, sizeof(what), "times, round %d of %d", round + 1, bench->plan->round_count);
         neph_progress_begin(bench->progress, what);
-        const double start_s = neph_wall_s();
         for (int i = 0; i < count && !status; i++)
             if (takes_part(&points[i]))
                 status = run_round(bench, &points[i], &all[i], round, diag);
         if (!status)
-            neph_progress_step(bench->progress, what, "timed", neph_wall_s() - start_s);
+            neph_progress_over(bench->progress, what, "timed");
     }
     return status;
 }

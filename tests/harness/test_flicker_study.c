@@ -92,10 +92,11 @@ static void test_suites_hold_scenes_that_are_there(void **state)
 {
     static const char *const suites[] = {"tuning", "test", "test2", "air"};
     for (size_t s = 0; s < sizeof(suites) / sizeof(suites[0]); s++) {
-        char **names = NULL;
+        struct neph_arena arena = {.last = NULL};
+        const char *const *names;
         int count = 0;
         struct neph_diag diag = {.line = 0};
-        neph_assert_ok(neph_flicker_suite_find(suites[s], &names, &count, &diag), &diag);
+        neph_assert_ok(neph_flicker_suite_find(suites[s], &arena, &names, &count, &diag), &diag);
         assert_true(count >= 8);
         for (int i = 0; i < count; i++) {
             struct neph_scene *scene = NULL;
@@ -103,16 +104,18 @@ static void test_suites_hold_scenes_that_are_there(void **state)
             assert_int_equal(scene->scattering, NEPH_SCATTERING_SINGLE);
             neph_scene_destroy(scene);
         }
-        neph_data_free_names(names);
+        neph_arena_finish(&arena);
     }
 }
 
 static void test_an_unknown_suite_is_refused_with_those_there_are(void **state)
 {
-    char **names = NULL;
+    struct neph_arena arena = {.last = NULL};
+    const char *const *names;
     int count = 0;
     struct neph_diag diag = {.line = 0};
-    assert_int_equal(neph_flicker_suite_find("best", &names, &count, &diag), NEPH_ERR_USAGE);
+    assert_int_equal(neph_flicker_suite_find("best", &arena, &names, &count, &diag),
+                     NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.hint, "tuning"));
     assert_non_null(strstr(diag.hint, "test"));
 }
@@ -122,7 +125,9 @@ static void test_a_scene_in_both_suites_is_refused(void **state)
     static const char twice[] = "{\"format\": \"neph-flicker-suites-1\", \"suites\": {"
                                 "\"tuning\": [{\"scene\": \"fog\", \"reason\": \"a\"}],"
                                 "\"test\": [{\"scene\": \"fog\", \"reason\": \"b\"}]}}";
-    char folder[] = "/tmp/neph-suites-XXXXXX", path[128], **names = NULL;
+    char folder[] = "/tmp/neph-suites-XXXXXX", path[128];
+    struct neph_arena arena = {.last = NULL};
+    const char *const *names;
     int count = 0;
     struct neph_diag diag = {.line = 0};
     assert_non_null(mkdtemp(folder));
@@ -133,7 +138,8 @@ static void test_a_scene_in_both_suites_is_refused(void **state)
     snprintf(path, sizeof(path), "%s/scenes/studies/flicker.json", folder);
     assert_int_equal(neph_file_write(path, twice, strlen(twice), NULL), NEPH_OK);
     setenv("NEPH_DATA_DIR", folder, 1);
-    assert_int_equal(neph_flicker_suite_find("test", &names, &count, &diag), NEPH_ERR_INPUT);
+    assert_int_equal(neph_flicker_suite_find("test", &arena, &names, &count, &diag),
+                     NEPH_ERR_INPUT);
     unsetenv("NEPH_DATA_DIR");
     assert_non_null(strstr(diag.message, "fog"));
     neph_dir_remove(folder, NULL);
