@@ -11,6 +11,8 @@ import subprocess
 import tempfile
 import unittest
 
+import neph_case
+
 NEPH = os.environ["NEPH"]
 ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 POVRAY = """#!/bin/sh
@@ -36,7 +38,8 @@ class Verdict(unittest.TestCase):
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
         path.chmod(0o755)
-        return {"PATH": f"{path.parent}:/usr/bin:/bin"}
+        neph_case.keep_trial(path, self.folder, has_voxels=True)
+        return {"PATH": f"{path.parent}:/usr/bin:/bin", "XDG_CACHE_HOME": str(self.folder)}
 
     def validate(self, *engines, scene="scattering_slab_above", output=None, **environment):
         wanted = [word for engine in engines for word in ("-e", engine)]
