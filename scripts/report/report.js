@@ -138,7 +138,7 @@
 
   /** A path that stays inside the report, or null. */
   function inside(path) {
-    return typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path)
+    return typeof path === "string" && /^(images|charts)\/[\w.@\-/]+$/.test(path)
       && !path.includes("..") ? path : null;
   }
 
