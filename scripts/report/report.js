@@ -131,7 +131,7 @@
   }
 
   /** A path that stays inside the report, or null. */
-  const inside = (path) => (typeof path === "string" && /^(images|charts)\/[\w.\-/]+$/.test(path)
+  const inside = (path) => (typeof path === "string" && /^(images|charts)\/[\w.@\-/]+$/.test(path)
     && !path.includes("..") ? path : null);
 
   /** A page of neph view that lies in the report, or null. */

@@ -186,7 +186,7 @@ def main():
                 "host": f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores",
                 "neph": run([given.neph, "--version"]).strip(), "size": given.size,
                 "samples": given.samples, "seeds": given.seeds, "rows": []}
-    environment = {**os.environ, "NEPH_BLENDER": "/nonexistent"}  # files alone
+    environment = {**os.environ, "NEPH_BLENDER": ":".join(given.blender)}
     for name in names:
         with tempfile.TemporaryDirectory(prefix="neph-versions-") as scratch:
             folder = pathlib.Path(scratch)

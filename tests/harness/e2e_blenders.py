@@ -4,6 +4,7 @@
 and leave prepared images. What the trial of one found lies in the cache folder already, but where
 the trial is what fails."""
 import json
+import re
 import sys
 import unittest
 
@@ -92,6 +93,12 @@ class Blenders(neph_case.NephCase):
                          ("cycles@4.3", "Blender 4.3.2"))
         self.neph("render", SCENE, "-e", "cycles@5.2", "-o", self.folder, NEPH_BLENDER=both,
                   code=64, said="there is no engine 'cycles@5.2'")
+
+    def test_the_page_takes_pictures_of_their_names(self):
+        page = (neph_case.ROOT / "scripts/report/report.js").read_text()
+        allowed = re.search(r"/(\^\(images.*?\$)/\.test\(path\)", page)[1]
+        self.assertRegex("images/fog/cycles@5.2.png", allowed)
+        self.assertNotRegex("images/fog/cycles:5.2.png", allowed)
 
     def validate(self, blender, engine="cycles"):
         """What the report says of it; the verdict is no pass."""
