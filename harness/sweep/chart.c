@@ -281,8 +281,9 @@ static int draw_lines(const struct place *place, const struct mark *marks, int c
 static enum neph_status find_names(const struct place *place, const struct mark *marks, int count,
                                    struct neph_label **labels, struct neph_diag *diag)
 {
-    struct neph_label_line *lines = calloc(3 * (size_t)count, sizeof(*lines));
-    *labels = calloc((size_t)count, sizeof(**labels));
+    const size_t room = count > 0 ? (size_t)count : 0;
+    struct neph_label_line *lines = calloc(3 * room, sizeof(*lines));
+    *labels = calloc(room, sizeof(**labels));
     if (!*labels || !lines) {
         free(lines);
         return neph_fail_memory(diag);
