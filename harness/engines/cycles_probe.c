@@ -137,7 +137,8 @@ enum neph_status neph_cycles_features(int program, struct neph_cycles_features *
                                       features->has_voxels, "has_unbiased", features->has_unbiased,
                                       "has_rayleigh", features->has_rayleigh, "has_spots",
                                       features->has_spots));
-        features->has_voxels |= !status && !with_voxels;
+        if (!status && !with_voxels)
+            features->has_voxels = true;
     }
     free(file);
     free(path);
