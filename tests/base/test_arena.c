@@ -11,7 +11,6 @@
 
 static void test_pieces_are_zeroed_and_apart(void **state)
 {
-    (void)state;
     struct neph_arena arena = {0};
     int *numbers = neph_arena_zeroed(&arena, 100, sizeof(*numbers));
     const char *text = neph_arena_format(&arena, "%d of %s", 7, "nine");
@@ -29,7 +28,6 @@ static void test_pieces_are_zeroed_and_apart(void **state)
 
 static void test_a_list_grows(void **state)
 {
-    (void)state;
     struct neph_arena arena = {0};
     int *list = NULL, room = 0;
     for (int i = 0; i < 100; i++) {
@@ -44,7 +42,6 @@ static void test_a_list_grows(void **state)
 
 static void test_a_shortage_is_remembered(void **state)
 {
-    (void)state;
     struct neph_arena arena = {0};
     assert_null(neph_arena_zeroed(&arena, SIZE_MAX / 2, 16));
     assert_non_null(neph_arena_zeroed(&arena, 1, 1));

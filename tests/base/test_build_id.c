@@ -13,7 +13,6 @@ static void test_it_is_the_one_in_the_file(void **state)
     char command[64], line[256], hex[NEPH_BUILD_ID_SIZE];
     const char *found = NULL;
     struct neph_diag diag = {0};
-    (void)state;
     neph_assert_ok(neph_build_id(hex, &diag), &diag);
     snprintf(command, sizeof(command), "readelf -n /proc/%d/exe", (int)getpid());
     FILE *notes = popen(command, "r");

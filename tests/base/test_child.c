@@ -122,7 +122,6 @@ static void test_success_and_log(void **state)
 
 static void test_exit_codes(void **state)
 {
-    (void)state;
     static const int codes[] = {1, 2, 42, 126, 127, 255};
     for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++) {
         char script[32], words[32];
@@ -139,7 +138,6 @@ static void test_exit_codes(void **state)
 
 static void test_end_by_signal(void **state)
 {
-    (void)state;
     struct neph_child_result result = {.exit_code = 99};
     struct neph_diag diag = {0};
     assert_int_equal(run_shell("kill -SEGV $$", NULL, 0.0, &result, &diag), NEPH_ERR_ENGINE);
@@ -603,7 +601,6 @@ static void test_timeout(void **state)
 
 static void test_no_timeout_when_in_time(void **state)
 {
-    (void)state;
     struct neph_child_result result = {0};
     struct neph_diag diag = {0};
     neph_assert_ok(run_shell("sleep 0.1", NULL, 60.0, &result, &diag), &diag);
@@ -614,7 +611,6 @@ static void test_no_timeout_when_in_time(void **state)
 /* What ends in good order on SIGTERM has still outlived its time. */
 static void test_exit_0_on_sigterm_is_still_a_timeout(void **state)
 {
-    (void)state;
     struct neph_child_result result = {.exit_code = 99};
     assert_int_equal(
         run_shell("trap 'exit 0' TERM; while :; do sleep 0.05; done", NULL, 0.3, &result, NULL),
@@ -625,7 +621,6 @@ static void test_exit_0_on_sigterm_is_still_a_timeout(void **state)
 
 static void test_sigkill_after_two_seconds(void **state)
 {
-    (void)state;
     struct neph_child_result result = {0};
     assert_int_equal(
         run_shell("trap '' TERM; while :; do sleep 0.05; done", NULL, 0.2, &result, NULL),
@@ -731,7 +726,6 @@ static void run_self(const char *const *argv, struct neph_child_result *result)
 
 static void test_cpu_time(void **state)
 {
-    (void)state;
     struct neph_child_result result;
     const char *const burn[] = {self, "burn-cpu", "0.3", NULL};
     run_self(burn, &result);
@@ -746,7 +740,6 @@ static void test_cpu_time(void **state)
 
 static void test_cpu_time_of_grandchildren(void **state)
 {
-    (void)state;
     struct neph_child_result result;
     struct neph_diag diag = {0};
     char *script = NULL, *program = realpath(self, NULL);
@@ -776,7 +769,6 @@ static void test_cpu_time_of_orphans(void **state)
 
 static void test_peak_memory(void **state)
 {
-    (void)state;
     static const int64_t mib = 1 << 20;
     struct neph_child_result small, large;
     const char *const small_argv[] = {self, "eat-memory", "1", "0", NULL};
@@ -794,7 +786,6 @@ static void test_peak_memory(void **state)
 /* The kernel counts the memory of the process that forked; a job must not pay for its neph. */
 static void test_our_own_memory_is_not_the_childs(void **state)
 {
-    (void)state;
     static const int64_t mib = 1 << 20;
     size_t size = (size_t)(300 * mib);
     volatile char *ours = malloc(size);

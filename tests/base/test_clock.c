@@ -7,7 +7,6 @@
 
 static void test_wall_time_passes_in_sleep(void **state)
 {
-    (void)state;
     double start_s = neph_wall_s();
     struct timespec pause = {.tv_nsec = 30 * 1000 * 1000};
     nanosleep(&pause, NULL);
@@ -18,7 +17,6 @@ static void test_wall_time_passes_in_sleep(void **state)
 
 static void test_cpu_time_passes_in_work_and_not_in_sleep(void **state)
 {
-    (void)state;
     double start_s = neph_cpu_s();
     struct timespec pause = {.tv_nsec = 200 * 1000 * 1000};
     nanosleep(&pause, NULL);

@@ -198,7 +198,6 @@ static void test_a_plain_file_has_no_header(void **state)
 /* Scaled with the image, or refused where that is between pixels. */
 static void test_a_window_grows_with_its_image(void **state)
 {
-    (void)state;
     static const struct {
         int width_px, height_px;
         int32_t expected[6]; /* {0}: refused */

@@ -54,7 +54,6 @@ static void test_limit_is_inclusive(void **state)
 
 static void test_limit_holds_for_what_has_no_size(void **state)
 {
-    (void)state;
     char *data = NULL;
     size_t size = 0;
     assert_int_equal(neph_file_read("/proc/self/status", 100, &data, &size, NULL), NEPH_ERR_INPUT);
@@ -255,7 +254,6 @@ static void test_dir_remove(void **state)
 
 static void test_dir_remove_refuses_disasters(void **state)
 {
-    (void)state;
     static const char *const paths[] = {"", ".", "..", "/", "//", "./", "../..", "/."};
     for (size_t i = 0; i < sizeof(paths) / sizeof(paths[0]); i++)
         assert_int_equal(neph_dir_remove(paths[i], NULL), NEPH_ERR_INTERNAL);

@@ -188,7 +188,6 @@ static int inherited_sigchld(void)
 
 static void test_flag_and_descriptor(void **state)
 {
-    (void)state;
     assert_alone(flag_and_descriptor);
     assert_alone(first_ctrl_c);
     assert_alone(ignored_ctrl_c);
@@ -196,7 +195,6 @@ static void test_flag_and_descriptor(void **state)
 
 static void test_second_ctrl_c_ends_the_program(void **state)
 {
-    (void)state;
     int signal_number = 0;
     assert_int_equal(run_alone(second_ctrl_c, &signal_number), -1);
     assert_int_equal(signal_number, SIGINT);
@@ -204,21 +202,18 @@ static void test_second_ctrl_c_ends_the_program(void **state)
 
 static void test_parallel_rows_stop(void **state)
 {
-    (void)state;
     assert_alone(rows_stop_early);
     assert_alone(last_row_is_not_early);
 }
 
 static void test_children_are_stopped(void **state)
 {
-    (void)state;
     assert_alone(child_is_stopped);
     assert_alone(child_after_acknowledgement);
 }
 
 static void test_inherited_sigchld(void **state)
 {
-    (void)state;
     assert_alone(inherited_sigchld);
 }
 

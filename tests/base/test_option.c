@@ -41,7 +41,6 @@ static void expect_refusal(const struct neph_option *table, const char *assignme
 
 static void test_text_has_all_settings_and_reads_back(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     struct neph_settings settings = neph_options_default(options);
     expect_text(&settings, "steps=8 width_m=0.1 colour=green");
@@ -60,7 +59,6 @@ static void test_text_has_all_settings_and_reads_back(void **state)
 
 static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)
 {
-    (void)state;
     static const char known[] = "settings of engine x: steps, width_m, colour";
     expect_refusal(options, "steps", "key=value", "");
     expect_refusal(options, "steps=", "not an integer", "");
@@ -77,7 +75,6 @@ static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)
  * key, but for runs of less than three. */
 static void test_of_many_settings_those_alike_are_named(void **state)
 {
-    (void)state;
     struct neph_option many[NEPH_OPTIONS_MAX + 1] = {{.name = NULL}};
     char names[NEPH_OPTIONS_MAX][16];
     for (int i = 0; i < NEPH_OPTIONS_MAX; i++) {
@@ -97,7 +94,6 @@ static void test_of_many_settings_those_alike_are_named(void **state)
 
 static void test_presets_start_from_the_defaults(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     struct neph_settings settings = neph_options_default(options);
     neph_assert_ok(neph_options_set(options, "x", "steps=3", &settings, &diag), &diag);
@@ -109,7 +105,6 @@ static void test_presets_start_from_the_defaults(void **state)
 
 static void test_a_preset_that_is_not_there_changes_nothing(void **state)
 {
-    (void)state;
     static const char *const names[] = {"broken", "none", ""};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
         struct neph_settings settings = neph_options_default(options);
@@ -127,7 +122,6 @@ static void test_a_preset_that_is_not_there_changes_nothing(void **state)
 
 static void test_presets_of_a_use(void **state)
 {
-    (void)state;
     static const struct {
         unsigned use;
         const char *first, *separator, *names;

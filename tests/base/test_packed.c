@@ -53,7 +53,6 @@ static size_t there_and_back(const float *const *planes, int plane_count, size_t
 
 static void test_all_bits_come_back(void **state)
 {
-    (void)state;
     const float strange[] = {0.0f,     -0.0f, 1.0f,      -1.0f,    0x1p-149f, -0x1p-126f,
                              INFINITY, NAN,   -INFINITY, 0x1p127f, 1e-7f,     0.1f,
                              0.1f,     0.2f,  65504.0f,  1e30f,    -1e30f,    3.14159274f};
@@ -65,7 +64,6 @@ static void test_all_bits_come_back(void **state)
 /* What the order of the bytes is for: a smooth picture, and one of half floats. */
 static void test_pictures_become_small(void **state)
 {
-    (void)state;
     enum { PIXELS = 128 * 72 };
     static float smooth[PIXELS], halves[PIXELS];
     for (int i = 0; i < PIXELS; i++) {

@@ -12,7 +12,6 @@
 
 static void test_a_path_is_as_one_in_memory(void **state)
 {
-    (void)state;
     static const char *const folders[] = {"", "/", "a", "a/", "/a/b"};
     for (size_t i = 0; i < COUNT(folders); i++) {
         char *joined = neph_path_join(folders[i], "c.d");
@@ -25,7 +24,6 @@ static void test_a_path_is_as_one_in_memory(void **state)
 /* Shortened, it might be the path of something else; the system takes neither. */
 static void test_a_path_that_is_too_long_is_refused(void **state)
 {
-    (void)state;
     static const size_t lengths[] = {PATH_MAX, NEPH_PATH_SIZE, 3 * PATH_MAX};
     for (size_t i = 0; i < COUNT(lengths); i++) {
         char *folder = calloc(lengths[i] + 1, 1);

@@ -16,7 +16,6 @@ static struct neph_diag told(const char *message, const char *hint)
 
 static void test_a_prefix_keeps_hint_and_position(void **state)
 {
-    (void)state;
     struct neph_diag diag = told("it is blue", "paint it");
     neph_prefix(&diag, "'%s': ", "f.exr");
     assert_string_equal(diag.message, "'f.exr': it is blue");
@@ -29,7 +28,6 @@ static void test_a_prefix_keeps_hint_and_position(void **state)
 /* A text that no longer fits is cut, and stays one that can be shown. */
 static void test_a_prefix_of_any_length(void **state)
 {
-    (void)state;
     char word[1200];
     for (size_t length = 0; length < sizeof(word); length += 37) {
         memset(word, 'a', length);
@@ -44,7 +42,6 @@ static void test_a_prefix_of_any_length(void **state)
 
 static void test_paths_move(void **state)
 {
-    (void)state;
     struct neph_diag diag = told("see '/tmp/x1/log' and '/tmp/x1'", "its log is '/tmp/x1/log'");
     neph_move_paths(&diag, "/tmp/x1", "/store/failed/a/tmp/x1");
     assert_string_equal(diag.message,

@@ -20,7 +20,6 @@ static void expect_clean(const char *text, size_t size, const char *expected)
 
 static void test_text_that_is_fit_stays(void **state)
 {
-    (void)state;
     static const char text[] = "plain\n\ttext, Größe, 20°, 雲, ☁, 𝛔, e\xcc\x81";
     expect_clean(text, 200, text);
     expect_clean("", 1, "");
@@ -29,7 +28,6 @@ static void test_text_that_is_fit_stays(void **state)
 
 static void test_bytes_that_are_not_utf8_are_shown(void **state)
 {
-    (void)state;
     expect_clean("caf\xe9", 100, "caf\\xe9");
     expect_clean("caf\xe9 au lait", 100, "caf\\xe9 au lait");
     expect_clean("\xc0\xaf", 100, "\\xc0\\xaf");                   /* an overlong '/' */
@@ -42,7 +40,6 @@ static void test_bytes_that_are_not_utf8_are_shown(void **state)
 
 static void test_characters_that_act_are_shown(void **state)
 {
-    (void)state;
     expect_clean("\x1b[2J\a\r\x7f", 100, "\\x1b[2J\\x07\\x0d\\x7f");
     expect_clean("\xc2\x9b\x32J", 100, "\\u009b2J"); /* C1: CSI */
     expect_clean("\xe2\x80\xae"
@@ -56,7 +53,6 @@ static void test_characters_that_act_are_shown(void **state)
 
 static void test_what_does_not_fit_is_cut_between_characters(void **state)
 {
-    (void)state;
     expect_clean("aa\xe2\x82", 5, "aa");       /* snprintf had cut a euro sign */
     expect_clean("aa\xf0\x9d\x9b", 6, "aa");   /* and a sigma */
     expect_clean("a\xc3", 3, "a");             /* and an umlaut */
@@ -72,7 +68,6 @@ static void test_what_does_not_fit_is_cut_between_characters(void **state)
 /* Whatever the bytes and the room: UTF-8, no control, in the buffer; and nothing more to do. */
 static void test_any_bytes_become_fit(void **state)
 {
-    (void)state;
     static const unsigned char interesting[] = {0x1b, 0x80, 0x9b, 0xc2, 0xe2, 0x80,
                                                 0xae, 0xf0, 0x9d, 0xff, 'a',  '\n',
                                                 0xc3, 0xa4, 0xed, 0xa0, 0xf3, 0x81};
@@ -99,7 +94,6 @@ static void test_any_bytes_become_fit(void **state)
 
 static void test_a_copy_has_room_for_everything(void **state)
 {
-    (void)state;
     char *copy = neph_text_clean_copy("\xff\xfe\x1b\xe2\x82");
     assert_string_equal(copy, "\\xff\\xfe\\x1b\\xe2\\x82");
     free(copy);
@@ -109,7 +103,6 @@ static void test_a_copy_has_room_for_everything(void **state)
 /* What neph_fail() and its company are given comes from paths, logs and drivers. */
 static void test_diags_are_fit_after_they_are_cut(void **state)
 {
-    (void)state;
     struct neph_diag diag;
     char hostile[4000];
     for (size_t shift = 0; shift < 4; shift++) {

@@ -16,7 +16,6 @@ static void count_visit(int row, void *context)
 
 static void test_each_row_exactly_once(void **state)
 {
-    (void)state;
     static const int counts[] = {0, 1, 2, 3, 7, 64, 1000, 20011};
     for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); i++) {
         atomic_int *visits = calloc((size_t)counts[i] + 1, sizeof(*visits));
@@ -31,7 +30,6 @@ static void test_each_row_exactly_once(void **state)
 
 static void test_negative_count_is_no_work(void **state)
 {
-    (void)state;
     neph_assert_ok(neph_parallel_rows(-3, count_visit, NULL, NULL), NULL);
 }
 
@@ -45,7 +43,6 @@ static void harmonic_row(int row, void *context)
 /* The same bits as one thread gives, on every run. */
 static void test_result_does_not_depend_on_threads(void **state)
 {
-    (void)state;
     enum { ROWS = 500 };
     double alone[ROWS] = {0}, together[ROWS] = {0};
     for (int row = 0; row < ROWS; row++)
@@ -71,7 +68,6 @@ static void meet(int row, void *context)
 
 static void test_rows_run_at_the_same_time(void **state)
 {
-    (void)state;
     if (neph_processor_count() < 2)
         skip();
     struct meeting meeting = {.expected = neph_processor_count()};
@@ -82,7 +78,6 @@ static void test_rows_run_at_the_same_time(void **state)
 
 static void test_processor_count_follows_affinity(void **state)
 {
-    (void)state;
     cpu_set_t before, one;
     assert_int_equal(sched_getaffinity(0, sizeof(before), &before), 0);
     assert_int_equal(neph_processor_count(), CPU_COUNT(&before));
@@ -110,7 +105,6 @@ static void hang(void *context)
 
 static void test_a_call_that_hangs_is_left_alone(void **state)
 {
-    (void)state;
     static atomic_int answered, released; /* the thread may outlive this function */
     assert_true(neph_finishes_within(60.0, answer, &answered));
     assert_int_equal(atomic_load(&answered), 1);

@@ -40,7 +40,6 @@ static struct neph_workers *create(int count)
 /* Each task is done once, by at most so many threads, whatever is waited for. */
 static void test_all_is_done(void **state)
 {
-    (void)state;
     for (int threads = 1; threads <= 4; threads++) {
         static struct counted counted[TASKS];
         atomic_int at_work = 0, most_at_work = 0;
@@ -80,7 +79,6 @@ static void meet(void *context)
 /* Tasks that wait for each other all get a thread: ends by itself, or never. */
 static void test_as_many_at_a_time(void **state)
 {
-    (void)state;
     enum { THREADS = 3, ROUNDS = 20 };
     struct neph_workers *workers = create(THREADS);
     for (int round = 0; round < ROUNDS; round++) {
@@ -99,7 +97,6 @@ static void test_as_many_at_a_time(void **state)
 
 static void test_without_work(void **state)
 {
-    (void)state;
     struct neph_workers *workers = create(2);
     neph_workers_wait_for_all(workers);
     neph_workers_destroy(workers);

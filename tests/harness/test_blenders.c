@@ -380,7 +380,6 @@ static void test_named_programs(void **state)
 
 static void test_versions(void **state)
 {
-    (void)state;
     assert_true(neph_version_is_from("3.4.1", 3, 4) && neph_version_is_from("4.0", 3, 4));
     assert_true(neph_version_is_from("10.1", 9, 2));
     assert_false(neph_version_is_from("3.3.9", 3, 4) || neph_version_is_from("2.93", 3, 4));

@@ -187,7 +187,6 @@ static double truth_mean(const struct stage *stage, bool volume_only, int channe
 
 static void test_probe_without_blender(void **state)
 {
-    (void)state;
     const struct neph_engine_info info = test_probe_without_path(&neph_engine_cycles);
     assert_false(info.available);
     assert_non_null(strstr(info.missing, "blender"));
@@ -196,7 +195,6 @@ static void test_probe_without_blender(void **state)
 
 static void test_probe_refuses_an_old_version(void **state)
 {
-    (void)state;
     const struct neph_engine_info info = test_probe_impostor(&neph_engine_cycles, "blender",
                                                              "#!/bin/sh\necho 'Blender 3.3.1'\n");
     assert_false(info.available);
@@ -213,7 +211,6 @@ static void assert_cannot(const struct stage *stage, const char *word)
 
 static void test_what_it_can_render(void **state)
 {
-    (void)state;
     char reason[256] = "";
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
@@ -233,7 +230,6 @@ static void test_what_it_can_render(void **state)
 
 static void test_tiny_frames_are_refused(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_cost cost;
     struct neph_image *frame = NULL;
@@ -259,7 +255,6 @@ static enum neph_status spec_of(const struct stage *stage, json_t **spec, double
 
 static void test_spec_is_data(void **state)
 {
-    (void)state;
     json_t *spec = NULL;
     double error_px = 0.0;
     struct stage stage;
@@ -283,7 +278,6 @@ static const char *pass_kind(const json_t *spec, size_t index)
 /* A picture of its own but where all orders are in one; nothing where nothing is emitted. */
 static void test_spec_of_emission(void **state)
 {
-    (void)state;
     json_t *spec = NULL;
     double error_px = 0.0;
     struct stage stage;
@@ -311,7 +305,6 @@ static void test_spec_of_emission(void **state)
 
 static void test_spec_refuses_what_is_not_a_number(void **state)
 {
-    (void)state;
     json_t *spec = NULL;
     double error_px;
     struct stage stage;
@@ -359,7 +352,6 @@ static void transmittance_errors(const struct stage *stage, double floor, double
 /* Cycles ends a path whose throughput is below 1e-6. */
 static void test_transmittance_of_parallel_rays_is_cut(void **state)
 {
-    (void)state;
     struct stage stage;
     set_box_stage(&stage, 2.8);
     stage.key.position_m.y = 6.0;
@@ -387,7 +379,6 @@ static void test_transmittance_of_parallel_rays_is_cut(void **state)
 
 static void test_transmittance_of_open_fog(void **state)
 {
-    (void)state;
     const struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY},
                                      {INFINITY, INFINITY, INFINITY}};
     double absolute, relative;
@@ -402,7 +393,6 @@ static void test_transmittance_of_open_fog(void **state)
 
 static void test_depth_behind_media(void **state)
 {
-    (void)state;
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.media[0].layers[0].extinction_per_m = 30.0; /* opaque, yet depth sees through */
@@ -447,7 +437,6 @@ static void check_single_scattering(const struct stage *stage, double relative)
 /* 1e-7/m is below the coefficient that Cycles drops: it takes the right unit to see this air. */
 static void test_single_scattering_in_thin_air(void **state)
 {
-    (void)state;
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 10.0, 0.0}, (struct neph_vec3){0.0, 10.0, -10.0});
     add_medium(&stage, (struct neph_bounds){{-4e5, -4e5, -8e5}, {4e5, 4e5, 5.0}}, 1e-7, 0.0);
@@ -457,7 +446,6 @@ static void test_single_scattering_in_thin_air(void **state)
 
 static void test_single_scattering_in_height_fog(void **state)
 {
-    (void)state;
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 40.0, 0.0}, (struct neph_vec3){0.0, 35.0, -100.0});
     struct neph_medium *medium = add_medium(
@@ -489,7 +477,6 @@ static void check_full_stage(struct stage *stage)
  * T times the background. */
 static void test_single_scattering_in_a_box(void **state)
 {
-    (void)state;
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.85};
@@ -510,7 +497,6 @@ static void test_single_scattering_in_a_box(void **state)
 /* Solids lit through an absorbing medium by a coloured sun, without noise: Lambert's law. */
 static void test_no_scattering(void **state)
 {
-    (void)state;
     struct stage stage;
     set_stage(&stage, (struct neph_vec3){0.0, 3.0, 6.0}, (struct neph_vec3){0.0, 0.0, 0.0});
     add_medium(&stage, (struct neph_bounds){{-8.0, -1.0, -9.0}, {8.0, 4.0, 7.0}}, 0.1, 0.0);
@@ -546,7 +532,6 @@ static struct neph_medium *set_furnace(struct stage *stage, double ball_z_m)
 /* Everything is lit from everywhere by radiance 1 and nothing absorbs. */
 static void test_white_furnace(void **state)
 {
-    (void)state;
     struct stage stage;
     set_furnace(&stage, -4.0)->albedo = make_grey(1.0);
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
@@ -563,7 +548,6 @@ static void test_white_furnace(void **state)
  * pictures. */
 static void test_emission_of_a_box(void **state)
 {
-    (void)state;
     struct stage stage;
     struct neph_medium *medium = set_box_stage(&stage, 0.3);
     medium->emission_w_per_m2_sr = (struct neph_rgb){1, 2, 3};
@@ -584,7 +568,6 @@ static void test_emission_of_a_box(void **state)
 /* Where light is scattered once, emitted light is seen, and lights neither media nor solids. */
 static void test_emission_beside_the_sun(void **state)
 {
-    (void)state;
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.media[0].emission_w_per_m2_sr = (struct neph_rgb){8, 1, 2};
@@ -595,7 +578,6 @@ static void test_emission_beside_the_sun(void **state)
  * show what they hide. 2e-3: the noise of 64 paths in the mean, which falls with the albedo. */
 static void test_kirchhoff_furnace(void **state)
 {
-    (void)state;
     struct stage stage;
     set_furnace(&stage, -2.0)->emission_w_per_m2_sr = make_grey(1.0);
     struct neph_image *frame = render(&stage, NEPH_LAYER_RADIANCE);
@@ -612,7 +594,6 @@ static void test_kirchhoff_furnace(void **state)
 /* A background that is only seen lights neither media nor solids, in any order. */
 static void test_background_that_is_only_seen(void **state)
 {
-    (void)state;
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.sun.present = false;
@@ -649,7 +630,6 @@ static double largest_difference(const struct neph_image *a, const struct neph_i
 
 static void test_same_seed_same_bits(void **state)
 {
-    (void)state;
     struct stage stage;
     set_full_stage(&stage);
     stage.scene.media[0].kind = NEPH_MEDIUM_HEIGHT_FOG;
@@ -671,7 +651,6 @@ static void test_same_seed_same_bits(void **state)
 /* All scenes above bore the hostile name, in folders of hostile names. */
 static void test_nothing_was_executed(void **state)
 {
-    (void)state;
     assert_false(neph_path_exists(pwned_path));
 }
 
@@ -687,7 +666,6 @@ static void assert_file(const char *directory, const char *name)
 
 static void test_export_runs_by_hand(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     char directory[] = "/tmp/neph-export-XXXXXX", command[256] = "";
     assert_non_null(mkdtemp(directory));
@@ -715,7 +693,6 @@ static void test_export_runs_by_hand(void **state)
 
 static void test_failures_are_reported(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_cost cost;
     struct neph_image *frame = NULL;

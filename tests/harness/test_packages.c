@@ -14,7 +14,6 @@ static void assert_line(const char *os_release, const char *expected)
 
 static void test_the_command_is_the_distributions(void **state)
 {
-    (void)state;
     assert_line("PRETTY_NAME=\"Debian GNU/Linux 13 (trixie)\"\nID=debian\n",
                 "apt-get install blender python3-numpy");
     assert_line("ID=ubuntu\nID_LIKE=debian\n", "apt-get install blender python3-numpy");

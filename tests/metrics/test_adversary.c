@@ -247,7 +247,6 @@ static double seen_over_the_eye(const struct dodge *dodge)
 /* Four times as many tries found 0.83: see the next one. */
 static void test_nobody_gets_below_what_the_eye_sees(void **state)
 {
-    (void)state;
     double lowest = 0.0;
     const struct dodge dodge = search(seen_over_the_eye, neph_test_paths(120), 7, &lowest);
     print_dodge("seen over what the eye sees", &dodge, lowest);
@@ -258,7 +257,6 @@ static void test_nobody_gets_below_what_the_eye_sees(void **state)
  * found. */
 static void test_a_period_of_two_seconds_loses_little(void **state)
 {
-    (void)state;
     uint64_t random = 12;
     struct dodge dodge = draw(&random);
     dodge.length = 12;
@@ -283,7 +281,6 @@ static double least_named(const struct dodge *dodge)
 /* A declared period has its power by name, whatever its waveform. */
 static void test_nobody_hides_a_declared_period(void **state)
 {
-    (void)state;
     double lowest = 0.0;
     const struct dodge dodge = search(least_named, neph_test_paths(30), 8, &lowest);
     print_dodge("power that periods have by name", &dodge, lowest);
@@ -300,7 +297,6 @@ static double least_kept(const struct dodge *dodge)
 /* What is not declared may be called noise, drift or another period, but it does not vanish. */
 static void test_nobody_takes_out_of_the_budget(void **state)
 {
-    (void)state;
     double lowest = 0.0;
     const struct dodge dodge = search(least_kept, neph_test_paths(30), 9, &lowest);
     print_dodge("kept in the budget, off by", &dodge, lowest);
@@ -332,7 +328,6 @@ static struct dodge jitter_of(int length)
  * change from 7 to 8 by what the eye's weights explain; four-frame flicker by all. */
 static void test_a_jitter_of_seven_hides_from_no_one(void **state)
 {
-    (void)state;
     const struct dodge seven = jitter_of(7), eight = jitter_of(8);
     const double seen = seen_of(&eight) / seen_of(&seven);
     const double explained = seen_by_the_eye(&eight) / seen_by_the_eye(&seven);
@@ -353,7 +348,6 @@ static void test_a_jitter_of_seven_hides_from_no_one(void **state)
  * counts as noise then. */
 static void test_a_held_jitter_is_noise_until_it_is_declared(void **state)
 {
-    (void)state;
     struct dodge held = jitter_of(11);
     held.hold = 3;
     if (NEPH_TEST_EVERY > 1) /* a third of the frames: the same sums, enough for the sanitizers */

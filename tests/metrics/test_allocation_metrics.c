@@ -112,7 +112,6 @@ static enum neph_status check_validity(void *context, struct neph_diag *diag)
 
 static void test_masks_and_validity(void **state)
 {
-    (void)state;
     struct job job = create_job(1, true);
     for (int i = 0; i < neph_mask_kind_count(); i++) {
         job.mask_kind = neph_mask_kind_at(i);
@@ -124,7 +123,6 @@ static void test_masks_and_validity(void **state)
 
 static void test_extractors(void **state)
 {
-    (void)state;
     for (int i = 0; i < neph_extractor_count(); i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         struct job job = create_job(extractor->temporal ? FRAMES_MAX : 1, true);
@@ -137,7 +135,6 @@ static void test_extractors(void **state)
 /* They take most of the time and are the same for all. */
 static void test_intervals(void **state)
 {
-    (void)state;
     struct job job = create_job(1, false);
     job.extractor = neph_extractor_find("error");
     job.intervals = true;

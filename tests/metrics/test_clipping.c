@@ -84,7 +84,6 @@ static void assert_clipped(const struct neph_measurement *measured, enum neph_di
 /* 4 pixels in the reference, 8, 9, 10 and 11 in the test. */
 static void test_shares_by_mask_frame_and_sequence(void **state)
 {
-    (void)state;
     static const char *const names[] = {"error",           "flip",    "pu21", "ssim",
                                         "residual_change", "flicker", NULL};
     struct neph_image *reference = partly(1.5f, 4);
@@ -115,7 +114,6 @@ static void test_shares_by_mask_frame_and_sequence(void **state)
 /* A stop down there is nothing above white; white itself is shown. */
 static void test_exposure_and_white_itself(void **state)
 {
-    (void)state;
     static const char *const names[] = {"flip", NULL};
     static const struct {
         float value;
@@ -138,7 +136,6 @@ static void test_exposure_and_white_itself(void **state)
 /* 500 and 800 times white are 50000 and 80000 cd/m2. */
 static void test_an_error_beyond_the_display_is_no_perfect_match(void **state)
 {
-    (void)state;
     static const char *const names[] = {"pu21", NULL};
     struct neph_image *reference = partly(500.0f, 4), *test = partly(800.0f, 4);
     float lower[ALL] = {0.0f};
@@ -166,7 +163,6 @@ static void test_an_error_beyond_the_display_is_no_perfect_match(void **state)
 /* Two steps of light, both above white: there is a change that the display does not show. */
 static void test_a_change_beyond_the_display_is_no_perfect_match(void **state)
 {
-    (void)state;
     static const char *const names[] = {"residual_change", NULL};
     struct neph_image *reference = partly(2.0f, ALL);
     struct neph_mask *masks[2] = {create_mask(reference, "all"), create_mask(reference, "upper")};
@@ -187,7 +183,6 @@ static void test_a_change_beyond_the_display_is_no_perfect_match(void **state)
 
 static void test_the_bound_of_ssim_is_that_of_its_codes(void **state)
 {
-    (void)state;
     static const char *const names[] = {"ssim", NULL};
     struct neph_image *image = partly(1.5f, UPPER);
     struct neph_mask *masks[2] = {create_mask(image, "all"), create_mask(image, "upper")};
@@ -212,7 +207,6 @@ static void fill_about_bounds(float *const planes[3], size_t count, uint64_t *ra
 
 static void test_each_pixel_beyond_a_bound_is_counted(void **state)
 {
-    (void)state;
     enum { WIDE = 601, ROWS = 3 };
     uint64_t random = 7;
     struct neph_image *image = create_image(WIDE, ROWS);

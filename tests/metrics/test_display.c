@@ -33,7 +33,6 @@ static void assert_encoded(float r, float g, float b, double exposure_ev, int ou
 
 static void test_known_codes(void **state)
 {
-    (void)state;
     assert_encoded(0.18f, 0.18f, 0.18f, 0.0, 118, 118, 118); /* 117.65 */
     assert_encoded(0, 0, 0, 0.0, 0, 0, 0);
     assert_encoded(1, 1, 1, 0.0, 255, 255, 255);
@@ -47,7 +46,6 @@ static void test_known_codes(void **state)
 
 static void test_outside_the_range(void **state)
 {
-    (void)state;
     assert_encoded(-1, -0.001f, 0, 0.0, 0, 0, 0);
     assert_encoded(-1000, 0.18f, 1000, 0.0, 0, 118, 255);
     assert_encoded(1e30f, 0, 0, 0.0, 255, 0, 0); /* nothing leaks into the dark channels */
@@ -65,7 +63,6 @@ static void test_outside_the_range(void **state)
  * and 0.02 more for the float arithmetic of the encoder. */
 static void test_ramp_against_closed_form(void **state)
 {
-    (void)state;
     float *planes[3];
     uint8_t *out = malloc((size_t)RAMP * 3);
     assert_non_null(out);
@@ -99,7 +96,6 @@ static void test_ramp_against_closed_form(void **state)
 /* Around each threshold, and everywhere else: the table gives the encoder's own codes. */
 static void test_the_baked_table_is_the_encoder(void **state)
 {
-    (void)state;
     enum { NEAR = 3 * 255, COUNT_ALL = NEAR + 4096 };
     float thresholds[256], grey[COUNT_ALL];
     uint8_t out[3 * COUNT_ALL];
@@ -124,7 +120,6 @@ static void test_the_baked_table_is_the_encoder(void **state)
 
 static void test_encode_refusals(void **state)
 {
-    (void)state;
     const float one = 1.0f;
     const float *const planes[3] = {&one, &one, &one};
     uint8_t out[3] = {1, 2, 3};
@@ -149,7 +144,6 @@ static void assert_difference(float reference, float test, double scale, const u
 
 static void test_stops_and_marks(void **state)
 {
-    (void)state;
     const struct neph_display_legend *legend = neph_display_difference_legend();
     assert_true(legend->stops[0].position == -1.0);
     assert_true(legend->stops[legend->stop_count - 1].position == 1.0);
@@ -170,7 +164,6 @@ static void test_stops_and_marks(void **state)
 /* Blue for darker, red for brighter, at any strength. */
 static void test_hue_tells_the_sign(void **state)
 {
-    (void)state;
     for (int i = 1; i <= 100; i++) {
         float change = 0.01f * (float)i;
         const float reference = 2.0f, darker = 2.0f - change, brighter = 2.0f + change;
@@ -186,7 +179,6 @@ static void test_hue_tells_the_sign(void **state)
 
 static void test_depth_and_sky(void **state)
 {
-    (void)state;
     const struct neph_display_legend *legend = neph_display_difference_legend();
     const uint8_t *equal = legend->stops[legend->stop_count / 2].rgb;
     assert_difference(INFINITY, INFINITY, 1, equal);
@@ -196,7 +188,6 @@ static void test_depth_and_sky(void **state)
 
 static void test_luminance_of_colours(void **state)
 {
-    (void)state;
     const struct neph_display_legend *legend = neph_display_difference_legend();
     enum { PIXELS = 5 };
     float reference[3][PIXELS] = {{1, 1, 1, INFINITY, 1}, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1}};
@@ -215,7 +206,6 @@ static void test_luminance_of_colours(void **state)
 
 static void test_difference_refusals(void **state)
 {
-    (void)state;
     const float one = 1.0f;
     const float *const planes[3] = {&one, &one, &one};
     uint8_t out[3];

@@ -39,7 +39,6 @@ static void assert_two_pixels(const struct measured *m)
 
 static void test_the_plain_function_is_the_metric(void **state)
 {
-    (void)state;
     const float *const reference[] = {two_pixels_reference}, *const test[] = {two_pixels_test};
     const struct neph_relative_error error = neph_relative_error_of(reference, test, 1, 6);
     neph_assert_close(error.bias, 1.25 / 7.75, tight, 0);
@@ -50,7 +49,6 @@ static void test_the_plain_function_is_the_metric(void **state)
 
 static void test_two_pixels_by_hand(void **state)
 {
-    (void)state;
     static const struct {
         const char *quantity, *layer, *unit;
     } cases[] = {
@@ -84,7 +82,6 @@ static void test_two_pixels_by_hand(void **state)
 /* The mask picks the samples; the scene mean of rel_mse and max_rel stays that of the frame. */
 static void test_mask_and_scene_mean(void **state)
 {
-    (void)state;
     struct neph_image *reference = rgb_image(2, 1, NULL, two_pixels_reference);
     struct neph_image *test = rgb_image(2, 1, NULL, two_pixels_test);
     add_channel(reference, "Z", (float[]){INFINITY, 7});
@@ -106,7 +103,6 @@ static void test_mask_and_scene_mean(void **state)
 
 static void test_sign_is_test_minus_reference(void **state)
 {
-    (void)state;
     struct neph_image *dark = rgb_image(1, 1, NULL, (float[]){1, 1, 1});
     struct neph_image *bright = rgb_image(1, 1, NULL, (float[]){3, 3, 3});
     struct neph_mask *all = create_mask(dark, "all");
@@ -123,7 +119,6 @@ static void test_sign_is_test_minus_reference(void **state)
 
 static void test_identical_images_are_exactly_zero(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(31);
     enum { WIDTH = 67, HEIGHT = 41 };
     struct neph_image *image = create_image(WIDTH, HEIGHT);
@@ -151,7 +146,6 @@ static void test_identical_images_are_exactly_zero(void **state)
  * 12 have the same error. */
 static void test_equal_fireflies_are_trimmed(void **state)
 {
-    (void)state;
     enum { SIDE = 40 };
     static float reference_rgb[3 * SIDE * SIDE], test_rgb[3 * SIDE * SIDE];
     for (int i = 0; i < 3 * SIDE * SIDE; i++)
@@ -177,7 +171,6 @@ static void test_equal_fireflies_are_trimmed(void **state)
 /* Only where both see a solid; what one of them misses is a number of its own. */
 static void test_depth_by_hand(void **state)
 {
-    (void)state;
     struct neph_image *reference = create_image(5, 1), *test = create_image(5, 1);
     add_channel(reference, "Z", (float[]){2, 4, INFINITY, 8, INFINITY});
     add_channel(test, "Z", (float[]){2.5f, 3, INFINITY, INFINITY, 1});
@@ -227,7 +220,6 @@ static const char bad_pixel[] = "a pixel of the mask is not finite in one of the
  * scene mean that it spoils. */
 static void test_bad_pixels_make_undefined(void **state)
 {
-    (void)state;
     static const float bad[] = {NAN, INFINITY, -INFINITY};
     enum { PIXELS = 20 * 20 };
     for (int round = 0; round < 18; round++) {
@@ -264,7 +256,6 @@ static void test_bad_pixels_make_undefined(void **state)
 
 static void test_bad_depth_makes_undefined(void **state)
 {
-    (void)state;
     struct neph_image *reference = create_image(3, 1), *test = create_image(3, 1);
     add_channel(reference, "Z", (float[]){1, INFINITY, 3});
     float *depth_m = add_channel(test, "Z", (float[]){1, NAN, 3});
@@ -281,7 +272,6 @@ static void test_bad_depth_makes_undefined(void **state)
 
 static void test_empty_mask_and_reference_without_a_mean(void **state)
 {
-    (void)state;
     struct neph_image *black = rgb_image(1, 1, NULL, (float[]){0, 0, 0});
     struct neph_image *grey = rgb_image(1, 1, NULL, (float[]){0.5f, 0.5f, 0.5f});
     add_channel(black, "Z", (float[]){1});
@@ -317,7 +307,6 @@ static void test_empty_mask_and_reference_without_a_mean(void **state)
 /* Twice the light, twice the absolute and the same relative errors: no absolute epsilon hides. */
 static void test_relative_metrics_do_not_know_the_unit(void **state)
 {
-    (void)state;
     for (int power = -60; power <= 60; power += 20) {
         float reference_values[6], test_values[6];
         for (int i = 0; i < 6; i++) {
@@ -343,7 +332,6 @@ static void test_relative_metrics_do_not_know_the_unit(void **state)
  * its ulp. */
 static void test_sums_are_in_double(void **state)
 {
-    (void)state;
     enum { SIDE = NEPH_TEST_EVERY > 1 ? 1200 : 3200 };
     const size_t pixel_count = (size_t)SIDE * SIDE;
     const double ulp = 0.0625;
@@ -373,7 +361,6 @@ static void test_sums_are_in_double(void **state)
 
 static void test_refusals(void **state)
 {
-    (void)state;
     struct neph_image *small = rgb_image(1, 1, NULL, (float[]){1, 1, 1});
     struct neph_image *large = rgb_image(2, 1, NULL, two_pixels_test);
     const struct neph_mask *mask = create_mask(small, "all");
@@ -408,7 +395,6 @@ static void test_refusals(void **state)
 
 static void test_tables(void **state)
 {
-    (void)state;
     for (int i = 0; i < neph_extractor_count(); i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         assert_ptr_equal(neph_extractor_find(extractor->name), extractor);

@@ -193,7 +193,6 @@ static const int sizes[][2] = {{1, 1},  {1, 2},   {2, 1},   {1, 37},  {41, 1},  
 
 static void test_odd_sizes_of_images(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++)
         for (int intervals = 0; intervals < 2; intervals++)
             measure_frames(sizes[i][0], sizes[i][1], 1, false, intervals);
@@ -203,7 +202,6 @@ static void test_odd_sizes_of_images(void **state)
 
 static void test_odd_sizes_of_sequences(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++)
         for (int intervals = 0; intervals < 2; intervals++)
             measure_frames(sizes[i][0], sizes[i][1], 5, true, intervals);
@@ -225,7 +223,6 @@ static void fill(struct neph_image *image, const char *prefix, float value)
 /* Black, all alike, the largest and the smallest floats, nothing but sky, nothing but ground. */
 static void test_flat_and_extreme_contents(void **state)
 {
-    (void)state;
     static const struct {
         float reference, test, depth;
     } cases[] = {
@@ -361,7 +358,6 @@ static void assert_plant_is_told(const struct setup *setup, const struct plant *
 
 static void test_bad_values_are_never_silent(void **state)
 {
-    (void)state;
     static const struct plant plants[] = {
         {"R", false, 3, 4, NAN},
         {"G", true, 0, 0, INFINITY},
@@ -395,7 +391,6 @@ static void test_bad_values_are_never_silent(void **state)
  * and a mask is made of no bad value. */
 static void test_bad_values_in_further_layers(void **state)
 {
-    (void)state;
     static const struct plant plants[] = {
         {"motion.x", false, 3, 4, NAN},         {"motion.y", true, 9, 9, INFINITY},
         {"volume.distance", false, 13, 7, NAN}, {"volume.distance", true, 13, 7, -INFINITY},
@@ -448,7 +443,6 @@ static void measure_with(const struct neph_extractor *extractor, struct neph_set
 /* Each setting at its least and its largest, each word of a choice; the others as ever. */
 static void test_settings_at_their_ends(void **state)
 {
-    (void)state;
     struct neph_image *reference[2], *test[2];
     for (int i = 0; i < 2; i++) {
         reference[i] = create((struct synthetic){21, 18, i, 1, false, true});

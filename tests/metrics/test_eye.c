@@ -96,7 +96,6 @@ static double ours(const struct threshold *t)
 
 static void test_check_value(void **state)
 {
-    (void)state;
     neph_assert_close(neph_eye_elatcsf(10.0, 3.0, 10.0, 20.0), 398.1, 0.0, 0.05);
     /* A disk off the gaze is seen worse, a larger one better, and nothing is seen of none. */
     assert_true(neph_eye_elatcsf(10.0, 3.0, 10.0, 1.0) < neph_eye_elatcsf(10.0, 3.0, 0.0, 1.0));
@@ -139,7 +138,6 @@ static double bound_db(const struct experiment *experiment)
 
 static void test_spread_of_experiments(void **state)
 {
-    (void)state;
     struct experiment experiments[EXPERIMENTS_MAX] = {0};
     const char *wanted = getenv("NEPH_FLICKER_THRESHOLDS");
     const int count = read_thresholds(wanted ? wanted : usual_path, add_to_experiment, experiments);
@@ -165,7 +163,6 @@ static void add_to_level(const struct threshold *t, void *context)
 /* The constant is what it says it is. */
 static void test_level(void **state)
 {
-    (void)state;
     struct residuals level = {0};
     read_thresholds(usual_path, add_to_level, &level);
     assert_true(level.count > 0);
@@ -180,7 +177,6 @@ static void test_level(void **state)
  * the spread of elaTCSF about one experiment of the best. */
 static void test_thresholds_in_percent(void **state)
 {
-    (void)state;
     static const struct {
         const char *who;
         double frequency_hz, luminance_cd_per_m2, cycles_per_degree, percent;
@@ -203,7 +199,6 @@ static void test_thresholds_in_percent(void **state)
 
 static void test_probabilities(void **state)
 {
-    (void)state;
     assert_true(neph_eye_seen(0.0) == 0.0 && neph_eye_pop_seen(0.0) == 0.0);
     neph_assert_close(neph_eye_seen(1.0), 0.5, 1e-15, 0.0);
     neph_assert_close(neph_eye_seen(2.0), 1.0 - pow(0.5, 4.0), 1e-15, 0.0);
@@ -214,7 +209,6 @@ static void test_probabilities(void **state)
 /* Any light and any disk have a finite sensitivity. */
 static void test_ends(void **state)
 {
-    (void)state;
     static const double luminances[] = {0.0, 1e-4, 0.1, 1e5}, radii[] = {1e-3, 1.0, 90.0, 1e5};
     static const double frequencies[] = {0.0, 0.5, 60.0, 500.0};
     for (int i = 0; i < 64; i++) {

@@ -26,7 +26,6 @@ static const double of_double = 2e-13;
 
 static void test_luma_is_that_of_the_standard(void **state)
 {
-    (void)state;
     enum { N = 20000 };
     uint64_t random = 11;
     for (int i = 0; i < N; i++) {
@@ -47,7 +46,6 @@ static void test_luma_is_that_of_the_standard(void **state)
 
 static void test_luma_at_its_ends(void **state)
 {
-    (void)state;
     const float values[][2] = {{0.0f, 0.0f},   {-1.0f, 0.0f}, {1.0f, 1.0f},          {1e30f, 1.0f},
                                {-3e38f, 0.0f}, {3e38f, 1.0f}, {0x1p-149f, 0x1p-149f}};
     for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++) {
@@ -76,7 +74,6 @@ static struct sequence still(int width_px, int height_px, double luma)
  * the cycle. */
 static void test_period_of_four(void **state)
 {
-    (void)state;
     enum { PHASES = 23, N = 32 };
     const double amplitude = 0.2;
     struct sequence reference = still(PHASES, 1, 0.3), test = sequence_create(PHASES, 1, N);
@@ -108,7 +105,6 @@ static void test_period_of_four(void **state)
 /* x = 0.5 + A cos(pi t + phase): every other frame, a2 = A |cos phase| = std, p2p and mad 2 a2. */
 static void test_period_of_two(void **state)
 {
-    (void)state;
     enum { PHASES = 7, N = 16 };
     const double amplitude = 0.1;
     struct sequence reference = still(PHASES, 1, 0.5), test = sequence_create(PHASES, 1, N);
@@ -133,7 +129,6 @@ static void test_period_of_two(void **state)
  * those of exact floats, so the closed form holds to double precision. */
 static void test_blink(void **state)
 {
-    (void)state;
     enum { N = 20 };
     struct sequence reference = sequence_create(1, 1, 1), test = sequence_create(1, 1, N);
     sequence_set(&reference, 0, 0, 0, 0.25, 0.25, 0.25);
@@ -155,7 +150,6 @@ static void test_blink(void **state)
  * without rounding. It leaks sqrt(2) and 1/2 of its slope into a4 and a2 unless it is taken out. */
 static void test_ramp(void **state)
 {
-    (void)state;
     enum { N = 128 };
     const double slope = 12.92 * 0x1p-16;
     struct sequence reference = sequence_create(1, 1, 1), test = sequence_create(1, 1, N);
@@ -184,7 +178,6 @@ static void test_ramp(void **state)
  * that does what the reference does. */
 static void test_nothing_is_exactly_nothing(void **state)
 {
-    (void)state;
     enum { W = 19, H = 3, N = 24 };
     static const char *const names[] = {"std",      "p2p",      "mad",         "a4",     "a2",
                                         "block_a4", "block_a2", "cycle_share", "cyclic", "unrest"};
@@ -297,7 +290,6 @@ static void check_against_truth(const struct random_case *given, uint64_t seed)
 
 static void test_streaming_is_the_definition(void **state)
 {
-    (void)state;
     const struct random_case cases[] = {
         {1, 1, 16, 0.0, 0.5, 0.4, false, NULL, true, true},
         {17, 3, 16, 0.0, 0.5, 0.6, false, NULL, true, true},
@@ -318,7 +310,6 @@ static void test_streaming_is_the_definition(void **state)
 /* A millionth of white, near white: nothing of it may cancel. Steps of 2^-20 below 1 are exact. */
 static void test_small_flicker_on_a_large_value(void **state)
 {
-    (void)state;
     enum { N = 64 };
     struct sequence reference = sequence_create(1, 1, 1), test = sequence_create(1, 1, N);
     long double d[N];
@@ -344,7 +335,6 @@ static void test_small_flicker_on_a_large_value(void **state)
 /* The same memory with another content is another frame. */
 static void test_reference_is_compared_by_value(void **state)
 {
-    (void)state;
     enum { N = 16 };
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct sequence test = sequence_create(2, 1, N), memory = sequence_create(2, 1, 1);
@@ -374,7 +364,6 @@ static void test_reference_is_compared_by_value(void **state)
  * odd borders keep what they hold. */
 static void test_blocks(void **state)
 {
-    (void)state;
     enum { W = 5, H = 3, N = 16 };
     static const int turn[4] = {0, 1, 3, 2}; /* phase: place in the clockwise order */
     const double height = 0.1;
@@ -446,7 +435,6 @@ static struct neph_flicker_spectrum spectrum_of(const double *v, int n,
  * The two probabilities are uniform: the share below p is binomial. */
 static void test_white_noise(void **state)
 {
-    (void)state;
     enum { M = 20000, N = 32 };
     const double s = 0.05, p = 0.02;
     uint64_t random = 20261121;
@@ -481,7 +469,6 @@ static void test_white_noise(void **state)
  * critical values, which the tables give to three decimals. */
 static void test_significance_of_a_cycle(void **state)
 {
-    (void)state;
     const double table[][3] = {{4.459, 7.709, 0.05}, {8.649, 21.198, 0.01}};
     for (int i = 0; i < 2; i++) {
         const struct neph_flicker_spectrum quarter = {.quarter_cos = sqrt(table[i][0]),
@@ -501,7 +488,6 @@ static void test_significance_of_a_cycle(void **state)
 /* A line under a signal changes nothing: in the dark, where lines are exact. */
 static void test_a_trend_changes_nothing(void **state)
 {
-    (void)state;
     enum { W = 8, N = 48 };
     uint64_t random = 5;
     struct sequence reference = sequence_create(W, 1, 1);
@@ -535,7 +521,6 @@ static void test_a_trend_changes_nothing(void **state)
 
 static void test_only_whole_cycles_after_the_warm_up(void **state)
 {
-    (void)state;
     enum { N = 27, WARM_UP = 6 }; /* 21 are left, 20 count */
     uint64_t random = 8;
     struct sequence reference = still(3, 2, 0.5), all = sequence_create(3, 2, N);
@@ -563,7 +548,6 @@ static void test_only_whole_cycles_after_the_warm_up(void **state)
 
 static void test_too_short(void **state)
 {
-    (void)state;
     const struct neph_extractor *extractor = &neph_extractor_flicker;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_settings settings = neph_options_default(extractor->options);
@@ -585,7 +569,6 @@ static void test_too_short(void **state)
 
 static void test_ended_early(void **state)
 {
-    (void)state;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct sequence test = sequence_create(2, 2, 32);
     struct neph_frame_pair pair = flicker_pair(&test, &test, 0, &viewing);
@@ -611,7 +594,6 @@ static void test_ended_early(void **state)
 
 static void test_slots_are_traced_in_turn(void **state)
 {
-    (void)state;
     static const int xy[3][4][2] = {
         [NEPH_SLOT_CLOCKWISE] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
         [NEPH_SLOT_Z] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}},
@@ -636,7 +618,6 @@ static void test_slots_are_traced_in_turn(void **state)
 /* A planted table of means by phase and age comes back, and so do its ages and its slope. */
 static void test_phase_age_table(void **state)
 {
-    (void)state;
     enum { W = 7, H = 5, N = 24 };
     static const int turn[4] = {0, 1, 3, 2};
     struct sequence reference = still(W, H, 0.5), test = sequence_create(W, H, N);
@@ -669,7 +650,6 @@ static void test_phase_age_table(void **state)
 
 static void test_a_phase_that_is_not_there(void **state)
 {
-    (void)state;
     struct sequence reference = still(1, 2, 0.5), test = sequence_create(1, 2, 16);
     struct extraction run = flicker_run(&reference, &test, NULL, NULL);
     double value = NAN;
@@ -691,7 +671,6 @@ static void allow_processors(const cpu_set_t *allowed)
 
 static void test_bits_do_not_depend_on_threads(void **state)
 {
-    (void)state;
     enum { W = 50, H = 37, N = 20 };
     uint64_t random = 77;
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, N);
@@ -723,7 +702,6 @@ static void test_bits_do_not_depend_on_threads(void **state)
 
 static void test_table(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_flicker);
     assert_ptr_equal(neph_extractor_find("flicker"), &neph_extractor_flicker);
     for (const struct neph_metric *m = neph_extractor_flicker.metrics; m->name; m++) {

@@ -36,7 +36,6 @@ static bool has_period(const struct neph_cycle_frequencies *frequencies, int per
  * and the one half of that of 2. */
 static void test_each_frequency_has_one_period(void **state)
 {
-    (void)state;
     struct neph_arena memory = {0};
     struct neph_cycle_frequencies frequencies = candidates_of(256, "", &memory);
     assert_int_equal(frequencies.count, 162);
@@ -52,7 +51,6 @@ static void test_each_frequency_has_one_period(void **state)
 
 static void test_few_frames_have_few_periods(void **state)
 {
-    (void)state;
     const int cases[][2] = {{16, 2}, {63, 7}, {64, 8}, {255, 31}, {256, 32}, {2048, 32}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         struct neph_arena memory = {0};
@@ -66,7 +64,6 @@ static void test_few_frames_have_few_periods(void **state)
 
 static void test_declared_periods_and_their_beats(void **state)
 {
-    (void)state;
     struct neph_arena memory = {0};
     struct neph_cycle_frequencies frequencies = candidates_of(
         256, "slot 4, TAA jitter 7, ray 9,long 65", &memory);
@@ -88,7 +85,6 @@ static void test_declared_periods_and_their_beats(void **state)
 
 static void test_who_made_a_period(void **state)
 {
-    (void)state;
     const struct {
         int period;
         const char *maker;
@@ -129,7 +125,6 @@ static void assert_found(const struct cycle_plan *plan, int side_px, int frame_c
  * told apart by 0.2. */
 static void test_pairs_are_found(void **state)
 {
-    (void)state;
     const int pairs[][2] = {{31, 32}, {30, 32}, {16, 32}, {7, 8}, {2, 4}, {29, 3}, {13, 26}};
     const int count = (int)(sizeof(pairs) / sizeof(pairs[0]));
     for (int i = 0; i < neph_test_paths(2 * count); i++) {
@@ -145,7 +140,6 @@ static void test_pairs_are_found(void **state)
 /* Under noise of the same RMS, over a mask of 10,000 pixels: within 2 %. */
 static void test_cycles_are_found_in_noise(void **state)
 {
-    (void)state;
     const int pairs[][2] = {{31, 32}, {7, 0}, {8, 32}, {24, 5}};
     const int count = (int)(sizeof(pairs) / sizeof(pairs[0]));
     for (int i = 0; i < neph_test_paths(2 * count); i++) {
@@ -162,7 +156,6 @@ static void test_cycles_are_found_in_noise(void **state)
 /* At a level of 0.1 % none of these 30 is expected to be. */
 static void test_noise_has_no_cycles(void **state)
 {
-    (void)state;
     for (int i = 0; i < neph_test_paths(3 * CYCLE_COLOUR_COUNT); i++) {
         const struct cycle_plan plan = {.noise = 0.02,
                                         .colour = (enum cycle_colour)(i % CYCLE_COLOUR_COUNT),
@@ -175,7 +168,6 @@ static void test_noise_has_no_cycles(void **state)
  * period that is not the one says that it may be. */
 static void test_a_wrong_period_says_so(void **state)
 {
-    (void)state;
     int wrong = 0;
     for (int i = 0; i < neph_test_paths(16); i++) {
         const struct cycle_plan plan = {.periods = {31, 0},
@@ -243,7 +235,6 @@ static double *part_map(const struct extraction *extraction, const char *name)
  * share is the variance of the frames as they are stored. d is kept as a float. */
 static void test_parts_add_up_to_the_variance(void **state)
 {
-    (void)state;
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
     fill_budget(&test);
     struct extraction extraction = run_cycles(&reference, &test);
@@ -275,7 +266,6 @@ static void test_parts_add_up_to_the_variance(void **state)
 /* Without noise each part is what was planted, to the rounding of d to a float. */
 static void test_parts_are_what_was_planted(void **state)
 {
-    (void)state;
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
     fill_budget(&test);
     struct extraction extraction = run_cycles(&reference, &test);
@@ -403,7 +393,6 @@ static void assert_undefined(const struct over_masks *over, const char *metric, 
 /* Half of the picture has it; an interval holds the truth. */
 static void test_a_mask_without_a_cycle_says_so(void **state)
 {
-    (void)state;
     struct over_masks over = measure_masks(7, 256, NULL);
     const struct neph_measurement *all = measurement_of(&over, "cycle_7", "all");
     const struct neph_measurement *thin = measurement_of(&over, "cycle_7", "thin");
@@ -422,7 +411,6 @@ static void test_a_mask_without_a_cycle_says_so(void **state)
 
 static void test_what_few_frames_cannot_say(void **state)
 {
-    (void)state;
     struct over_masks over = measure_masks(7, 64, NULL);
     assert_true(measurement_of(&over, "cycle_7", "thin")->defined);
     assert_undefined(&over, "cycle_9", "all", "longer than an eighth of the frames");
@@ -432,7 +420,6 @@ static void test_what_few_frames_cannot_say(void **state)
 
 static void test_a_declared_long_period(void **state)
 {
-    (void)state;
     struct over_masks over = measure_masks(56, 256, "slot 4, ray dither 56");
     neph_assert_close(measurement_of(&over, "cycle_long_1_frames", "all")->value, 56.0, 0.0, 0.0);
     neph_assert_close(measurement_of(&over, "cycle_long_1", "thin")->value, 0.02, 0.02, 0.0);
@@ -441,7 +428,6 @@ static void test_a_declared_long_period(void **state)
 
 static void test_a_bad_declaration_is_told(void **state)
 {
-    (void)state;
     struct over_masks over = measure_masks(0, 16, "slot four");
     const char *obstacle = neph_meter_obstacle(over.meter, neph_quantity_find("radiance"),
                                                &neph_extractor_cycles);
@@ -455,7 +441,6 @@ static void test_a_bad_declaration_is_told(void **state)
 /* A reference that flickers as the test does leaves nothing. */
 static void test_the_reference_is_taken_out(void **state)
 {
-    (void)state;
     struct sequence test = sequence_create(W, H, 64), reference = sequence_create(W, H, 64);
     for (int t = 0; t < 64; t++)
         for (int i = 0; i < W * H; i++) {
@@ -475,7 +460,6 @@ static void test_the_reference_is_taken_out(void **state)
 
 static void test_still_frames_have_nothing(void **state)
 {
-    (void)state;
     struct sequence test = sequence_create(W, H, 32), reference = sequence_create(W, H, 1);
     struct extraction extraction = run_cycles(&reference, &test);
     assert_true(extraction_scalar(&extraction, "cycle_count") == 0.0);
@@ -495,7 +479,6 @@ static void allow_processors(const cpu_set_t *allowed)
 
 static void test_bits_do_not_depend_on_threads(void **state)
 {
-    (void)state;
     struct sequence test = sequence_create(W, H, N), reference = sequence_create(W, H, 1);
     fill_budget(&test);
     cpu_set_t all, one;
@@ -522,7 +505,6 @@ static void test_bits_do_not_depend_on_threads(void **state)
 
 static void test_table_is_sound(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_cycles);
 }
 

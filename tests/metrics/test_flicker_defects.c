@@ -236,7 +236,6 @@ static enum neph_flicker_kind verdict(const struct measured *measured, int mask)
 
 static void test_defects_get_their_names(void **state)
 {
-    (void)state;
     enum {
         CALM = NEPH_FLICKER_CALM,
         RESTLESS = NEPH_FLICKER_RESTLESS,
@@ -278,7 +277,6 @@ static void test_defects_get_their_names(void **state)
  * wide, so a seventh of it blinks. Floats of linear light shift lumas by up to 2^-24. */
 static void test_numbers_of_the_blinking_fence(void **state)
 {
-    (void)state;
     struct measured measured = measure(blinking_fence);
     neph_assert_close(value_of(&measured, "a4_mean", ALL), 0.01 * 0.1, 1e-5, 0.0);
     neph_assert_close(value_of(&measured, "a4_p99", EDGE), 0.1, 1e-5, 0.0);
@@ -299,7 +297,6 @@ static void test_numbers_of_the_blinking_fence(void **state)
  * what sticks out, and of what kind. */
 static void test_the_mean_would_not_tell(void **state)
 {
-    (void)state;
     struct measured fence = measure(blinking_fence), noise = measure(noise_of_equal_energy);
     assert_true(5.0 * value_of(&fence, "std_mean", ALL) < value_of(&noise, "std_mean", ALL));
     assert_true(value_of(&noise, "cyclic_share", ALL) <= NEPH_FLICKER_SHARE);
@@ -311,7 +308,6 @@ static void test_the_mean_would_not_tell(void **state)
 
 static void test_a_turning_dither_cancels_in_blocks(void **state)
 {
-    (void)state;
     struct measured dither = measure(turning_dither), wall = measure(blinking_wall);
     neph_assert_close(value_of(&dither, "a4_mean", ALL), 0.05, 1e-5, 0.0);
     neph_assert_close(value_of(&wall, "a4_mean", ALL), 0.05, 1e-5, 0.0);
@@ -323,7 +319,6 @@ static void test_a_turning_dither_cancels_in_blocks(void **state)
 
 static void test_pure_functions(void **state)
 {
-    (void)state;
     neph_assert_close(neph_flicker_edge_ratio(0.02, 0.005), 4.0, 1e-15, 0.0);
     neph_assert_close(neph_flicker_edge_ratio(0.02, 0.0), 20.4, 1e-15, 0.0);
     neph_assert_close(neph_flicker_edge_ratio(0.0, 0.0), 0.0, 0.0, 0.0);
@@ -388,7 +383,6 @@ static int count_called_cyclic(double (*noise)(uint64_t *random), int frame_coun
 /* A pixel of white noise is called cyclic once in 1e5, however strong the noise is. */
 static void test_noise_is_not_called_cyclic(void **state)
 {
-    (void)state;
     /* 64000 pixels at a level of 1e-5: Poisson with mean 0.64, above 6 once in 1e5. */
     assert_true(count_called_cyclic(white_noise, 32) <= 6);
 }
@@ -396,7 +390,6 @@ static void test_noise_is_not_called_cyclic(void **state)
 /* The level is that of normal noise; other noise is called cyclic more often, a mask is not. */
 static void test_fireflies_are_not_called_cyclic(void **state)
 {
-    (void)state;
     const double share_max = 0.5 * NEPH_FLICKER_SHARE;
     assert_true(count_called_cyclic(fireflies, 32) < share_max * NOISE_PIXEL_COUNT);
     assert_true(count_called_cyclic(fireflies, 64) < share_max * NOISE_PIXEL_COUNT);

@@ -214,7 +214,6 @@ static void assert_facts(const struct expected *actual, const struct expected *e
 
 static void test_second_implementation(void **state)
 {
-    (void)state;
     for (int i = 0; i < COUNT_OF_LDR; i++) {
         const struct ldr_case *it = &ldr_cases[i];
         struct pictures pictures = draw(it->rule, it->width_px, it->height_px, it->seed);
@@ -231,7 +230,6 @@ static void test_second_implementation(void **state)
  * libm; 9 digits of the white leave a chroma of 1e-9 of the greys. */
 static void test_uniform_greys(void **state)
 {
-    (void)state;
     const double greys[] = {0.0, 0.001, 0.02, 0.18, 0.5, 1.0};
     struct pictures pictures = empty_pictures(5, 4);
     for (int i = 0; i < 36; i++) {
@@ -285,7 +283,6 @@ static struct draw draw_any(uint64_t *random)
 
 static void test_properties(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(21);
     for (int i = 0; i < 60; i++) {
         struct draw any = draw_any(&random);
@@ -318,7 +315,6 @@ static double moved_noise(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, boo
 
 static void test_tiles_do_not_show(void **state)
 {
-    (void)state;
     enum { WIDTH = 300, HEIGHT = 290, DX = 19, DY = 11, MARGIN = 10 };
     const struct neph_flip_display display = {0.0, NEPH_FLIP_NONE};
     struct pictures whole = draw(noise, WIDTH + DX, HEIGHT + DY, 77);
@@ -337,7 +333,6 @@ static void test_tiles_do_not_show(void **state)
 /* Several displays at once: of each pixel the largest of what they give one by one, to the bit. */
 static void test_largest_of_displays(void **state)
 {
-    (void)state;
     const struct neph_flip_display displays[] = {
         {-4.0, NEPH_FLIP_ACES}, {-1.0, NEPH_FLIP_ACES}, {1.0, NEPH_FLIP_REINHARD}};
     struct pictures pictures = draw(bright, 210, 37, 88);
@@ -372,7 +367,6 @@ static void test_largest_of_displays(void **state)
 
 static void test_threads_do_not_show(void **state)
 {
-    (void)state;
     cpu_set_t all, one;
     assert_int_equal(sched_getaffinity(0, sizeof(all), &all), 0);
     CPU_ZERO(&one);
@@ -393,7 +387,6 @@ static void test_threads_do_not_show(void **state)
 
 static void test_distance_out_of_range(void **state)
 {
-    (void)state;
     const double bad[] = {0.0, -67.0, 0.99, 1000.1, INFINITY, NAN};
     for (int i = 0; i < 6; i++) {
         struct neph_flip *flip = NULL;
@@ -432,7 +425,6 @@ static void free_images(struct neph_frame_pair *pair)
 
 static void test_tables(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_flip);
     extraction_check_table(&neph_extractor_flip40);
     extraction_check_table(&neph_extractor_hdr_flip);
@@ -454,7 +446,6 @@ static double *still_map(const struct neph_extractor *extractor, const struct pi
 
 static void test_extractors_take_their_conditions(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(bright, 45, 31, 79);
     const size_t bytes = pixel_count(&pictures) * sizeof(double);
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
@@ -482,7 +473,6 @@ static void test_extractors_take_their_conditions(void **state)
 
 static void test_hdr_second_implementation(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(hdr_cases) / sizeof(hdr_cases[0]); i++) {
         const struct hdr_case *it = &hdr_cases[i];
         struct pictures pictures = draw(it->rule, it->width_px, it->height_px, it->seed);
@@ -513,7 +503,6 @@ static void test_hdr_second_implementation(void **state)
 /* The published values are of single precision: a few of its last places, 2^-24 each. */
 static void test_tone_inverses(void **state)
 {
-    (void)state;
     const double published[] = {
         [NEPH_FLIP_NONE] = 0.85,
         [NEPH_FLIP_ACES] = 2.118872,
@@ -528,7 +517,6 @@ static void test_tone_inverses(void **state)
 /* NVlabs/flip 1.6 reports a mean of 0 and success for this pair, since its range has no end. */
 static void test_median_of_zero_is_no_agreement(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(night, 40, 25, 35);
     double *map = still_map(&neph_extractor_hdr_flip, &pictures, NEPH_VIEWING_DEFAULTS, NULL);
     const struct expected facts = facts_of(map, 40, 25);
@@ -539,7 +527,6 @@ static void test_median_of_zero_is_no_agreement(void **state)
 
 static void test_hdr_obstacles(void **state)
 {
-    (void)state;
     struct pictures black = empty_pictures(4, 3);
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_frame_pair pair = pair_of(&black, 0, &viewing);
@@ -560,7 +547,6 @@ static void test_hdr_obstacles(void **state)
 
 static void test_exposures_are_frozen(void **state)
 {
-    (void)state;
     struct pictures first = draw(bright, 20, 12, 81), second = draw(bright, 20, 12, 82);
     for (size_t i = 0; i < 3 * pixel_count(&second); i++)
         second.planes[0][i % 3][i / 3] *= 64.0f;
@@ -595,7 +581,6 @@ static void test_exposures_are_frozen(void **state)
 /* An exposure that is not given is that of the rule; 0 EV is given too. */
 static void test_one_exposure_is_enough(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(bright, 20, 12, 81);
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct neph_frame_pair pair = pair_of(&pictures, 0, &viewing);
@@ -637,7 +622,6 @@ static void test_one_exposure_is_enough(void **state)
  * 0.675). With the exposures given, so that the reference's luminances have no say. */
 static void test_negative_light_is_black(void **state)
 {
-    (void)state;
     static const char *const tones[] = {"tone=none", "tone=aces", "tone=reinhard", "tone=hable"};
     struct pictures pictures = draw(below_zero, 33, 21, 84), clamped = draw(below_zero, 33, 21, 84);
     for (size_t i = 0; i < 6 * pixel_count(&clamped); i++) {
@@ -662,7 +646,6 @@ static void test_negative_light_is_black(void **state)
  * radiance has no say: 16 times as bright is 4 stops less, to the bit. */
 static void test_hdr_symmetries(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(sky, 41, 23, 83);
     const size_t bytes = pixel_count(&pictures) * sizeof(double);
     for (size_t i = 0; i < pixel_count(&pictures); i++)
@@ -726,7 +709,6 @@ static void assert_share(const struct extraction *run, int map, const double *pa
 
 static void test_alternation(void **state)
 {
-    (void)state;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct pictures pictures[2] = {draw(noise, 21, 13, 84), draw(noise, 21, 13, 86)};
     struct pictures both = pictures[0];
@@ -761,7 +743,6 @@ static void test_alternation(void **state)
 
 static void test_a_short_sequence_is_an_obstacle(void **state)
 {
-    (void)state;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct neph_settings settings = neph_options_default(
         neph_extractor_flip_alternation.options);
@@ -778,7 +759,6 @@ static void test_a_short_sequence_is_an_obstacle(void **state)
 
 static void test_alternation_needs_whole_cycles(void **state)
 {
-    (void)state;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     struct pictures pictures[2] = {draw(noise, 5, 3, 87), draw(noise, 5, 3, 89)};
     const int test[9] = {0, 1, 0, 1, 0, 1, 0, 1, 0}, reference[9] = {0};
@@ -848,7 +828,6 @@ static const struct neph_measurement *measured(const struct neph_meter *meter, c
 
 static void test_numbers_through_the_meter(void **state)
 {
-    (void)state;
     for (int i = 0; i < COUNT_OF_LDR; i++) {
         const struct ldr_case *it = &ldr_cases[i];
         if (it->display.exposure_ev != 0.0 || it->display.tone != NEPH_FLIP_NONE)
@@ -868,7 +847,6 @@ static void test_numbers_through_the_meter(void **state)
 /* idiff of OpenImageIO 2.4.7 passes such a picture, and FLIP's tool turns NaN into black. */
 static void test_not_a_number_is_not_black(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(noise, 16, 9, 90);
     pictures.planes[1][1][37] = NAN;
     struct neph_meter *meter = measure(&pictures, 67.0);
@@ -893,7 +871,6 @@ static double broken_wires(uint32_t x, uint32_t y, uint32_t c, uint32_t seed, bo
  * to the screen (fewer pixels per degree) the damage is seen better, yet the mean falls. */
 static void test_a_mean_hides_wires(void **state)
 {
-    (void)state;
     struct pictures pictures = draw(broken_wires, 160, 90, 0);
     struct neph_meter *usual_meter = measure(&pictures, 67.0206432765823);
     struct neph_meter *close_meter = measure(&pictures, 30.0);

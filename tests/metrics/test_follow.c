@@ -174,7 +174,6 @@ static double dark(int frame, int pixel)
 /* The closed form of follow.c. Pictures are floats: 3e-8 of a value, so better than 1e-6 here. */
 static void test_exponential_average(void **state)
 {
-    (void)state;
     static const int frame_counts[] = {128, 100, 256}; /* 100: no whole number of any period */
     for (int n = 0; n < 3; n++) {
         struct extraction extraction = run(lit, averaged, frame_counts[n], three_periods);
@@ -203,7 +202,6 @@ static void test_exponential_average(void **state)
  * = 0.175581: gain 0.1 / 0.211155, lag 0.981850 / w. */
 static void test_published_number(void **state)
 {
-    (void)state;
     struct extraction extraction = run(lit, averaged, 128, three_periods);
     neph_assert_close(value_at(&extraction, "follow_gain_2_p50", WIDTH), 0.473586, 0.0, 2e-6);
     neph_assert_close(value_at(&extraction, "follow_lag_2_p50", WIDTH), 5.000543, 0.0, 1e-4);
@@ -213,7 +211,6 @@ static void test_published_number(void **state)
 
 static void test_delay(void **state)
 {
-    (void)state;
     static const struct {
         picture_function *test;
         double lag, tolerance;
@@ -235,7 +232,6 @@ static void test_delay(void **state)
 /* What drifts is fitted beside the sines, whatever the test makes of it. */
 static void test_drift(void **state)
 {
-    (void)state;
     struct extraction extraction = run(drifting, drift_half_followed, 90, three_periods);
     for (int pixel = 0; pixel < WIDTH; pixel += 13) {
         neph_assert_close(value_at(&extraction, "follow_gain_1_p50", pixel), 0.5, 0.0, 1e-5);
@@ -248,7 +244,6 @@ static void test_drift(void **state)
  * stands still has gain 0 and no lag. */
 static void test_noise(void **state)
 {
-    (void)state;
     struct extraction extraction = run(noisy, noisy, 128, three_periods);
     for (int k = 0; k < 3; k++) {
         char metric[40];
@@ -272,7 +267,6 @@ static void test_noise(void **state)
 /* A swing that 8 bits do not show is none: 2e-4 from end to end is 2.6e-3 in luma, below 1/255. */
 static void test_floor_and_periods_not_given(void **state)
 {
-    (void)state;
     static const char *const one[] = {"period_2=32", NULL};
     struct extraction extraction = run(dark, dark, 64, one);
     assert_int_equal(count_where(&extraction, "follow_share_2", 1.0), 1);
@@ -285,7 +279,6 @@ static void test_floor_and_periods_not_given(void **state)
 
 static void test_obstacles(void **state)
 {
-    (void)state;
     static const struct {
         double periods[3];
         int frame_count;
@@ -310,7 +303,6 @@ static void test_obstacles(void **state)
 
 static void test_sequence_too_short(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_image *image = grey_image(lit, 0);
     const struct neph_frame_pair pair = extraction_pair(image, NULL, image, "radiance", 0,

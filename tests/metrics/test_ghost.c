@@ -135,7 +135,6 @@ static void check_card(double speed_px, int side_px, double alpha)
 
 static void test_cards_behind_an_average(void **state)
 {
-    (void)state;
     static const struct {
         double speed_px;
         int side_px;
@@ -149,7 +148,6 @@ static void test_cards_behind_an_average(void **state)
 /* A history that is thrown away too eagerly goes beyond: the residual has its sign. */
 static void test_sign(void **state)
 {
-    (void)state;
     struct extraction extraction;
     struct frame frame;
     for (int number = 0; number < 60; number++) {
@@ -172,7 +170,6 @@ static void test_sign(void **state)
  * left side is at 50; the place of a pixel that is `left` of it came out left / 3 frames ago. */
 static void test_ghost_that_moves_with_the_wall(void **state)
 {
-    (void)state;
     enum { CARD = 50, SIDE = 12, SPEED = 3 };
     struct extraction extraction;
     struct frame frame;
@@ -200,7 +197,6 @@ static void test_ghost_that_moves_with_the_wall(void **state)
 
 static void test_nothing_to_see(void **state)
 {
-    (void)state;
     struct extraction extraction;
     struct frame frame;
     for (int number = 0; number < 60; number++) { /* the card looks like the wall */
@@ -220,7 +216,6 @@ static void test_nothing_to_see(void **state)
 
 static void test_one_frame(void **state)
 {
-    (void)state;
     struct extraction extraction;
     struct frame frame;
     move_card(2.0, 10, 0, 1.0, &frame);
@@ -232,7 +227,6 @@ static void test_one_frame(void **state)
 
 static void test_obstacle(void **state)
 {
-    (void)state;
     struct frame frame;
     move_card(2.0, 10, 0, 1.0, &frame);
     struct neph_image *image = image_of(frame.reference, NULL);

@@ -73,7 +73,6 @@ static const char *reason(const char *metric, const struct neph_image *reference
 /* Over the edges a fence that is a pixel off is told from one that is gone, or pale. */
 static void test_fence_off_by_a_pixel(void **state)
 {
-    (void)state;
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *moved = fence(1, 0.1, 0.01, 2),
                       *gone = fence(0, 0.0, 0.01, 3), *pale = fence(0, 0.4, 0.01, 4);
     assert_true(number("shift_gain", reference, moved, "depth_edge") < 0.2);
@@ -92,7 +91,6 @@ static void test_fence_off_by_a_pixel(void **state)
 
 static void test_identical_images(void **state)
 {
-    (void)state;
     struct neph_image *image = fence(0, 0.1, 0.0, 1);
     assert_non_null(strstr(reason("pu_psnr", image, image, "all"), "no error"));
     assert_non_null(strstr(reason("shift_gain", image, image, "all"), "no error"));
@@ -106,7 +104,6 @@ static void test_identical_images(void **state)
 /* A stop brighter everywhere is a stop everywhere; every other metric sees it too. */
 static void test_a_stop_brighter(void **state)
 {
-    (void)state;
     struct neph_image *image = fence(0, 0.1, 0.0, 1), *brighter = fence(0, 0.1, 0.0, 1);
     float *planes[3];
     assert_true(neph_image_rgb(brighter, NULL, planes));
@@ -130,7 +127,6 @@ static void test_a_stop_brighter(void **state)
  * others. */
 static void test_a_bad_pixel(void **state)
 {
-    (void)state;
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *test = fence(0, 0.1, 0.01, 2);
     float *planes[3];
     assert_true(neph_image_rgb(test, NULL, planes));
@@ -148,7 +144,6 @@ static void test_a_bad_pixel(void **state)
 /* SSIM has nothing to say of a mask in the margin of 5 px. */
 static void test_a_mask_in_the_margin(void **state)
 {
-    (void)state;
     struct neph_image *reference = fence(0, 0.1, 0.0, 1), *test = fence(0, 0.1, 0.01, 2);
     float *margin = add_channel(reference, "mask.margin", NULL);
     for (int x = 0; x < WIDTH; x++)
@@ -196,7 +191,6 @@ static double psnr_of_map(const struct neph_meter *meter, const char *quantity)
  * together give to the bit what each gives alone. */
 static void test_shared_codes(void **state)
 {
-    (void)state;
     struct neph_image *reference = fence_in_fog(0, 0.0, 1);
     struct neph_image *tests[2] = {fence_in_fog(1, 0.01, 2), fence_in_fog(2, 0.02, 3)};
     struct neph_mask *mask = create_mask(reference, "all");

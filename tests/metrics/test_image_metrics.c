@@ -170,7 +170,6 @@ static const char *obstacle_of(const struct neph_extractor *extractor, const str
 
 static void test_tables(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_stops);
     extraction_check_table(&neph_extractor_pu21);
     extraction_check_table(&neph_extractor_ssim);
@@ -247,7 +246,6 @@ static void check_ssim(const struct image_reference *expected, const struct fram
 
 static void test_against_numpy(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(image_references) / sizeof(image_references[0]); i++) {
         const struct image_reference *expected = &image_references[i];
         struct frames frames = made_up(expected->width_px, expected->height_px,
@@ -282,7 +280,6 @@ static double display_code(double value)
  * the parameters lead within half a code; black is 0. */
 static void test_pu21_published(void **state)
 {
-    (void)state;
     assert_int_equal(lround(pu21(100.0)), 256);
     neph_assert_close(pu21(0.005), 0.0, 0.0, 1e-6);
     /* The formula in 30 digits, at 1 and 10000 cd/m2. */
@@ -298,7 +295,6 @@ static void test_pu21_published(void **state)
  * ends. 1e-10 is the bound that code_value.h states. */
 static void test_codes_follow_their_formula(void **state)
 {
-    (void)state;
     enum { COUNT = 200000 };
     float *grey_values = malloc(COUNT * sizeof(*grey_values));
     double *codes = malloc(COUNT * sizeof(*codes));
@@ -338,7 +334,6 @@ static void test_codes_follow_their_formula(void **state)
 /* 100 against 50 cd/m2 everywhere, from the two codes alone. */
 static void test_pu_psnr_closed_form(void **state)
 {
-    (void)state;
     struct frames frames = grey(3, 1, (float[]){1, 1, 1}, (float[]){0.5f, 0.5f, 0.5f});
     double d = pu21(100.0) - pu21(50.0);
     neph_assert_close(measured(&neph_extractor_pu21, &frames, NULL, "pu_psnr"),
@@ -354,7 +349,6 @@ static void test_pu_psnr_closed_form(void **state)
 
 static void test_stops_closed_form(void **state)
 {
-    (void)state;
     /* Mean 2: the floor is 2e-4. Twice as bright, half, black against 2^-10, both below the floor.
      */
     struct frames frames = grey(4, 1, (float[]){4, 4 - 0x1p-10f, 0x1p-10f, 0},
@@ -381,7 +375,6 @@ static void test_stops_closed_form(void **state)
 /* A black frame in the middle of a sequence has no values; it is not compared to a floor of 0. */
 static void test_stops_of_a_black_frame(void **state)
 {
-    (void)state;
     struct frames frames = grey(2, 1, (float[]){1, 1}, (float[]){2, 2});
     struct frames black = grey(2, 1, (float[]){0, 0}, (float[]){2, 2});
     struct neph_frame_pair first = pair_of(&frames), second = pair_of(&black);
@@ -399,7 +392,6 @@ static void test_stops_of_a_black_frame(void **state)
 
 static void test_identical_images(void **state)
 {
-    (void)state;
     struct frames frames = made_up(180, 177, 9);
     float *from[3], *to[3];
     assert_true(neph_image_rgb(frames.reference, NULL, from));
@@ -425,7 +417,6 @@ static void test_identical_images(void **state)
 /* Flat images have no variance: SSIM is its luminance factor, a closed form of two codes. */
 static void test_ssim_of_flat_images(void **state)
 {
-    (void)state;
     enum { SIDE = 176 };
     float *values[2] = {malloc(SIDE * SIDE * sizeof(float)), malloc(SIDE * SIDE * sizeof(float))};
     assert_true(values[0] && values[1]);
@@ -448,7 +439,6 @@ static void test_ssim_of_flat_images(void **state)
 
 static void test_ssim_is_symmetric(void **state)
 {
-    (void)state;
     struct frames frames = made_up(181, 190, 11);
     double one_way = measured(&neph_extractor_ssim, &frames, NULL, "ssim_mean");
     double multiple = measured(&neph_extractor_ssim, &frames, NULL, "ms_ssim");
@@ -464,7 +454,6 @@ static void test_ssim_is_symmetric(void **state)
 
 static void test_ssim_of_small_images(void **state)
 {
-    (void)state;
     struct frames frames = made_up(10, 30, 12);
     assert_non_null(strstr(obstacle_of(&neph_extractor_ssim, &frames), "11x11"));
     drop(&frames);
@@ -487,7 +476,6 @@ static void test_ssim_of_small_images(void **state)
 /* A negative has a negative structure, of which there is no power. */
 static void test_ms_ssim_of_a_negative(void **state)
 {
-    (void)state;
     enum { SIDE = 176 };
     double *images[2] = {malloc(SIDE * SIDE * sizeof(double)),
                          malloc(SIDE * SIDE * sizeof(double))};
@@ -560,7 +548,6 @@ static double gain_of_band(int reference_px, int test_px, int moved_px, double l
  * brightness, is not to be had by moving. */
 static void test_shift_tells_moved_from_wrong(void **state)
 {
-    (void)state;
     for (int moved_px = -1; moved_px <= 1; moved_px += 2) {
         assert_true(gain_of_band(12, 12, moved_px, 0.0) == 0.0);
         assert_true(gain_of_band(12, 12, moved_px, 0.3) == 0.0);
@@ -577,7 +564,6 @@ static void test_shift_tells_moved_from_wrong(void **state)
 /* Half the contrast at the right place, and a pixel off under noise: the same two ends. */
 static void test_shift_of_noisy_edges(void **state)
 {
-    (void)state;
     float reference[FIELD_WIDTH * FIELD_HEIGHT], weak[FIELD_WIDTH * FIELD_HEIGHT],
         moved[FIELD_WIDTH * FIELD_HEIGHT];
     draw_band(reference, 20, 6, 0.4);
@@ -603,7 +589,6 @@ static void test_shift_of_noisy_edges(void **state)
 /* All eight directions are found, up to the border, where the outermost pixels go on. */
 static void test_every_move(void **state)
 {
-    (void)state;
     enum { WIDTH = 29, HEIGHT = 19 };
     for (int dy = -1; dy <= 1; dy++) {
         for (int dx = -1; dx <= 1; dx++) {
@@ -634,7 +619,6 @@ static void test_every_move(void **state)
  * variance more. Four standard errors of the mean of n products. */
 static void test_two_seeds_remove_the_noise(void **state)
 {
-    (void)state;
     enum { SIDE = 300, SAMPLES = 3 * SIDE * SIDE };
     const double sigma = 0.1, bias = 0.03;
     float *planes[3][3];
@@ -665,7 +649,6 @@ static void test_two_seeds_remove_the_noise(void **state)
 
 static void test_two_seeds_by_hand(void **state)
 {
-    (void)state;
     struct frames frames = grey(2, 1, (float[]){1, 2}, (float[]){2, 2});
     assert_non_null(strstr(obstacle_of(&neph_extractor_two_seed, &frames), "no second reference"));
     float *planes[3];
@@ -701,7 +684,6 @@ static void test_two_seeds_by_hand(void **state)
 /* Every extractor on images of one pixel, one row, one column and odd sizes. */
 static void test_sizes(void **state)
 {
-    (void)state;
     static const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {8, 8}, {7, 17}, {129, 3}, {131, 9}};
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         struct frames frames = made_up(sizes[i][0], sizes[i][1], 21 + i);

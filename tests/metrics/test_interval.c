@@ -12,7 +12,6 @@
 
 static void test_percentiles_by_hand(void **state)
 {
-    (void)state;
     neph_assert_close(neph_percentile((double[]){7}, 1, 0.95), 7, 0, 0);
     neph_assert_close(neph_percentile((double[]){3, 1}, 2, 0.5), 2, 1e-15, 0);
     neph_assert_close(neph_percentile((double[]){4, 1, 3, 2}, 4, 0.5), 2.5, 1e-15, 0);
@@ -27,7 +26,6 @@ static void test_percentiles_by_hand(void **state)
 
 static void test_percentiles_against_sorting(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(141421);
     static const double shares[] = {0.0, 0.025, 0.5, 0.95, 0.975, 0.99, 1.0};
     enum { COUNT_MAX = 400 };
@@ -55,7 +53,6 @@ static void test_percentiles_against_sorting(void **state)
 
 static void test_compensated_sum(void **state)
 {
-    (void)state;
     static const double values[] = {1.0, 1e100, 1.0, -1e100};
     struct neph_sum sum = {0};
     for (int i = 0; i < 4; i++)
@@ -69,7 +66,6 @@ static void test_compensated_sum(void **state)
 
 static void test_tiling_rule(void **state)
 {
-    (void)state;
     static const struct {
         int width_px, height_px, side_px, columns, rows;
     } cases[] = {
@@ -110,7 +106,6 @@ static bool if_first_tile_is_drawn(const void *context, const double *sums, doub
 /* The bootstrap of a mean: its standard deviation is known, s sqrt((n - 1) / n) / sqrt(n). */
 static void test_bootstrap_of_a_mean(void **state)
 {
-    (void)state;
     enum { TILES = 400 };
     double tiles[TILES][3];
     uint64_t random = test_seed(5);
@@ -188,7 +183,6 @@ static void expected_draws(const double *tiles, int tile_count, int sum_count, d
 
 static void test_bootstrap_against_single_draws(void **state)
 {
-    (void)state;
     enum { TILES_MAX = 1000, SUMS_MAX = 9 };
     static const int cases[][2] = {{20, 1}, {1000, 9}, {1000, 4}, {257, 3}, {256, 6}, {20, 9}};
     static double tiles[TILES_MAX * SUMS_MAX], draws[NEPH_BOOTSTRAP_RESAMPLES];
@@ -356,7 +350,6 @@ static void assert_coverage(const struct coverage coverage[COVERED_METRICS], int
  * holds a little less than it should: another seed may miss the lower limit by chance. */
 static void test_coverage(void **state)
 {
-    (void)state;
     enum { IMAGES = 1000 };
     struct coverage coverage[COVERED_METRICS];
     simulate(256, (struct blocks){16, 0}, IMAGES, test_seed(1618), coverage);
@@ -367,7 +360,6 @@ static void test_coverage(void **state)
  * standard deviations of 400 images, 1.4 % each, below the 92 % found with many. */
 static void test_coverage_is_fair_elsewhere(void **state)
 {
-    (void)state;
     enum { IMAGES = 400 };
     uint64_t seed = test_seed(577);
     struct coverage coverage[COVERED_METRICS];
@@ -381,7 +373,6 @@ static void test_coverage_is_fair_elsewhere(void **state)
  */
 static void test_coverage_of_errors_larger_than_tiles(void **state)
 {
-    (void)state;
     enum { IMAGES = 400 };
     struct coverage coverage[COVERED_METRICS];
     simulate(128, (struct blocks){16, 8}, IMAGES, test_seed(577), coverage);

@@ -92,7 +92,6 @@ static double average_left(int n, int pixel)
  * uncertain as 3e-8 / 0.005 / (90 * 0.05). */
 static void test_exponential_average(void **state)
 {
-    (void)state;
     static const double half_lives[4] = {13.5134, 6.5788, 3.1063, 2.4094};
     static const int pixel_of_phase[4] = {0, 1, WIDTH, WIDTH + 1};
     static const char *const scalars[4] = {"half_life_phase_0", "half_life_phase_1",
@@ -121,7 +120,6 @@ static double slots_left(int n, int pixel)
 
 static void test_slots(void **state)
 {
-    (void)state;
     static const char *const assignments[] = {"step_frame=3", "slot_px=2", NULL};
     struct extraction extraction = run_step_with(slots_left, 40, assignments);
     neph_assert_close(extraction_scalar(&extraction, "half_life_phase_0"), log(0.5) / log(0.95),
@@ -143,7 +141,6 @@ static double ringing_left(int n, int pixel)
  * at n = 4, where s = -.6561, and s(5) = -.4175. */
 static void test_overshoot(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(ringing_left, 120);
     assert_map(&extraction, "overshoot", 3, pow(0.9, 4), 1e-6, 0.0);
     const double s4 = pow(0.9, 4), s5 = pow(0.9, 5) * sqrt(0.5);
@@ -160,7 +157,6 @@ static double crossing_left(int n, int pixel)
 
 static void test_change_of_sign(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(crossing_left, 8);
     assert_map(&extraction, "half_life", 0, 1.25, 1e-6, 0.0);
     assert_map(&extraction, "overshoot", 0, 0.4, 1e-6, 0.0);
@@ -178,7 +174,6 @@ static double fade_left(int n, int pixel)
 /* A linear fade is at a half in its 10th frame, and at 1 - 18 / 20 in its 18th. */
 static void test_fade(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(fade_left, 30);
     /* q(10) = 0.5 may be rounded up: then the crossing comes no later than 1e-6 after. */
     assert_map(&extraction, "half_life", 5, 10.0, 0.0, 1e-5);
@@ -196,7 +191,6 @@ static double instant_left(int n, int pixel)
 
 static void test_no_lag(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(instant_left, 16);
     static const char *const names[] = {"half_life", "frames_to_10", "frames_to_1", "residual_16",
                                         "overshoot"};
@@ -231,7 +225,6 @@ static double metric_map_value(const struct extraction *extraction, const char *
 /* What does not settle counts with all frames and is seen in the shares. */
 static void test_never_settles(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(never_left, 20);
     assert_map(&extraction, "half_life", 0, 20.0, 0.0, 0.0);
     assert_map(&extraction, "half_life", 1, 20.0, 0.0, 0.0);
@@ -270,7 +263,6 @@ static double ghost_left(int n, int pixel)
 
 static void test_ghosts(void **state)
 {
-    (void)state;
     static const char *const names[] = {"ghost_area_1",      "ghost_area_4",        "ghost_area_8",
                                         "ghost_area_16",     "share_never_settled", "step_share",
                                         "ghost_area_frames", "ghost_area_end"};
@@ -288,7 +280,6 @@ static void test_ghosts(void **state)
 /* What comes after the end is not known; what comes before is. */
 static void test_ghosts_of_a_short_sequence(void **state)
 {
-    (void)state;
     struct extraction extraction = run_step(ghost_left, 9);
     assert_true(metric_map_value(&extraction, "ghost_area_8", 1) == 1.0);
     assert_true(isnan(metric_map_value(&extraction, "ghost_area_16", 1)));
@@ -335,7 +326,6 @@ static struct extraction run_drift(const char *old, double alpha)
  * since other parts of the cloud have come by. */
 static void test_step_of_a_moving_reference(void **state)
 {
-    (void)state;
     const double half_life = log(0.5) / log(0.9);
     struct extraction moving = run_drift("old=second", 0.1);
     struct extraction fixed = run_drift("old=before", 0.1);
@@ -353,7 +343,6 @@ static void test_step_of_a_moving_reference(void **state)
 /* A pixel that once shows nothing that stepped cannot be followed. */
 static void test_step_that_drifts_away(void **state)
 {
-    (void)state;
     static const char *const assignments[] = {"step_frame=1", "old=second", NULL};
     struct extraction extraction;
     for (int frame = 0; frame < 6; frame++) {
@@ -384,7 +373,6 @@ static void test_step_that_drifts_away(void **state)
  * which is 0.0025. */
 static void test_floor(void **state)
 {
-    (void)state;
     static const char *const assignments[] = {"step_frame=1", NULL};
     struct extraction extraction;
     for (int frame = 0; frame < 4; frame++) {
@@ -416,7 +404,6 @@ static void test_floor(void **state)
 
 static void test_obstacles(void **state)
 {
-    (void)state;
     struct neph_settings settings = neph_options_default(neph_extractor_lag.options);
     assert_non_null(strstr(neph_extractor_lag.obstacle(NULL, &settings), "step_frame"));
     settings.values[0] = 0.0;
@@ -434,7 +421,6 @@ static void test_obstacles(void **state)
 /* Where nothing steps, no ghost is no praise. */
 static void test_nothing_steps(void **state)
 {
-    (void)state;
     static const char *const assignments[] = {"step_frame=1", NULL};
     struct extraction extraction;
     const double values[PIXELS] = {0.0};
@@ -451,7 +437,6 @@ static void test_nothing_steps(void **state)
 
 static void test_sequence_ends_before_the_step(void **state)
 {
-    (void)state;
     static const char *const assignments[] = {"step_frame=9", NULL};
     struct extraction extraction;
     struct neph_diag diag = {0};
@@ -512,7 +497,6 @@ static struct extraction run_trail(double alpha)
  * others saw it for 8 frames, and have settled to 1 - (1 - alpha)^8: 0.6^8 = 1.7 %. */
 static void test_trail_of_an_average(void **state)
 {
-    (void)state;
     struct extraction extraction = run_trail(0.4);
     static const int ages[] = {1, 2, 4, 8};
     static const char *const names[] = {"trail_energy_1", "trail_energy_2", "trail_energy_4",
@@ -528,7 +512,6 @@ static void test_trail_of_an_average(void **state)
 
 static void test_trail_map(void **state)
 {
-    (void)state;
     struct extraction extraction = run_trail(0.4);
     double *values = extraction_map(&extraction, 0);
     /* The pixel 0 is uncovered in frame 1 for good, from 1 to 0.25. */
@@ -542,7 +525,6 @@ static void test_trail_map(void **state)
 
 static void test_no_trail(void **state)
 {
-    (void)state;
     struct extraction extraction = run_trail(1.0);
     assert_true(extraction_scalar(&extraction, "trail_energy_1") == 0.0);
     extraction_end(&extraction);
@@ -555,7 +537,6 @@ static void test_no_trail(void **state)
 
 static void test_trail_needs_the_card(void **state)
 {
-    (void)state;
     const double values[PIXELS] = {0.0};
     struct neph_image *image = grey_image(values);
     const struct neph_frame_pair pair = extraction_pair(image, NULL, image, "radiance", 0,

@@ -44,7 +44,6 @@ static void assert_mask(const struct neph_image *image, const char *name, int ra
 
 static void test_table(void **state)
 {
-    (void)state;
     const char *const names[] = {"all",         "sky",         "solid",         "medium",
                                  "depth_edge",  "non_edge",    "thin",          "edge_near_0",
                                  "edge_near_1", "edge_near_2", "edge_near_3_4", "edge_near_5_8",
@@ -66,7 +65,6 @@ static void test_table(void **state)
 
 static void test_sky_and_solid_share_the_image(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(3, 2,
                                          ".a."
                                          "f.b");
@@ -78,7 +76,6 @@ static void test_sky_and_solid_share_the_image(void **state)
 
 static void test_solid_against_sky_is_an_edge_on_both_sides(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(7, 1, "fff....");
     assert_mask(image, "depth_edge", 0, "--##---");
     assert_mask(image, "depth_edge", 1, "-####--");
@@ -89,7 +86,6 @@ static void test_solid_against_sky_is_an_edge_on_both_sides(void **state)
 
 static void test_flat_depth_has_no_edge(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(3, 3, "........."); /* sky to sky is none */
     assert_mask(image, "depth_edge", 2, "---------");
     neph_image_destroy(image);
@@ -101,7 +97,6 @@ static void test_flat_depth_has_no_edge(void **state)
 /* The ratio is 1.1, exclusive, and does not depend on the distance. */
 static void test_ratio(void **state)
 {
-    (void)state;
     for (float near_m = 1e-3f; near_m < 1e6f; near_m *= 7.0f) {
         struct neph_image *image = create_image(2, 1);
         float *depth_m = add_channel(image, "Z", (float[]){near_m, 1.0999f * near_m});
@@ -121,7 +116,6 @@ static void test_ratio(void **state)
 
 static void test_thin_wires(void **state)
 {
-    (void)state;
     /* A wire one pixel wide is edge as a whole, with the pixels that it hides a bit of. */
     struct neph_image *image = depth_map(9, 2,
                                          "ffffaffff"
@@ -169,7 +163,6 @@ static void test_thin_wires(void **state)
 
 static void test_smallest_images(void **state)
 {
-    (void)state;
     for (int radius_px = 0; radius_px <= 4; radius_px++) {
         struct neph_image *image = depth_map(1, 1, "a");
         assert_mask(image, "depth_edge", radius_px, "-");
@@ -217,7 +210,6 @@ static bool is_near_edge_by_definition(const float *depth_m, int width_px, int h
 
 static void test_edge_is_its_definition(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(2718);
     static const int radii_px[] = {0, 1, 2, 4, 30};
     for (int round = 0; round < 300; round++) {
@@ -249,7 +241,6 @@ static void test_edge_is_its_definition(void **state)
 
 static void test_rings_of_a_wall(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(16, 1, "aaaaaaaaaaff....");
     /* Two steps: the wall before what is far, and that before the sky, where it is the nearer one
      * at an infinite ratio. */
@@ -270,7 +261,6 @@ static void test_rings_of_a_wall(void **state)
 /* Equally close to both sides: near. A wire before the sky, and its corners. */
 static void test_sides_at_equal_distance(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(7, 5,
                                          "......."
                                          "......."
@@ -307,7 +297,6 @@ static void test_sides_at_equal_distance(void **state)
 /* Which side a pixel between two steps is on: that of the larger ratio, near at a tie. */
 static void test_steepest_step(void **state)
 {
-    (void)state;
     static const struct {
         float depth_m[3];
         const char *near, *far;
@@ -417,7 +406,6 @@ static void assert_thin_by_definition(const struct neph_image *image, const floa
 
 static void test_rings_and_thin_are_their_definitions(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(31415);
     for (int round = 0; round < 40; round++) {
         int width_px = 1 + (int)(neph_test_random(&random) % 31);
@@ -440,7 +428,6 @@ static void test_rings_and_thin_are_their_definitions(void **state)
 
 static void test_thin_things(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(12, 6,
                                          "aaa.....aaaa"
                                          "aaa.aaa.aaaa"
@@ -479,7 +466,6 @@ static void test_thin_things(void **state)
 
 static void test_channels_make_masks(void **state)
 {
-    (void)state;
     struct neph_image *image = depth_map(4, 1, ".aa.");
     assert_null(neph_mask_channel_at(image, 0));
     add_channel(image, "mask.cloud", (float[]){0, 0.5f, 0.51f, 1});
@@ -498,7 +484,6 @@ static void test_channels_make_masks(void **state)
 
 static void test_mask_from_a_picture(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(4, 1);
     struct neph_mask *mask = NULL;
     struct neph_diag diag = {0};
@@ -529,7 +514,6 @@ static void test_mask_from_a_picture(void **state)
 
 static void test_union(void **state)
 {
-    (void)state;
     struct neph_image *first = depth_map(6, 1, "aa...."), *second = depth_map(6, 1, "aaaa..");
     struct neph_mask *mask = create_mask(first, "edge_near_0"),
                      *other = create_mask(second, "edge_near_0");
@@ -553,7 +537,6 @@ static void test_union(void **state)
 
 static void test_medium_in_any_channel(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(5, 1);
     add_rgb(image, "transmittance",
             (float[]){1, 1, 1,               /* nothing */
@@ -586,7 +569,6 @@ static void assert_refused(const struct neph_image *image, const char *name,
 
 static void test_refusals(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(2, 2);
     assert_refused(image, "fog", NULL, NEPH_ERR_USAGE, "no mask 'fog'");
     assert_refused(image, "sky", NULL, NEPH_ERR_UNSUPPORTED, "needs the channel 'Z'");
@@ -619,7 +601,6 @@ static void test_refusals(void **state)
 /* What edges move over is no surrounding to compare them with. */
 static void test_non_edge_is_never_an_edge(void **state)
 {
-    (void)state;
     struct neph_image *first = depth_map(16, 1, "aa.............."),
                       *second = depth_map(16, 1, "aaaa............");
     struct neph_mask *edge = create_mask(first, "depth_edge"),

@@ -79,7 +79,6 @@ static double texture(const double point_m[3])
  * point; the distance is told in pixels of that frame. */
 static void test_vectors_reproject_a_textured_plane(void **state)
 {
-    (void)state;
     const struct neph_motion_camera now = camera_at(3.0, 2.0, -1.0, 0.30, -0.35);
     const struct neph_motion_camera before = camera_at(2.6, 2.2, -0.7, 0.25, -0.30);
     struct motion *motion = ground_motion(&now, &before);
@@ -113,7 +112,6 @@ static void test_vectors_reproject_a_textured_plane(void **state)
 /* At the centre a turn by an angle moves the sky by its tangent; moving on moves it not at all. */
 static void test_sky_moves_by_rotation_alone(void **state)
 {
-    (void)state;
     const struct neph_motion_camera start = camera_at(0.0, 1.0, 0.0, 0.0, 0.4);
     const struct neph_motion_camera moved = camera_at(100.0, 50.0, -70.0, 0.0, 0.4);
     struct motion *motion = ground_motion(&moved, &start);
@@ -144,7 +142,6 @@ static void test_sky_moves_by_rotation_alone(void **state)
 /* The same place, told by its distance along the ray. */
 static void test_distance(void **state)
 {
-    (void)state;
     const struct neph_motion_camera now = camera_at(3.0, 2.0, -1.0, 0.30, -0.35);
     const struct neph_motion_camera before = camera_at(2.6, 2.2, -0.7, 0.25, -0.30);
     struct motion *motion = ground_motion(&now, &before);
@@ -171,7 +168,6 @@ static void test_distance(void **state)
 
 static void test_behind_the_camera_and_bad_depths(void **state)
 {
-    (void)state;
     const struct neph_motion_camera now = camera_at(0.0, 1.0, 0.0, 0.0, 0.0);
     const struct neph_motion_camera before = camera_at(0.0, 1.0, -10.0, 0.0, 0.0);
     const float near_m = 5.0f, bad_m[3] = {0.0f, -1.0f, NAN};
@@ -290,7 +286,6 @@ static double value_of(const struct meter *it, const char *name)
  * 0.02 a frame. */
 static void test_residual_change(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luminance");
     enum { W = 13, H = 9, N = W * H };
     for (int frame = 0; frame < 6; frame++) {
@@ -317,7 +312,6 @@ static double srgb(double c)
 
 static void test_residual_change_in_luma(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luma");
     for (int frame = 0; frame < 4; frame++) {
         const double reference = 0.2, test = frame % 2 ? 0.25 : 0.2;
@@ -334,7 +328,6 @@ static void test_residual_change_in_luma(void **state)
 /* From black for white to white for black: the change is twice the peak. */
 static void test_largest_change(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luma");
     for (int frame = 0; frame < 3; frame++) {
         const double reference = frame % 2, test = 1.0 - reference;
@@ -349,7 +342,6 @@ static void test_largest_change(void **state)
 
 static void test_one_frame_says_nothing(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luma");
     const double grey[4] = {0.1, 0.2, 0.3, 0.4};
     const float depth_m[4] = {1.0f, 1.0f, 1.0f, 1.0f}, still[4] = {0.0f};
@@ -371,7 +363,6 @@ static void test_one_frame_says_nothing(void **state)
  * bilinear look-up costs; the test flickers by +-0.01 on top, which is 0.02 from frame to frame. */
 static void test_residual_over_a_plane(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luminance");
     struct neph_motion_camera cameras[6];
     double *reference = calloc(2 * PIXELS, sizeof(*reference)), *test = reference + PIXELS;
@@ -431,7 +422,6 @@ static void card_frame(int frame, double *reference, double *test, float layers[
 
 static void test_disocclusion(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luminance");
     double reference[CARD_N], test[CARD_N];
     float layers[3][CARD_N];
@@ -462,7 +452,6 @@ static void test_disocclusion(void **state)
 
 static void test_error_that_stays(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luminance");
     double reference[CARD_N], test[CARD_N];
     float layers[3][CARD_N];
@@ -484,7 +473,6 @@ static void test_error_that_stays(void **state)
  * 3 .. 6 about the step between 4 and 5. */
 static void test_edges_are_left_out(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luma");
     enum { W = 11, H = 3, N = W * H };
     double grey[N];
@@ -557,7 +545,6 @@ static double share_disoccluded_by_cloud(bool with_distance, float wall_m, float
 
 static void test_which_depth_is_looked_for(void **state)
 {
-    (void)state;
     assert_true(share_disoccluded_by_approach(false) == 1.0);
     assert_true(share_disoccluded_by_approach(true) == 0.0);
     assert_true(share_disoccluded_by_cloud(false, INFINITY, 0.9f) == 0.0);
@@ -568,7 +555,6 @@ static void test_which_depth_is_looked_for(void **state)
 
 static void test_bad_layers(void **state)
 {
-    (void)state;
     static const char *const names[] = {"Z", "motion.x", "motion.y"};
     const double grey[4] = {0.1, 0.2, 0.3, 0.4};
     const float depth_m[4] = {1.0f, 1.0f, 1.0f, 1.0f}, still[4] = {0.0f};
@@ -591,7 +577,6 @@ static void test_bad_layers(void **state)
 /* In the meter they end this extractor alone, and say why. */
 static void test_bad_layers_spoil_no_other_number(void **state)
 {
-    (void)state;
     struct meter it = new_meter("signal=luma");
     const double grey[4] = {0.1, 0.2, 0.3, 0.4};
     const float still[4] = {0.0f};
@@ -611,7 +596,6 @@ static void test_bad_layers_spoil_no_other_number(void **state)
 /* From anywhere, also from out of the picture. */
 static void test_wild_motion(void **state)
 {
-    (void)state;
     uint64_t random = 20261121;
     struct meter it = new_meter("signal=luma");
     enum { W = 9, H = 7, N = W * H };
@@ -641,7 +625,6 @@ static void test_wild_motion(void **state)
 
 static void test_tables(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_motion);
     extraction_check_table(&neph_extractor_residual_change);
 }

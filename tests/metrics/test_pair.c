@@ -50,7 +50,6 @@ static struct neph_pair compare(double gain, double pattern, double noise, uint6
 
 static void test_noise_is_not_a_difference(void **state)
 {
-    (void)state;
     const struct neph_pair pair = compare(1.0, 0.0, 0.2, 7);
     /* The difference of means of two frames each has noise 0.2 per pixel; 15552 samples. */
     neph_assert_close(pair.noise_floor, 0.2, 0.05, 0.0);
@@ -61,7 +60,6 @@ static void test_noise_is_not_a_difference(void **state)
 
 static void test_gain_shows(void **state)
 {
-    (void)state;
     const struct neph_pair pair = compare(1.05, 0.0, 0.05, 8);
     /* 2 (1.05 - 1) / (1.05 + 1) */
     neph_assert_close(pair.mean_difference, 0.0488, 0.0, 0.002);
@@ -72,7 +70,6 @@ static void test_gain_shows(void **state)
 /* A pattern of mean 0 is invisible in the mean and plain in the rms, below its own noise. */
 static void test_pattern_below_the_noise(void **state)
 {
-    (void)state;
     const struct neph_pair pair = compare(1.0, 0.05, 0.1, 9);
     neph_assert_close(pair.rms_difference, 0.05, 0.1, 0.0);
     assert_true(pair.noise_floor > pair.rms_difference);
@@ -81,7 +78,6 @@ static void test_pattern_below_the_noise(void **state)
 
 static void test_agreement_needs_quiet(void **state)
 {
-    (void)state;
     assert_int_equal(compare(1.0, 0.0, 1e-4, 10).verdict, NEPH_PAIR_AGREE);
     assert_int_equal(compare(1.00001, 0.0, 0.0, 11).verdict, NEPH_PAIR_AGREE);
     assert_int_equal(compare(1.0, 0.0, 0.5, 12).verdict, NEPH_PAIR_CANNOT_TELL);
@@ -89,7 +85,6 @@ static void test_agreement_needs_quiet(void **state)
 
 static void test_bad_pixels_are_an_error(void **state)
 {
-    (void)state;
     uint64_t seed = 13;
     struct neph_diag diag = {0};
     struct neph_image *image = frame(1.0, 0.0, 0.0, &seed);

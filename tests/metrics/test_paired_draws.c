@@ -102,7 +102,6 @@ enum { METRIC_COUNT = sizeof(metrics) / sizeof(metrics[0]) };
  * standard deviations of such a count, 2.2 each. (Of 200 it was 8 to 13, and 4 for p95.) */
 static void test_it_errs_as_often_as_it_says(void **state)
 {
-    (void)state;
     uint64_t seed = test_seed(20261122);
     struct neph_image *reference = flat();
     int below[METRIC_COUNT] = {0}, missed[METRIC_COUNT] = {0};
@@ -136,7 +135,6 @@ static void test_it_errs_as_often_as_it_says(void **state)
 /* One per cent more of the same noise: nothing to either interval, and certain. */
 static void test_what_both_share_falls_out(void **state)
 {
-    (void)state;
     struct neph_image *reference = flat(), *a = noisy(0.101, 7, 0.0, 1), *b = noisy(0.1, 7, 0.0, 1);
     struct pair pair = measure_pair(reference, a, b);
     const struct neph_measurement *mae = named(pair.of_a, pair.count_a, "mae");
@@ -152,7 +150,6 @@ static void test_what_both_share_falls_out(void **state)
 
 static void test_nothing_is_made_up(void **state)
 {
-    (void)state;
     struct neph_image *reference = flat(), *a = noisy(0.1, 1, 0.0, 1);
     struct pair pair = measure_pair(reference, a, a);
     struct neph_paired paired = paired_of(&pair, "mae");

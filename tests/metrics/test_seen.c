@@ -152,7 +152,6 @@ static const double rates_hz[] = {30.0, 60.0}, sines_hz[] = {7.5, 15.0};
 /* 8 by 4.5 degrees, which all that is there makes a disk of 3.4. */
 static void test_full_field(void **state)
 {
-    (void)state;
     for (int i = 0; i < 4; i++) {
         const double rate = rates_hz[i / 2], hertz = sines_hz[i % 2];
         const struct stimulus s = {
@@ -178,7 +177,6 @@ static void test_full_field(void **state)
 /* In the middle of the picture, where a disk of the grid lies. */
 static void test_disk(void **state)
 {
-    (void)state;
     for (int i = 0; i < 4; i++) {
         const double rate = rates_hz[i / 2], hertz = sines_hz[i % 2];
         const struct stimulus s = {
@@ -209,7 +207,6 @@ static void test_disk(void **state)
  * %. */
 static void test_gratings(void **state)
 {
-    (void)state;
     static const double gratings_cpd[] = {2.0, 7.5, 15.0};
     for (int i = 0; i < 12; i++) {
         const double rate = rates_hz[i / 6], hertz = sines_hz[i / 3 % 2], rho = gratings_cpd[i % 3];
@@ -232,7 +229,6 @@ static void test_gratings(void **state)
 /* What the old number passed by: 10 % in a cycle of 8 frames at 60 frames a second. */
 static void test_cycle_of_eight(void **state)
 {
-    (void)state;
     const struct stimulus s = {.shape = FIELD,
                                .width_px = 96,
                                .height_px = 54,
@@ -253,7 +249,6 @@ static void test_cycle_of_eight(void **state)
 /* A line keeps its energy wherever it lies between the bins, and whatever the number of frames. */
 static void test_lines_between_bins(void **state)
 {
-    (void)state;
     static const int frame_counts[] = {16, 17, 40, 64, 100, 127, 256, 300};
     for (int i = 0; i < 8; i++)
         for (int k = 0; k < 8; k++) {
@@ -280,7 +275,6 @@ static void test_lines_between_bins(void **state)
 /* Energies by the sums of their definition, in double precision. */
 static void test_energies(void **state)
 {
-    (void)state;
     enum { L = NEPH_SEEN_LANES, N_MAX = 100 };
     static const int frame_counts[] = {3, 16, 33, 64, N_MAX};
     static float series[N_MAX * L], energies[L * (128 / 2 + 1)];
@@ -331,7 +325,6 @@ static void test_energies(void **state)
 /* Noise gives one number whatever the number of frames, up to its own. */
 static void test_noise(void **state)
 {
-    (void)state;
     double contrast[2];
     for (int i = 0; i < 2; i++) {
         const struct stimulus s = {.shape = NOISE,
@@ -355,7 +348,6 @@ static void test_noise(void **state)
  * window leaves a hundredth of what it would be at 2 Hz. */
 static void test_drift(void **state)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         const struct stimulus s = {.shape = i ? FIELD : RAMP,
                                    .width_px = 20,
@@ -376,7 +368,6 @@ static void test_drift(void **state)
 /* A step has its height in cd/m2 for response; what the reference does is no pop. */
 static void test_pops(void **state)
 {
-    (void)state;
     for (int in_both = 0; in_both < 2; in_both++) {
         const struct stimulus s = {.shape = STEP,
                                    .width_px = 40,
@@ -396,7 +387,6 @@ static void test_pops(void **state)
  * stands still before and after. */
 static void test_pops_by_their_definition(void **state)
 {
-    (void)state;
     enum { N = 24, MARGIN = 200 };
     static const double frame_rates_hz[] = {24.0, 60.0, 120.0};
     double series[N];
@@ -436,7 +426,6 @@ static void test_pops_by_their_definition(void **state)
 
 static void test_disks(void **state)
 {
-    (void)state;
     enum { W = 70, H = 50 };
     const struct neph_seen_disks disks = neph_seen_disks_of(W, H, 10.0);
     double *sums = calloc(H * (W + 1), sizeof(*sums));
@@ -465,7 +454,6 @@ static void test_disks(void **state)
 /* The same change in phase all over is seen better than with a phase of its own in every pixel. */
 static void test_in_phase_is_seen_better(void **state)
 {
-    (void)state;
     struct stimulus s = {.shape = FIELD,
                          .width_px = 160,
                          .height_px = 90,
@@ -488,7 +476,6 @@ static void test_in_phase_is_seen_better(void **state)
 
 static void test_stillness(void **state)
 {
-    (void)state;
     const struct stimulus s = {.shape = FIELD,
                                .width_px = 20,
                                .height_px = 10,
@@ -510,7 +497,6 @@ static void test_stillness(void **state)
 
 static void test_obstacles(void **state)
 {
-    (void)state;
     const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
     const struct neph_settings settings = neph_options_default(neph_extractor_seen.options);
     struct neph_frame_pair pair = {.frame_count = 15, .viewing = &viewing};
@@ -537,7 +523,6 @@ static void assert_same_bits(const struct extraction *one, const struct extracti
 
 static void test_warm_up_is_as_if_it_were_not(void **state)
 {
-    (void)state;
     const struct stimulus s = {.shape = NOISE,
                                .width_px = 37,
                                .height_px = 12,
@@ -553,7 +538,6 @@ static void test_warm_up_is_as_if_it_were_not(void **state)
 /* Through the meter, over a mask: Minkowski's mean of R and the shares are those of the maps. */
 static void test_numbers_over_a_mask(void **state)
 {
-    (void)state;
     enum { W = 40, H = 24, N = 16 };
     struct neph_image *images[2];
     float *planes[2][3];
@@ -628,7 +612,6 @@ static void allow_processors(const cpu_set_t *allowed)
 
 static void test_bits_do_not_depend_on_threads(void **state)
 {
-    (void)state;
     const struct stimulus s = {.shape = NOISE,
                                .width_px = 70,
                                .height_px = 37,
@@ -652,7 +635,6 @@ static void test_bits_do_not_depend_on_threads(void **state)
 
 static void test_table(void **state)
 {
-    (void)state;
     extraction_check_table(&neph_extractor_seen);
     assert_ptr_equal(neph_extractor_find("seen"), &neph_extractor_seen);
 }

@@ -49,7 +49,6 @@ static void destroy_set(struct set *set)
 
 static void test_keys_keep_the_order(void **state)
 {
-    (void)state;
     static const double ascending[] = {-1e300, -1.0, -1e-40, 0.0, 1e-45, 1e-40, 0.5, 1.0, 1e300};
     for (size_t i = 0; i < sizeof(ascending) / sizeof(ascending[0]); i++) {
         assert_true(i == 0 || neph_key_of(ascending[i]) > neph_key_of(ascending[i - 1]));
@@ -78,7 +77,6 @@ static float draw(uint64_t *random, int kind)
 
 static void test_ranks_and_percentiles(void **state)
 {
-    (void)state;
     uint64_t random = 1234;
     enum { COUNT_MAX = 5000 };
     static float values[COUNT_MAX];
@@ -102,7 +100,6 @@ static void test_ranks_and_percentiles(void **state)
 /* Expected or not, in time or in between: the percentiles are the same. */
 static void test_expected_percentiles(void **state)
 {
-    (void)state;
     uint64_t random = 777;
     enum { COUNT_MAX = 5000, SHARES = 5 };
     static float values[COUNT_MAX];
@@ -134,7 +131,6 @@ static void test_expected_percentiles(void **state)
  * which the walk's own rounding could decide are left out. */
 static void test_weighted_percentiles(void **state)
 {
-    (void)state;
     uint64_t random = 4321;
     enum { COUNT_MAX = 3000 };
     static float values[COUNT_MAX];

@@ -60,7 +60,6 @@ static double coverage(const struct coverage_case *it, int replications, uint64_
  * replications the share has four standard deviations more. */
 static void test_intervals_cover(void **state)
 {
-    (void)state;
     static const struct coverage_case cases[] = {
         {0.0, 0.0, 128, 8},  {0.3, 0.0, 128, 8},  {0.5, 0.0, 128, 8},  {0.8, 0.0, 128, 8},
         {0.0, 3.0, 128, 8},  {0.5, 3.0, 128, 8},  {0.8, 3.0, 128, 8},  {0.0, 0.0, 256, 16},
@@ -83,7 +82,6 @@ static void test_intervals_cover(void **state)
  * other half remembers. 92.2 % in 20000 replications; four binomial deviations of 4000. */
 static void test_long_memory_under_noise(void **state)
 {
-    (void)state;
     uint64_t random = test_seed();
     double values[128], noise[128];
     int inside = 0;
@@ -102,7 +100,6 @@ static void test_long_memory_under_noise(void **state)
  * replications of another generator; four binomial deviations of 4000. */
 static void test_long_memory_is_covered_less(void **state)
 {
-    (void)state;
     static const struct {
         struct coverage_case of;
         double share;
@@ -117,7 +114,6 @@ static void test_long_memory_is_covered_less(void **state)
  * simulation can tell: the note says 47 % at the correlation 0.8. */
 static void test_frames_are_not_replicates(void **state)
 {
-    (void)state;
     uint64_t random = test_seed();
     double values[128];
     int inside = 0;
@@ -131,7 +127,6 @@ static void test_frames_are_not_replicates(void **state)
 
 static void test_runs_cover(void **state)
 {
-    (void)state;
     uint64_t random = test_seed();
     int inside = 0;
     for (int r = 0; r < REPLICATIONS; r++) {
@@ -149,7 +144,6 @@ static void test_runs_cover(void **state)
  * freedom is 2.776445 (any table). */
 static void test_interval_by_hand(void **state)
 {
-    (void)state;
     const double values[5] = {1.0, 2.0, 3.0, 4.0, 10.0};
     const struct neph_mean mean = neph_series_mean(values, 5, NEPH_REPLICATE_RUNS);
     assert_true(mean.defined);
@@ -170,7 +164,6 @@ static struct neph_mean mean_of_pattern(int period, int count)
 
 static void test_deterministic(void **state)
 {
-    (void)state;
     static const int periods[] = {1, 2, 4, 8, 16};
     for (size_t i = 0; i < sizeof(periods) / sizeof(periods[0]); i++) {
         const struct neph_mean mean = mean_of_pattern(periods[i], 64);
@@ -196,7 +189,6 @@ static void test_deterministic(void **state)
 
 static void test_too_few_frames(void **state)
 {
-    (void)state;
     double values[128];
     uint64_t random = test_seed();
     draw_series(0.0, 0.0, 128, &random, values);
@@ -217,7 +209,6 @@ static void test_too_few_frames(void **state)
 
 static void test_batches_grow_with_the_series(void **state)
 {
-    (void)state;
     enum { N = 5000 };
     double *values = calloc(N, sizeof(*values));
     assert_non_null(values);
@@ -231,7 +222,6 @@ static void test_batches_grow_with_the_series(void **state)
 
 static void test_not_finite(void **state)
 {
-    (void)state;
     double values[128];
     uint64_t random = test_seed();
     const double bad[] = {NAN, INFINITY, -INFINITY};
@@ -251,7 +241,6 @@ static void test_not_finite(void **state)
 /* Two noisy runs of the same frames: what they have in common drops out. */
 static void test_paired_differences(void **state)
 {
-    (void)state;
     enum { N = 128 };
     double a[N], b[N], small[N];
     uint64_t random = test_seed();
@@ -280,7 +269,6 @@ static void test_paired_differences(void **state)
 
 static void test_paired_without_a_difference(void **state)
 {
-    (void)state;
     const double a[4] = {1.0, 2.0, 3.0, 4.0}, b[4] = {0.5, 1.5, 2.5, 3.5};
     struct neph_diag diag = {0};
     struct neph_paired paired;
@@ -303,7 +291,6 @@ static void test_paired_without_a_difference(void **state)
  * above 0.05 and 2 / 256 = 0.8 % is the next. */
 static void test_size_of_paired_tests(void **state)
 {
-    (void)state;
     enum { N = 128 };
     double a[N], b[N];
     uint64_t random = test_seed();
@@ -339,7 +326,6 @@ static double student_p_in_closed_form(double t, int dof)
 
 static void test_student(void **state)
 {
-    (void)state;
     for (int dof = 1; dof < 200; dof += 1 + dof / 5)
         for (double t = 0.125; t < 6.0; t *= 1.5)
             /* The closed form is 1 minus a sum: good to some units of 1e-16. */
@@ -371,7 +357,6 @@ static void test_student(void **state)
 /* The sums of Pascal's triangle, exact in double up to 2^53. */
 static void test_sign_test(void **state)
 {
-    (void)state;
     neph_assert_close(neph_sign_p(8, 2), 2.0 * (1 + 10 + 45) / 1024.0, 1e-13, 0.0);
     for (int n = 1; n <= 50; n++) {
         double chosen = 1.0, tail = 0.0;
@@ -390,7 +375,6 @@ static void test_sign_test(void **state)
 /* Sorted .005 .01 .03 .04 times 4 3 2 1: .02 .03 .06 .04, and the last may not be below .06. */
 static void test_holm(void **state)
 {
-    (void)state;
     const double p[4] = {0.01, 0.04, 0.03, 0.005}, expected[4] = {0.03, 0.06, 0.06, 0.02};
     double adjusted[5];
     neph_holm(p, 4, adjusted);
@@ -409,7 +393,6 @@ static void test_holm(void **state)
  * (one binomial standard deviation: 0.34 points), and plain p-values in far more. */
 static void test_holm_keeps_the_family_quiet(void **state)
 {
-    (void)state;
     uint64_t random = test_seed();
     int family = 0, plain = 0;
     for (int r = 0; r < REPLICATIONS; r++) {

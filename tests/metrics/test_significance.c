@@ -9,7 +9,6 @@
 /* NIST/SEMATECH e-Handbook, table of the normal distribution: two-sided critical values. */
 static void test_critical_values(void **state)
 {
-    (void)state;
     neph_assert_close(neph_normal_critical(0.05), 1.959963984540054, 1e-13, 0.0);
     neph_assert_close(neph_normal_critical(0.01), 2.575829303548901, 1e-13, 0.0);
     neph_assert_close(neph_normal_p(3.0), 0.002699796063260189, 1e-13, 0.0);
@@ -19,7 +18,6 @@ static void test_critical_values(void **state)
 
 static void test_sidak(void **state)
 {
-    (void)state;
     neph_assert_close(neph_sidak_alpha(0.05, 1), 0.05, 1e-15, 0.0);
     neph_assert_close(neph_sidak_alpha(0.05, 10), 0.005116196891823743, 1e-13, 0.0);
     for (int n = 1; n < 1000; n *= 3)
@@ -30,7 +28,6 @@ static void test_sidak(void **state)
  */
 static void test_moments_of_noise(void **state)
 {
-    (void)state;
     enum { N = 100000 };
     float *test = malloc(3 * N * sizeof(float)), *truth = test + N, *variance = test + 2 * N;
     assert_non_null(test);
@@ -57,7 +54,6 @@ static void test_moments_of_noise(void **state)
 
 static void test_moments_of_halves_are_those_of_the_whole(void **state)
 {
-    (void)state;
     const float test[5] = {1.0f, -2.0f, 0.5f, 4.0f, -1.0f};
     const float truth[5] = {0.0f}, variance[5] = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
     const struct neph_z_moments whole = neph_z_scores(test, truth, variance, 5, 0.0);
@@ -74,7 +70,6 @@ static void test_moments_of_halves_are_those_of_the_whole(void **state)
 
 static void test_nothing_random(void **state)
 {
-    (void)state;
     const float same[2] = {1.0f, 2.0f}, zero[2] = {0.0f, 0.0f}, other[2] = {1.0f, 3.0f};
     assert_int_equal(neph_z_scores(same, same, zero, 2, 0.0).count, 0);
     assert_true(isinf(neph_z_scores(other, same, zero, 2, 0.0).mean));

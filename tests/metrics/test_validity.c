@@ -16,7 +16,6 @@ static struct neph_validity count(const struct neph_image *image)
 
 static void test_clean_frame_passes(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(3, 1);
     add_rgb(image, NULL, (float[]){0, 1, 2, -0.0f, 4, 5, 6, 7, 8});
     add_channel(image, "Z", (float[]){1, INFINITY, 3});
@@ -36,7 +35,6 @@ static void test_clean_frame_passes(void **state)
 
 static void test_planted_faults_are_counted(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(3, 2);
     add_channel(image, "R", (float[]){1, NAN, INFINITY, NAN, -INFINITY, -2});
     add_channel(image, "transmittance.G", (float[]){1, -1e-30f, 0, -1, 1, 1});
@@ -84,7 +82,6 @@ static void test_planted_faults_are_counted(void **state)
 /* Rows are looked at in vectors first: a single odd value anywhere in a row must show. */
 static void test_one_fault_in_a_long_row(void **state)
 {
-    (void)state;
     enum { WIDTH = 67, HEIGHT = 3 };
     const struct {
         float value;
@@ -116,7 +113,6 @@ static void test_one_fault_in_a_long_row(void **state)
 
 static void test_negative_values_have_an_allowance(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(2, 1);
     add_channel(image, "R", (float[]){1, 1});
     add_channel(image, "volume.B", (float[]){-0.25f, -0.5f});
@@ -133,7 +129,6 @@ static void test_negative_values_have_an_allowance(void **state)
 
 static void test_channel_of_nothing_finite(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(1, 1);
     add_channel(image, "Z", (float[]){INFINITY});
     struct neph_validity validity = count(image);
@@ -152,7 +147,6 @@ static void test_channel_of_nothing_finite(void **state)
 
 static void test_mismatches_are_named(void **state)
 {
-    (void)state;
     struct neph_image *reference = create_image(4, 3), *test = create_image(3, 4);
     struct neph_diag diag = {0};
     assert_int_equal(neph_validity_same_size(reference, test, &diag), NEPH_ERR_INPUT);
@@ -178,7 +172,6 @@ static void test_mismatches_are_named(void **state)
 /* Which channels must not be negative, and that only distances may be infinite. */
 static void test_rules_of_channels(void **state)
 {
-    (void)state;
     static const struct {
         const char *name;
         int negative_count, non_finite_count; /* of one -1 and one +inf */
@@ -209,7 +202,6 @@ static void test_rules_of_channels(void **state)
 /* A list of names longer than the message is cut, not overrun. */
 static void test_many_missing_channels(void **state)
 {
-    (void)state;
     struct neph_image *reference = create_image(1, 1), *test = create_image(1, 1);
     for (int i = 0; i < 100; i++) {
         char name[32];
@@ -235,7 +227,6 @@ static bool add_frame(struct neph_frozen *frozen, const struct neph_image *image
 
 static void test_frozen_frames_are_counted(void **state)
 {
-    (void)state;
     struct neph_image *image = create_image(5, 3);
     float *red = add_channel(image, "R", NULL), *green = add_channel(image, "G", NULL);
     struct neph_frozen frozen = {0};
@@ -256,7 +247,6 @@ static void test_frozen_frames_are_counted(void **state)
 /* A cycle of two frames is not frozen; NaN and the sky are samples like others. */
 static void test_a_cycle_is_not_frozen(void **state)
 {
-    (void)state;
     struct neph_image *images[2] = {create_image(1, 1), create_image(1, 1)};
     add_channel(images[0], "Z", (float[]){INFINITY});
     add_channel(images[1], "Z", (float[]){NAN});
@@ -274,7 +264,6 @@ static void test_a_cycle_is_not_frozen(void **state)
 /* Size and names count, attributes do not. */
 static void test_what_the_hash_sees(void **state)
 {
-    (void)state;
     struct neph_image *wide = create_image(6, 1), *high = create_image(1, 6),
                       *named = create_image(6, 1);
     add_channel(wide, "R", NULL);

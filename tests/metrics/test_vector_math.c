@@ -41,7 +41,6 @@ static void assert_near(double actual, long double exact, double relative, doubl
 
 static void test_log2(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(11);
     for (int i = 0; i < DRAW_COUNT; i++) {
         const double x = draw_positive(&random);
@@ -59,7 +58,6 @@ static void test_log2(void **state)
 
 static void test_exp2(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(12);
     for (int i = 0; i < DRAW_COUNT; i++) {
         const double y = neph_test_uniform(&random, -1080.0, 1024.0);
@@ -76,7 +74,6 @@ static void test_exp2(void **state)
 
 static void test_cbrt(void **state)
 {
-    (void)state;
     uint64_t random = test_seed(14);
     for (int i = 0; i < DRAW_COUNT; i++) {
         const double x = draw_positive(&random);
@@ -106,7 +103,6 @@ NEPH_VECTOR static void all_of_them(const double *restrict x, double *restrict r
 
 static void test_lanes_give_the_bits_of_single_calls(void **state)
 {
-    (void)state;
     static double x[LANE_COUNT], together[LANE_COUNT];
     uint64_t random = test_seed(15);
     for (int i = 0; i < LANE_COUNT; i++)

@@ -25,7 +25,6 @@ static unsigned forms_of(int index)
 
 static void test_every_pair_and_triple_is_drawn_once_in_a_period(void **state)
 {
-    (void)state;
     static int seen[2 << FORM_COUNT];
     const int first = 12345, period = recipe_period();
     for (int i = 0; i < period; i++)
@@ -60,7 +59,6 @@ static char *written(const struct recipe *recipe)
 
 static void test_the_same_numbers_make_the_same_scene(void **state)
 {
-    (void)state;
     for (int i = 0; i < 50; i++) {
         const struct recipe a = recipe_draw(seed, i, 0), b = recipe_draw(seed, i, 0),
                             c = recipe_draw(seed + 1, i, 0), d = recipe_draw(seed, i, 1);
@@ -76,7 +74,6 @@ static void test_the_same_numbers_make_the_same_scene(void **state)
 /* The shrinker ends: each change either does nothing or cannot be made again and again. */
 static void test_every_change_comes_to_an_end(void **state)
 {
-    (void)state;
     for (int i = 0; i < 50; i++)
         for (int change = 0; change < recipe_change_count(); change++) {
             struct recipe recipe = recipe_draw(seed, i, 0);
@@ -111,7 +108,6 @@ static struct neph_scene *load(const struct recipe *recipe, struct neph_diag *di
 /* Optical depths along rays through both: the media of neph_scene_at(), and those put by hand. */
 static void test_wind_by_hand_is_the_wind_of_scenes(void **state)
 {
-    (void)state;
     int windy = 0;
     for (int i = 0; i < 120 && windy < 12; i++) {
         const struct recipe recipe = recipe_draw(seed, i, 0);

@@ -73,7 +73,6 @@ static const double agx_published[][2][3] = {
 
 static void test_agx_is_its_authors(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(agx_published); i++) {
         double codes[3];
         agx(agx_published[i][0], codes);
@@ -113,7 +112,6 @@ static void test_pq_is_as_published(void **state)
 {
     static const double codes[][2] = {{0.0, 0.0000007},   {1.0, 0.1499457},    {100.0, 0.5080784},
                                       {203.0, 0.5806888}, {1000.0, 0.7518271}, {10000.0, 1.0}};
-    (void)state;
     for (size_t i = 0; i < COUNT(codes); i++) {
         neph_assert_close(pq(codes[i][0]), codes[i][1], 0.0, 1.5e-7); /* it has float32 */
         neph_assert_close(neph_pq_nits(pq(codes[i][0])), codes[i][0], 1e-9, 1e-9);
@@ -129,7 +127,6 @@ static void test_primaries_are_those_of_bt_2020(void **state)
     static const double published[3][3] = {
         {0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0114}, {0.0164, 0.0880, 0.8956}};
     const struct neph_matrix3 made = neph_colour_matrix(&neph_rec709, &neph_rec2020);
-    (void)state;
     for (int i = 0; i < 9; i++)
         neph_assert_close(made.m[i / 3][i % 3], published[i / 3][i % 3], 0.0, 5e-5);
 }
@@ -179,7 +176,6 @@ static double bt2390(double nits, double peak_nits)
 static void test_the_roll_off_is_bt_2390s(void **state)
 {
     const double peak = pq(1000.0), knee_nits = neph_pq_nits(1.5 * peak - 0.5);
-    (void)state;
     neph_assert_close(bt2390(10000.0, 1000.0), 1000.0, 1e-9, 0.0);
     neph_assert_close(knee_nits, 316.0, 0.0, 2.0);
     const double above = bt2390(knee_nits * 1.0001, 1000.0);
@@ -244,7 +240,6 @@ static void test_codes_have_the_bits_asked_for(void **state)
     const struct neph_settings settings = post_settings("tone=on tone_map=none");
     float *in[3];
     struct neph_image *image = post_image(width, height, in);
-    (void)state;
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)i / (count - 1);

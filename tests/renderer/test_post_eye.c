@@ -252,7 +252,6 @@ static void test_what_cannot_be_metered_is_refused(void **state)
         {AUTO "meter_low_percent=90 meter_high_percent=90", "meter_high_percent"},
         {AUTO "exposure_min_ev=3 exposure_max_ev=2", "exposure_max_ev"},
         {"auto_exposure=on", "tone is off"}};
-    (void)state;
     for (size_t i = 0; i < COUNT(wrong); i++) {
         const struct neph_settings settings = post_settings(wrong[i][0]);
         struct neph_diag diag = {0};

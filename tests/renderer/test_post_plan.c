@@ -35,7 +35,6 @@ static void test_a_volume_fades_with_the_distance(void **state)
     struct neph_post_volume box = volume(0.0, 0.8, POST_EXPOSURE_EV, 5.0);
     box.blend_radius_m = 4.0;
     box.box = (struct neph_post_box){true, {0, 0, 0}, {2, 2, 2}};
-    (void)state;
     const struct {
         struct neph_vec3 place;
         double weight;
@@ -61,7 +60,6 @@ static void test_a_volume_fades_with_the_distance(void **state)
 static void test_priority_is_the_order_of_lerps(void **state)
 {
     const struct neph_vec3 origin = {0, 0, 0};
-    (void)state;
     const struct neph_post_volume volumes[] = {
         volume(2.0, 0.5, POST_EXPOSURE_EV, 8.0), volume(-1.0, 1.0, POST_EXPOSURE_EV, 1.0),
         volume(0.5, 0.25, POST_EXPOSURE_EV, -3.0), volume(2.0, 0.5, POST_EXPOSURE_EV, 4.0)};
@@ -87,7 +85,6 @@ static void test_choices_change_at_once(void **state)
     const struct neph_vec3 origin = {0, 0, 0};
     const struct neph_post_volume faint = volume(0, 0.01, POST_TONE_MAP, POST_MAP_AGX);
     const struct neph_post_volume none = volume(0, 0.0, POST_TONE_MAP, POST_MAP_AGX);
-    (void)state;
     assert_true(blended(&faint, 1, origin, POST_TONE_MAP) == POST_MAP_AGX);
     assert_true(blended(&none, 1, origin, POST_TONE_MAP) == POST_MAP_UNREAL);
 }
@@ -127,7 +124,6 @@ static void test_a_file_is_its_chain(void **state)
                                "    settings: {}\n";
     struct neph_post_plan plan;
     struct neph_diag diag = {0};
-    (void)state;
     neph_assert_ok(load(text, &plan, &diag), &diag);
     const struct neph_settings settings = neph_post_plan_settings(&plan);
     assert_true(settings.values[POST_EXPOSURE_EV] == 1.5);
@@ -170,7 +166,6 @@ static void test_what_makes_no_sense_is_refused_by_line(void **state)
         {"volumes:\n- name: a\n  settings: {}\n  box:\n    minimum_m: [0, 0, 0]\n    maximum_m: "
          "[1, -1, 1]\n",
          "below its minimum_m", NULL, 6}};
-    (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_post_plan plan;
         struct neph_diag diag = {0};

@@ -174,7 +174,6 @@ static void test_glow_and_red_are_those_of_aces(void **state)
     static const struct rgb red[] = {
         {{0.90, 0.05, 0.22}}, {{0.97, 0.097, 0.0097}}, {{0.89, 0.15, 0.56}}};
     static const double less_red[] = {0.77200636, 0.80713493, 0.85731006};
-    (void)state;
     for (size_t i = 0; i < COUNT(glow); i++)
         for (int c = 0; c < 3; c++)
             /* It computes in float32, and prints 8 digits. */
@@ -191,7 +190,6 @@ static void test_the_film_curve_is_unreals(void **state)
                                                {0.65, 0.63, 0.45, 0.0, 0.0},
                                                {0.98, 0.3, 0.22, 0.0, 0.025},
                                                {0.91, 0.53, 0.23, 0.0, 0.035}};
-    (void)state;
     for (size_t i = 0; i < COUNT(grey); i++)
         neph_assert_close(film(&default_film, grey[i][0]), grey[i][1], 0.0, 5e-5); /* 4 digits */
     for (size_t i = 0; i < COUNT(presets); i++)
@@ -205,7 +203,6 @@ static void test_the_film_curve_is_unreals(void **state)
 static void test_narkowicz_is_his(void **state)
 {
     static const double values[][2] = {{0.18, 0.2669}, {1.0, 0.8038}, {4.0, 0.9734}};
-    (void)state;
     for (size_t i = 0; i < COUNT(values); i++)
         neph_assert_close(mapped(POST_MAP_NARKOWICZ, (struct rgb){{values[i][0], 0, 0}}).c[0],
                           values[i][1], 0.0, 5e-5);
@@ -218,7 +215,6 @@ static void test_matrices_are_those_of_aces(void **state)
     static const double rec709_to_ap1[3] = {0.61309740, 0.33952315, 0.04737945};
     const struct neph_matrix3 a = neph_colour_matrix(&neph_ap1, &neph_ap0);
     const struct neph_matrix3 b = neph_colour_matrix(&neph_rec709, &neph_ap1);
-    (void)state;
     for (int k = 0; k < 3; k++) {
         neph_assert_close(a.m[0][k], ap1_to_ap0[k], 0.0, 1e-9);
         neph_assert_close(b.m[0][k], rec709_to_ap1[k], 0.0, 1e-7);
@@ -237,7 +233,6 @@ static struct rgb light_of(double temperature_k)
 
 static void test_white_balance_makes_its_light_white(void **state)
 {
-    (void)state;
     for (double t = 1700.0; t < 25000.0; t *= 1.3) {
         const struct rgb seen = times(neph_white_balance(t), light_of(t));
         for (int c = 0; c < 3; c++)

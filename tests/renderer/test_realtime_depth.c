@@ -6,7 +6,6 @@
 
 static void test_every_half_comes_back(void **state)
 {
-    (void)state;
     for (uint32_t half = 0; half < 0x10000u; half++) {
         const float value = neph_rt_from_half((uint16_t)half);
         if (isnan(value))
@@ -19,7 +18,6 @@ static void test_every_half_comes_back(void **state)
 /* Against the compiler's own conversion, which rounds as IEEE 754 has it. */
 static void test_halves_round_to_nearest_even(void **state)
 {
-    (void)state;
     uint64_t seed = 20261121;
     for (int i = 0; i < 2000000; i++) {
         const uint32_t bits = (uint32_t)neph_test_random(&seed);
@@ -78,7 +76,6 @@ static void test_min_max_equals_the_twin(void **state)
 /* Each tile knows two nearest and two farthest depths of its 4x4 pixels. */
 static void test_a_tile_has_two_near_and_two_far(void **state)
 {
-    (void)state;
     const struct neph_settings settings = test_settings("depth_map=checkerboard");
     static const float near_m = 10.0f, far_m = 1000.0f;
     struct neph_gpu_view view;

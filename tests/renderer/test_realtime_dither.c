@@ -41,7 +41,6 @@ static double interleaved_error(int x_px, int y_px)
 
 static void test_interleaved_gradient_values(void **state)
 {
-    (void)state;
     static const struct {
         int x, y;
         uint32_t frame;
@@ -81,7 +80,6 @@ static double published(int x_px, int y_px, uint32_t frame, uint32_t channel, do
  * rounding may fall to either side, and such pixels are left out. */
 static void test_interleaved_is_the_published_formula(void **state)
 {
-    (void)state;
     uint64_t seed = 20261125;
     int left_out = 0;
     enum { COUNT = 400000 };
@@ -110,7 +108,6 @@ static void test_interleaved_is_the_published_formula(void **state)
  * white noise's nine the widest has mean (1 + 1/2 + ... + 1/9) / 9 = 0.31. */
 static void test_interleaved_windows_cover_the_circle(void **state)
 {
-    (void)state;
     for (int i = 0; i < 100 * 100; i++) {
         double values[10], widest = 0.0;
         for (int k = 0; k < 9; k++)
@@ -127,7 +124,6 @@ static void test_interleaved_windows_cover_the_circle(void **state)
 
 static void test_white_values(void **state)
 {
-    (void)state;
     static const struct {
         int x, y;
         uint32_t frame, seed, word;
@@ -150,7 +146,6 @@ static void test_white_values(void **state)
  * n), sd(product) = 1/12 / sqrt(n). */
 static void test_white_is_white(void **state)
 {
-    (void)state;
     static const struct {
         int x, y;
         uint32_t frame, channel;
@@ -204,7 +199,6 @@ static void test_ranks_are_both_masks(void **state)
 
 static void test_ranks_need_a_folder(void **state)
 {
-    (void)state;
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     struct neph_diag diag = {0};
     assert_int_equal(neph_rt_noise_ranks(2, "/dev/null/there", ranks, &diag), NEPH_ERR_IO);
@@ -215,7 +209,6 @@ static void test_ranks_need_a_folder(void **state)
  * passes 2^32; frame 0 of channel 0 is the mask itself. */
 static void test_blue_goes_on_by_irrationals(void **state)
 {
-    (void)state;
     static const uint32_t steps[CHANNELS] = {2654435769u, 3144134277u, 1779033703u, 2773480763u};
     const double irrationals[CHANNELS] = {0.5 * (sqrt(5.0) - 1.0), sqrt(3.0), sqrt(2.0), sqrt(7.0)};
     const uint32_t frames[] = {0, 1, 2, 3, 1000, UINT32_MAX};
@@ -240,7 +233,6 @@ static void test_blue_goes_on_by_irrationals(void **state)
 
 static void test_spatiotemporal_is_the_full_mask(void **state)
 {
-    (void)state;
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     fill_ranks(ranks, 6);
     const struct twin_dither dither = {.noise_ranks = ranks};
@@ -256,7 +248,6 @@ static void test_spatiotemporal_is_the_full_mask(void **state)
 /* For any pixel and frame that there is. */
 static void test_values_stay_within_the_unit_interval(void **state)
 {
-    (void)state;
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     uint64_t seed = 17;
     fill_ranks(ranks, seed);

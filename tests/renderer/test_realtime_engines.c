@@ -13,7 +13,6 @@
 /* The first slice turns by the golden ratio: 0.618034 of the circle a frame. */
 static void test_a_slice_turns(void **state)
 {
-    (void)state;
     uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
     uint64_t seed = 41;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
@@ -535,7 +534,6 @@ static int places_of_a_slot(int length)
 
 static void test_lengths_of_the_jitter(void **state)
 {
-    (void)state;
     for (int length = 1; length <= 64; length++) {
         const int shared = length % 4 == 0 ? 4 : length % 2 == 0 ? 2 : 1;
         assert_int_equal(places_of_a_slot(length), length / shared);

@@ -430,7 +430,6 @@ static void test_history_follows_the_world(void **state)
 /* What froxels do not know is refused. */
 static void test_refusals(void **state)
 {
-    (void)state;
     struct test_scene test;
     char reason[256] = "";
     scene_fence(&test);

@@ -162,7 +162,6 @@ static void test_the_reconstruction_finds_changes_as_their_pass_does(void **stat
  * frames of eight. */
 static void test_tiles_repeat_by_turns(void **state)
 {
-    (void)state;
     struct neph_gpu_view view = {.frame = 0};
     for (int x = 0; x < 4; x++)
         for (int y = 0; y < 4; y++) {
@@ -179,7 +178,6 @@ static void test_tiles_repeat_by_turns(void **state)
 /* Without tiles nothing is marched twice, and nothing is taken for unchanged. */
 static void test_it_needs_the_split(void **state)
 {
-    (void)state;
     static const char *const texts[] = {"gradient=on", "gradient=on split=none"};
     for (int i = 0; i < 2; i++) {
         const struct neph_settings settings = test_settings(texts[i]);
@@ -203,7 +201,6 @@ static struct neph_sun sun_of(double irradiance, double angle_rad)
 /* Irradiances of pictures in turn, ended by -1; whether they flash with a period of four. */
 static void test_what_flashes_with_a_period(void **state)
 {
-    (void)state;
     static const struct {
         double irradiance[17];
         bool flashes;
@@ -235,7 +232,6 @@ static void test_what_flashes_with_a_period(void **state)
  * pictures nothing is known. */
 static void test_flashes_of_other_periods(void **state)
 {
-    (void)state;
     struct neph_rt_suns suns = {.count = 0};
     for (uint32_t n = 0; n < 80; n++) {
         const struct neph_sun sun = sun_of(4.0, n % 7 < 3 ? 1.0 : 1.2);
@@ -252,7 +248,6 @@ static void test_flashes_of_other_periods(void **state)
 /* As far back as is asked for, and no further than is known. */
 static void test_a_sun_that_jumps(void **state)
 {
-    (void)state;
     struct neph_rt_suns suns = {.count = 0};
     assert_false(neph_rt_suns_jumped(&suns, 8));
     for (uint32_t n = 0; n < 100; n++) {

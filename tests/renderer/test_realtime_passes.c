@@ -109,7 +109,6 @@ static void assert_same_targets(const char *pass, const char *what, uint32_t dec
 
 static void test_records_are_what_shaders_do(void **state)
 {
-    (void)state;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
         const struct module module = reflect(pass);
         assert_same_targets(pass->name, "reads", pass->reads, module.reads);
@@ -120,7 +119,6 @@ static void test_records_are_what_shaders_do(void **state)
 /* Nothing is read that no pass before it makes, in this frame or the last. */
 static void test_what_is_read_was_written(void **state)
 {
-    (void)state;
     uint32_t there = 0;
     for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
         there |= neph_rt_targets_before(pass);
@@ -136,7 +134,6 @@ static void test_what_is_read_was_written(void **state)
 /* What is handed on is written, and has the same shape under both names whatever the settings. */
 static void test_histories_have_one_shape(void **state)
 {
-    (void)state;
     for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
         struct neph_settings settings = neph_options_default(neph_rt_options);
         struct neph_gpu_view view;
@@ -157,7 +154,6 @@ static void test_histories_have_one_shape(void **state)
 /* Every choice fits into the hexadecimal digit that shaders get. */
 static void test_choices_fit_into_their_constants(void **state)
 {
-    (void)state;
     for (const struct neph_option *option = neph_rt_options; option->name; option++) {
         int count = 0;
         while (option->choices && option->choices[count])
@@ -169,7 +165,6 @@ static void test_choices_fit_into_their_constants(void **state)
 /* A thread for each texel, or for each column of them, the last of which may be cut. */
 static void test_threads_cover_all_texels(void **state)
 {
-    (void)state;
     struct neph_settings settings = neph_options_default(neph_rt_options);
     struct neph_gpu_view view;
     settings.values[RT_SCREEN_PERCENT] = 50; /* of 73x41, rounded up */
@@ -216,7 +211,6 @@ static void test_threads_cover_all_texels(void **state)
 /* As many columns of every picture, of whole pixels; what is asked for is kept. */
 static void test_columns_of_froxels_go_with_the_picture(void **state)
 {
-    (void)state;
     static const struct {
         int width_px, height_px, asked_px, px;
     } cases[] = {{1920, 1080, 0, 12}, {3840, 2160, 0, 24}, {320, 180, 0, 2}, {161, 90, 0, 2},

@@ -269,7 +269,6 @@ static void test_what_is_not_known(void **state)
     static const int whole_px[2] = {64, 36}, cut_px[2] = {64, 38}, cut_twice_px[2] = {61, 38},
                      row_px[2] = {64, 4};
     const char *words = "gradient=on taa_jitter_length=16 change_hold=0.75";
-    (void)state;
     assert_true(is_known(whole_px, words, 16 + 35)); /* .75^34 < 2^-14 */
     assert_false(is_known(whole_px, words, 16 + 34));
     assert_true(is_known(cut_px, words, 99));

@@ -13,7 +13,6 @@
 /* As listed in an analysis of Unreal Engine 4.26; printed with 9 digits from float32. */
 static void test_the_eight_places_are_those_of_unreal(void **state)
 {
-    (void)state;
     static const double listed_px[8][2] = {
         {-0.163972363, 0.284008324},   {-0.208000556, -0.360267729}, {0.172162965, 0.144461900},
         {-0.430473328, 0.156679258},   {0.0485312343, -0.275233328}, {0.0647613853, 0.367280841},
@@ -35,7 +34,6 @@ static void test_the_eight_places_are_those_of_unreal(void **state)
 
 static void test_jitter_stays_in_the_pixel_and_repeats(void **state)
 {
-    (void)state;
     static const int kinds[] = {RT_JITTER_NONE, RT_JITTER_UE, RT_JITTER_HALTON};
     for (int k = 0; k < 3; k++)
         for (int length = 1; length <= 64; length++)

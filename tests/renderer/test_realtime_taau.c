@@ -15,7 +15,6 @@ enum { SIZES = COUNT(sizes_px) };
 
 static void test_less_is_rendered_by_the_percentage(void **state)
 {
-    (void)state;
     static const struct {
         int picture_px, percent, rendered_px;
     } cases[] = {{1920, 50, 960}, {1080, 67, 724}, {1917, 50, 959}, {641, 100, 641},
@@ -29,7 +28,6 @@ static void test_less_is_rendered_by_the_percentage(void **state)
  * rounded up; here the nearest, and odd from odd, so that four slots see all of them. */
 static void test_places_grow_with_the_square(void **state)
 {
-    (void)state;
     assert_int_equal(neph_rt_jitter_length(8, 100), 8);
     assert_int_equal(neph_rt_jitter_length(8, 50), 32);
     assert_int_equal(neph_rt_jitter_length(8, 67), 18);
@@ -244,7 +242,6 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
 
 static void test_what_cannot_be_upsampled_says_so(void **state)
 {
-    (void)state;
     struct test_scene test;
     scene_posts(&test);
     char reason[256];

@@ -65,7 +65,6 @@ static void assert_text(const struct neph_settings *settings, const char *expect
 
 static void test_presets_are_what_they_were(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     int count = 0;
     while (neph_screen_presets[count].name)
@@ -82,7 +81,6 @@ static void test_presets_are_what_they_were(void **state)
 
 static void test_defaults_are_the_article_s(void **state)
 {
-    (void)state;
     const struct neph_settings settings = neph_options_default(neph_screen_options);
     assert_text(&settings, frozen[0].settings);
 }

@@ -195,7 +195,6 @@ static void test_valid_whatever_the_constants(void **state)
  * both are the same. A step of the real-time pipeline reads few of 150 settings. */
 static void test_bits_that_are_not_read_change_nothing(void **state)
 {
-    (void)state;
     enum { COUNT = RT_CONSTANT_COUNT };
     uint64_t random = 39;
     for (size_t i = 0; i < sizeof(shaders) / sizeof(shaders[0]); i++) {

@@ -43,7 +43,6 @@ static void assert_scene(const char *name)
 
 static void test_catalogue(void **state)
 {
-    (void)state;
     assert_scene("two_layer_fog");
     assert_scene("fence_backlit");
     assert_scene("voxel_grid");
@@ -148,7 +147,6 @@ static enum neph_status vary(void *context, struct neph_diag *diag)
 
 static void test_variants(void **state)
 {
-    (void)state;
     struct neph_scene *scene = NULL;
     neph_assert_ok(
         neph_scene_load(NEPH_SOURCE_DIR "/scenes/catalog/fence_backlit.yaml", &scene, NULL), NULL);
@@ -168,7 +166,6 @@ static enum neph_status sweep(void *context, struct neph_diag *diag)
 /* What is said of failures, and a point of a sweep. */
 static void test_points(void **state)
 {
-    (void)state;
     struct neph_scene *scene = NULL;
     neph_assert_ok(neph_scene_load(NEPH_SOURCE_DIR "/scenes/stress/fog_none.yaml", &scene, NULL),
                    NULL);

@@ -45,7 +45,6 @@ static struct neph_bake bake(const struct neph_medium *medium, const struct neph
 
 static void test_lattice_and_nodes(void **state)
 {
-    (void)state;
     const struct neph_medium medium = blob();
     const struct neph_bounds box = {{-1, -0.5, 0}, {1.5, 0.75, 0.5}};
     struct neph_bake made = bake(&medium, &box, 50);
@@ -69,7 +68,6 @@ static void test_lattice_and_nodes(void **state)
 /* Beyond 1e-5 of the densest there are no nodes, and what that loses is measured. */
 static void test_thin_margins_are_trimmed(void **state)
 {
-    (void)state;
     const struct neph_medium medium = blob();
     const struct neph_bounds box = neph_medium_support(&medium);
     struct neph_bake made = bake(&medium, &box, 64);
@@ -82,7 +80,6 @@ static void test_thin_margins_are_trimmed(void **state)
 /* Straight through a sharp face, the ramp of the grid makes up for the half cell before it. */
 static void test_sharp_faces_cost_no_optical_depth(void **state)
 {
-    (void)state;
     const struct neph_medium medium = homogeneous();
     struct neph_bake made = bake(&medium, &unit_box, 7);
     const struct neph_medium baked = neph_medium_from_bake(&medium, &made);
@@ -96,7 +93,6 @@ static void test_sharp_faces_cost_no_optical_depth(void **state)
 /* Trilinear interpolation of a smooth density: error ~ spacing^2. */
 static void test_error_is_of_second_order(void **state)
 {
-    (void)state;
     const struct neph_medium medium = blob();
     const struct neph_bounds box = neph_medium_support(&medium);
     struct neph_bake coarse = bake(&medium, &box, 60), fine = bake(&medium, &box, 120);
@@ -126,7 +122,6 @@ static struct neph_vec3 dense_place_in(const struct neph_bounds *box,
  * seeds. */
 static void test_error_is_what_others_find(void **state)
 {
-    (void)state;
     enum { CHORDS = 20000 };
     const struct neph_bounds box = {{-1.3, -1.2, -1}, {1, 1.1, 1.2}}; /* cuts the blob off */
     struct neph_medium medium = blob();
@@ -166,7 +161,6 @@ static struct neph_medium grid_medium(struct neph_grid **grid)
 
 static void test_whole_grids_are_copied(void **state)
 {
-    (void)state;
     struct neph_grid *grid = NULL;
     struct neph_medium medium = grid_medium(&grid);
     const struct neph_bounds support = neph_medium_support(&medium);
@@ -189,7 +183,6 @@ static void test_whole_grids_are_copied(void **state)
 
 static void test_what_cannot_be_baked(void **state)
 {
-    (void)state;
     const struct neph_medium medium = blob();
     const struct neph_bounds flat = {{0, 0, 0}, {1, 0, 1}};
     const struct {

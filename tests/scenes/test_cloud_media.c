@@ -78,7 +78,6 @@ static void check_lines(const struct neph_medium *medium, double reach_m, double
 
 static void test_gaussian_lines(void **state)
 {
-    (void)state;
     const struct neph_medium medium = make_blob(0.7, (struct neph_vec3){0.3, -0.2, 0.1}, 0.8);
     check_lines(&medium, 3.0, 1e-11, 101);
     /* Through the middle: sigma w sqrt(2 pi). */
@@ -89,7 +88,6 @@ static void test_gaussian_lines(void **state)
 /* Far from the middle both ends are on one side: erf(b) - erf(a) alone would give 0. */
 static void test_gaussian_tail(void **state)
 {
-    (void)state;
     const struct neph_medium medium = make_blob(0.7, (struct neph_vec3){0, 0, 0}, 1.0);
     const struct line line = {&medium, {0, 0, 0}, {0, 0, 1}};
     /* 0.7 sqrt(pi/2) erfc(8 / sqrt 2), mpmath */
@@ -100,7 +98,6 @@ static void test_gaussian_tail(void **state)
 
 static void test_shell_lines(void **state)
 {
-    (void)state;
     const struct neph_medium medium = planet(50.0, 1.0);
     struct line line = {&medium, {0, 0, 0}, {0, 1, 0}};
     neph_assert_close(depth(&line, 0.0, INFINITY), 1.0, 1e-14, 0.0);
@@ -120,7 +117,6 @@ static void test_shell_lines(void **state)
 /* Chapman's function at 90 degrees, mpmath of the integral: X e^X K_1(X). */
 static void test_chapman(void **state)
 {
-    (void)state;
     static const struct {
         double x, value;
     } rows[] = {
@@ -136,7 +132,6 @@ static void test_chapman(void **state)
 
 static void test_shell_is_hollow(void **state)
 {
-    (void)state;
     const struct neph_medium medium = planet(50.0, 1.0);
     const struct line through = {&medium, {0, 20, 0}, {0, -1, 0}};
     neph_assert_close(depth(&through, 0.0, INFINITY), 2.0 - exp(-20.0), 1e-13, 0.0);
@@ -145,7 +140,6 @@ static void test_shell_is_hollow(void **state)
 
 static void test_grid_lines(void **state)
 {
-    (void)state;
     struct neph_medium medium = voxels(5);
     check_lines(&medium, 3.0, 3e-6, 202); /* quadrature across faces, where it converges slowly */
     medium.bounds = (struct neph_bounds){{-1.3, 1.2, 0.0}, {1.1, 2.0, 3.3}};
@@ -156,7 +150,6 @@ static void test_grid_lines(void **state)
 /* Along axes, in faces, through nodes, from inside: places where cells are ambiguous. */
 static void test_grid_on_faces(void **state)
 {
-    (void)state;
     struct neph_medium medium = voxels(6);
     for (int i = -1; i <= 5; i++)
         for (int axis = 0; axis < 3; axis++)
@@ -175,7 +168,6 @@ static void test_grid_on_faces(void **state)
 
 static void test_grid_density(void **state)
 {
-    (void)state;
     struct neph_medium medium = voxels(7);
     const struct neph_grid *grid = medium.grid;
     for (int k = 0; k < 3; k++)
@@ -222,7 +214,6 @@ static void check_majorants(const struct neph_medium *medium, const struct neph_
 
 static void test_majorants(void **state)
 {
-    (void)state;
     const struct neph_bounds box = {{-4, -2, -3}, {4, 5, 8}};
     struct neph_medium medium = voxels(8);
     check_majorants(&medium, &box, 1);
@@ -244,7 +235,6 @@ static void test_majorants(void **state)
 
 static void test_bad_grids(void **state)
 {
-    (void)state;
     const struct neph_vec3 o = {0, 0, 0}, one = {1, 1, 1}, flat = {1, 0, 1}, bad = {1, NAN, 1};
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};

@@ -43,7 +43,6 @@ static struct neph_scene *loaded(const char *keys)
 
 static void test_what_is_left_out_is_off(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     assert_true(scene->fog_look.present && scene->fog_look.inscattering_w_per_m2_sr.b == 3.0);
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++)
@@ -57,7 +56,6 @@ static void test_what_is_left_out_is_off(void **state)
 /* Each control by its key, and none of the others with it. */
 static void test_each_control_has_its_key(void **state)
 {
-    (void)state;
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
         const struct neph_fog_control_row *row = &neph_fog_controls()[c];
         char *keys = neph_format("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3], %s: %s}",
@@ -73,7 +71,6 @@ static void test_each_control_has_its_key(void **state)
 
 static void test_a_look_is_of_the_identity(void **state)
 {
-    (void)state;
     static const char *const all[] = {
         "",
         "fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}",
@@ -105,7 +102,6 @@ static void assert_refused(const char *media, const char *keys, const char *word
 
 static void test_refusals(void **state)
 {
-    (void)state;
     assert_refused("", "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1]}", "the scene has 0");
     assert_refused(fog, "fog_look: {}", "inscattering_w_per_m2_sr");
     assert_refused(fog, "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1], max_opacity: 1.5}", "1");
@@ -122,7 +118,6 @@ static void test_refusals(void **state)
 /* Even scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase. */
 static void test_what_physics_has_for_a_look(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded("");
     struct neph_medium *medium = &scene->media[0];
     struct neph_fog_look look = neph_fog_look_of_physics(scene, medium);
@@ -150,7 +145,6 @@ static void assert_cannot(struct neph_scene *scene, enum neph_fog_model model, c
 
 static void test_what_a_look_does_not_know(void **state)
 {
-    (void)state;
     char reason[256];
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];

@@ -13,7 +13,6 @@
  * long double has from the distance) into x times it, x < 40. Subnormal results have no digits. */
 static void test_optical_depth_against_reference(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (size_t i = 0; i < COUNT(reference_gaussian); i++) {
         const struct reference_gaussian *r = &reference_gaussian[i];
@@ -35,7 +34,6 @@ static void test_optical_depth_against_reference(void **state)
  * starts at a rounded place: 2^-53 of 20 widths, where the exponent changes by at most 20 of it. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 20250901;
     for (uint64_t trial = 0; trial < 20000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -65,7 +63,6 @@ static void test_optical_depth_adds_and_reverses(void **state)
  * 2e-5 of itself (x < 12) at the ends and by the square of that against the middle. */
 static void test_extinction_is_the_derivative(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 7;
     for (uint64_t trial = 0; trial < 2000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -82,7 +79,6 @@ static void test_extinction_is_the_derivative(void **state)
 /* Any numbers that a double holds: never NaN, never negative, never infinite for finite blobs. */
 static void test_is_never_nonsense(void **state)
 {
-    (void)state;
     static const double widths[] = {1e-300, 1e-9, 1.0, 1e9, 1e300};
     static const double places[] = {-1e300, -1e9, -1.0, -1e-300, 0.0, 5e-324, 30.0, 1e20};
     static const double lengths[] = {5e-324, 1e-300, 1.0, 1e9, DBL_MAX, INFINITY};
@@ -109,7 +105,6 @@ static void test_is_never_nonsense(void **state)
 
 static void test_bound_holds_in_any_box(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 55;
     double used = 0.0;
     for (uint64_t trial = 0; trial < 2000; trial++) {
@@ -130,7 +125,6 @@ static void test_bound_holds_in_any_box(void **state)
  * transmittance than is said. The lines that lose most run in the faces, just outside. */
 static void test_container_loses_no_more_than_it_says(void **state)
 {
-    (void)state;
     const struct neph_scene scene = {0};
     const struct neph_vec3 c = {100.0, 50.0, -30.0};
     struct neph_medium medium = make_blob(1e5, c, 10.0);
@@ -163,7 +157,6 @@ static void test_container_loses_no_more_than_it_says(void **state)
 
 static void test_container_keeps_finite_bounds(void **state)
 {
-    (void)state;
     const struct neph_scene scene = {0};
     struct neph_medium medium = make_blob(1.0, (struct neph_vec3){0, 0, 0}, 10.0);
     medium.bounds = (struct neph_bounds){{-5, -6, -7}, {5, 6, 7}};

@@ -99,7 +99,6 @@ static double hat_density(const struct neph_grid *grid, struct neph_vec3 p)
 /* The two sums differ by roundings of terms that are all positive. */
 static void test_density_is_a_sum_of_hats(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 11;
     for (uint64_t trial = 0; trial < 400; trial++) {
         uint64_t seed = first_seed + trial;
@@ -118,7 +117,6 @@ static void test_density_is_a_sum_of_hats(void **state)
 
 static void test_density_at_nodes_and_beyond(void **state)
 {
-    (void)state;
     const int size[3] = {3, 2, 1};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){1, 2, 3},
                                        (struct neph_vec3){0.5, 2, 4});
@@ -192,7 +190,6 @@ static const double integral_absolute_m = 21 * 10.0 * 0x1p-45;
 
 static void test_integral_against_planes_and_simpson(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 200;
     double worst_m = 0.0;
     for (uint64_t trial = 0; trial < 3000; trial++) {
@@ -214,7 +211,6 @@ static void test_integral_against_planes_and_simpson(void **state)
 
 static void test_integral_adds_and_reverses(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 9000;
     for (uint64_t trial = 0; trial < 5000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -238,7 +234,6 @@ static void test_integral_adds_and_reverses(void **state)
 /* A row of nodes: spacing times their sum, whichever way and wherever from. */
 static void test_integral_along_nodes_by_hand(void **state)
 {
-    (void)state;
     const int size[3] = {5, 4, 3};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){0, 0, 0},
                                        (struct neph_vec3){2, 1, 0.5});
@@ -280,7 +275,6 @@ static void test_integral_along_nodes_by_hand(void **state)
 /* One node: along the diagonal of cubic cells the density is (1 - |t|)^3, a true cubic. */
 static void test_integral_of_a_single_node(void **state)
 {
-    (void)state;
     const int size[3] = {1, 1, 1};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){5, 5, 5},
                                        (struct neph_vec3){1, 1, 1});
@@ -303,7 +297,6 @@ static void test_integral_of_a_single_node(void **state)
  * piecewise linear functions whose kinks lie on the raster are exact. */
 static void test_bundle_of_rays_gives_the_volume_integral(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 77;
     for (uint64_t trial = 0; trial < 8; trial++) {
         uint64_t seed = first_seed + trial;
@@ -332,7 +325,6 @@ static void test_bundle_of_rays_gives_the_volume_integral(void **state)
  * watch but a count that a slower method could not finish. */
 static void test_long_thin_grid_is_quick(void **state)
 {
-    (void)state;
     const int size[3] = {1024, 32, 32};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){0, 0, 0},
                                        (struct neph_vec3){1, 1, 1});
@@ -385,7 +377,6 @@ static double largest_corner(const struct neph_grid *grid, const struct neph_bou
 
 static void test_maximum_holds_in_any_box(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 31;
     for (uint64_t trial = 0; trial < 500; trial++) {
         uint64_t seed = first_seed + trial;
@@ -412,7 +403,6 @@ static void test_maximum_holds_in_any_box(void **state)
 
 static void test_maximum_by_hand(void **state)
 {
-    (void)state;
     const int size[3] = {4, 1, 1};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){0, 0, 0},
                                        (struct neph_vec3){1, 1, 1});
@@ -461,7 +451,6 @@ static void assert_refused(int nx, int ny, int nz, struct neph_vec3 origin_m,
 
 static void test_bad_sizes_and_places_are_refused(void **state)
 {
-    (void)state;
     const struct neph_vec3 zero = {0, 0, 0}, one = {1, 1, 1};
     assert_refused(0, 5, 5, zero, one, "0 x 5 x 5");
     assert_refused(5, -3, 5, zero, one, "5 x -3 x 5");
@@ -481,7 +470,6 @@ static void test_bad_sizes_and_places_are_refused(void **state)
 
 static void test_bad_values_are_named(void **state)
 {
-    (void)state;
     const int size[3] = {3, 4, 5};
     struct neph_grid *grid = make_grid(size, (struct neph_vec3){0, 0, 0},
                                        (struct neph_vec3){1, 1, 1});
@@ -499,7 +487,6 @@ static void test_bad_values_are_named(void **state)
 /* The same numbers in another shape are another grid. */
 static void test_hash_knows_size_and_values(void **state)
 {
-    (void)state;
     const int shapes[3][3] = {{6, 1, 1}, {1, 6, 1}, {2, 3, 1}};
     char hashes[4][NEPH_HASH_HEX_SIZE];
     for (int i = 0; i < 3; i++) {

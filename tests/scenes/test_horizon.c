@@ -46,7 +46,6 @@ static double lattice_place(uint64_t *random, int cells)
 
 static void test_noise_repeats(void **state)
 {
-    (void)state;
     uint64_t random = seed;
     for (int i = 0; i < 3000; i++) {
         const struct neph_noise noise = {neph_test_random(&random), 2 + i % 2,
@@ -73,7 +72,6 @@ static void test_noise_repeats(void **state)
  * both sides of 0, more of them than are worked on together. */
 static void test_a_row_of_noise_is_its_points(void **state)
 {
-    (void)state;
     enum { POINTS = 150, TRIALS = 300, OCTAVES = 3 };
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
         uint64_t random = seed + trial;
@@ -103,7 +101,6 @@ static void test_a_row_of_noise_is_its_points(void **state)
 
 static void test_noise_stays_in_its_range(void **state)
 {
-    (void)state;
     uint64_t random = seed;
     double lowest[2] = {0, 0}, highest[2] = {0, 0}, sum[2] = {0, 0};
     enum { SAMPLES = 100000 };
@@ -133,7 +130,6 @@ static void test_noise_stays_in_its_range(void **state)
  * two sides agree but for the second derivative, which is below 40. */
 static void test_perlin_noise_is_smooth(void **state)
 {
-    (void)state;
     uint64_t random = seed;
     const double h = 1e-5;
     for (int i = 0; i < 2000; i++) {
@@ -156,7 +152,6 @@ static void test_perlin_noise_is_smooth(void **state)
  * the noise falls with exactly that. */
 static void test_worley_noise_is_a_distance(void **state)
 {
-    (void)state;
     uint64_t random = seed;
     for (int i = 0; i < 20000; i++) {
         const struct neph_noise noise = {seed, 2 + i % 2, 4};
@@ -338,7 +333,6 @@ static struct neph_vec3 point_in_layer(uint64_t *random, const struct neph_horiz
  * divides by a coverage of 0.2 or more: 2e5 m / 280 m times some roundings. */
 static void test_density_is_the_articles(void **state)
 {
-    (void)state;
     uint64_t random = seed;
     const struct neph_horizon_params params = neph_horizon_defaults();
     struct neph_horizon *h = make(&params);
@@ -367,7 +361,6 @@ static void test_density_is_the_articles(void **state)
 /* Where R divides by 0: no coverage, no peak, no detail noise. */
 static void test_limits_of_the_formulas(void **state)
 {
-    (void)state;
     struct neph_horizon_params params = neph_horizon_defaults();
     params.coverage = 1.0;
     struct neph_horizon *h = make(&params);
@@ -688,7 +681,6 @@ static void test_integral_of_rays_without_end(void **state)
 
 static void test_parameters_out_of_range_are_refused(void **state)
 {
-    (void)state;
     static const double bad_lengths[] = {0.0, -1.0, 1e10, NAN, INFINITY};
     const struct neph_horizon_params good = neph_horizon_defaults();
     const struct {

@@ -37,7 +37,6 @@ static struct neph_scene *loaded(const char *keys)
 
 static void test_each_is_found_at_its_picture(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "inject:\n"
         "  history: [{frame: 3, value: garbage, first: true}, {frame: 5, value: huge}]\n"
@@ -76,7 +75,6 @@ static void test_each_is_found_at_its_picture(void **state)
 /* Nothing that is put into a renderer changes what the scene is: the truth stays in the store. */
 static void test_the_scene_stays_what_it_is(void **state)
 {
-    (void)state;
     static const char *const one_each[] = {
         "history: [{frame: 3, value: nan}]",     "history: [{frame: 3, value: huge}]",
         "history: [{frame: 4, value: nan}]",     "history: [{frame: 3, value: nan, first: true}]",
@@ -110,7 +108,6 @@ static void test_the_scene_stays_what_it_is(void **state)
 
 static void test_what_cannot_be_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *keys, *message;
     } cases[] = {

@@ -18,7 +18,6 @@ static void test_readme_holds_the_keys(void **state)
 /* Whether the rows of `media` name keys where scene files have them: inside a kind. */
 static void test_keys_of_media_stand_in_a_kind(void **state)
 {
-    (void)state;
     static const char start[] = "\n| `media[].";
     char *keys = printed(neph_scene_print_keys);
     int count = 0;

@@ -16,7 +16,6 @@ static struct neph_vec3 at_angle(double degrees)
 
 static void test_a_cone_by_hand(void **state)
 {
-    (void)state;
     const struct neph_light spot = {.intensity_w_per_sr = {8, 4, 2},
                                     .is_spot = true,
                                     .axis = {0, 1, 0},
@@ -57,7 +56,6 @@ static struct neph_solid random_solid(uint64_t *seed)
 /* Rays along an axis and lights in the plane of a face are among them. */
 static void test_shadows_against_brute_force(void **state)
 {
-    (void)state;
     uint64_t seed = 20;
     int hidden_points = 0, rays = 0;
     for (int i = 0; i < 4000; i++) {

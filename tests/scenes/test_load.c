@@ -134,7 +134,6 @@ static const struct bad {
 
 static void test_what_is_wrong_is_named(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
         struct neph_diag diag = {.line = 0};
         struct neph_scene *scene;
@@ -218,7 +217,6 @@ static const struct row {
 
 static void test_media_of_all_kinds(void **state)
 {
-    (void)state;
     char hashes[sizeof(media) / sizeof(media[0])][NEPH_HASH_HEX_SIZE] = {{0}};
     for (size_t i = 0; i < sizeof(media) / sizeof(media[0]); i++) {
         struct neph_diag diag = {.line = 0};
@@ -270,7 +268,6 @@ static enum neph_status load_volume(const char *file, struct neph_scene **scene,
 /* The environment may hold more than its owner wants to see on a screen or in a log. */
 static void test_messages_never_show_what_the_environment_holds(void **state)
 {
-    (void)state;
     static const char *const files[] = {"$NEPH_TEST_SECRET", "$NEPH_TEST_SECRET/none.df3",
                                         "$NEPH_TEST_SECRET/none.vdb"};
     setenv("NEPH_TEST_SECRET", "hunter2", 1);
@@ -288,7 +285,6 @@ static void test_messages_never_show_what_the_environment_holds(void **state)
 /* Its bounds cut a grid: of four nodes of 1 only the middle is left. */
 static void test_a_grid_keeps_to_its_bounds(void **state)
 {
-    (void)state;
     struct neph_scene *scene = NULL;
     struct neph_diag diag = {0};
     const char *text =
@@ -309,7 +305,6 @@ static void test_a_grid_keeps_to_its_bounds(void **state)
 
 static void test_volumes_are_read_and_put_in_place(void **state)
 {
-    (void)state;
     static const char *const files[] = {"voxels.df3", "$NEPH_TEST_VOLUMES/voxels.df3"};
     for (int i = 0; i < 2; i++) {
         struct neph_diag diag = {.line = 0};
@@ -331,7 +326,6 @@ static void test_volumes_are_read_and_put_in_place(void **state)
 
 static void test_volumes_that_are_not_there(void **state)
 {
-    (void)state;
     static const struct {
         const char *file, *words;
     } cases[] = {
@@ -350,7 +344,6 @@ static void test_volumes_that_are_not_there(void **state)
 
 static void test_defaults_and_units(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
     neph_assert_ok(load_text(good, strlen(good), &scene, &diag), &diag);
@@ -378,7 +371,6 @@ static void hash_of(const char *from, const char *to, char hash[NEPH_HASH_HEX_SI
 
 static void test_hash_follows_the_physics(void **state)
 {
-    (void)state;
     char base[NEPH_HASH_HEX_SIZE], other[NEPH_HASH_HEX_SIZE];
     hash_of("name: probe", "name: probe", base);
     hash_of("title: a probe", "title: another # and a comment", other);
@@ -422,7 +414,6 @@ static void test_hash_follows_the_physics(void **state)
  */
 static void test_hash_of_what_stands_still(void **state)
 {
-    (void)state;
     static const char *const same[][2] = {
         {LIGHT, "keys: [{frame: 7, " LIGHT "}]"},
         {VIEW, "keys: [{frame: 0, " VIEW ", cut: false}]"},
@@ -440,7 +431,6 @@ static void test_hash_of_what_stands_still(void **state)
  * stay what they were. */
 static void test_hash_of_old_scenes(void **state)
 {
-    (void)state;
     char base[NEPH_HASH_HEX_SIZE];
     hash_of("name: probe", "name: probe", base);
     assert_string_equal(base, "b75e3fb9b2889a6decb8ff4662b5fc1f6a6ae8aa02ab8c1995a8819c13c9aa5a");
@@ -448,7 +438,6 @@ static void test_hash_of_old_scenes(void **state)
 
 static void test_unreal_layers_are_mapped(void **state)
 {
-    (void)state;
     static const char fog[] =
         "name: probe\ntitle: t\nphysics: p\n"
         "camera: {position_m: [0, 1, 5], look_at_m: [0, 1, 0], vertical_fov_deg: 40}\n"
@@ -467,7 +456,6 @@ static void test_unreal_layers_are_mapped(void **state)
 
 static void test_damaged_files_never_crash(void **state)
 {
-    (void)state;
     uint64_t seed = 20261121;
     print_message("seed %llu\n", (unsigned long long)seed);
     char text[sizeof(good)];
@@ -561,7 +549,6 @@ static void test_all_scenes_load(void **state)
 
 static void test_camera_rays(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
     neph_assert_ok(load_text(good, strlen(good), &scene, &diag), &diag);
@@ -580,7 +567,6 @@ static void test_camera_rays(void **state)
 /* A picture of 4 x 3 pixels and a height of 6 m: their centres are 2 m apart. */
 static void test_orthographic_rays(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     struct neph_scene *scene;
     char *text = edited("vertical_fov_deg: 40", "orthographic_height_m: 6");
@@ -600,7 +586,6 @@ static void test_orthographic_rays(void **state)
 /* The pixel of a point on a pixel's ray is that pixel, of both cameras. */
 static void test_pixels_of_points(void **state)
 {
-    (void)state;
     struct neph_diag diag = {.line = 0};
     const char *const cameras[] = {"vertical_fov_deg: 40", "orthographic_height_m: 6"};
     for (int c = 0; c < 2; c++) {

@@ -99,7 +99,6 @@ static double random_share(uint64_t *seed, int size)
 
 static void test_no_extinction_passes_its_majorant(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 4711;
     double tightest = 0.0;
     for (uint64_t trial = 0; trial < 1500; trial++) {
@@ -158,7 +157,6 @@ static double node_maximum_at(const struct neph_grid *grid, struct neph_vec3 poi
  * the grid bound them all; none is larger than the largest node. */
 static void test_covered_nodes_pass_no_majorant(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 815;
     int tight_fails = 0;
     for (uint64_t trial = 0; trial < 500; trial++) {
@@ -201,7 +199,6 @@ static void test_covered_nodes_pass_no_majorant(void **state)
  * above it, in boxes as small as a place. */
 static void test_bound_of_even_density_and_small_boxes(void **state)
 {
-    (void)state;
     const int size[3] = {4, 4, 4};
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
@@ -229,7 +226,6 @@ static void test_bound_of_even_density_and_small_boxes(void **state)
  * mean of its extinction as cells get smaller. */
 static void test_more_cells_are_tighter(void **state)
 {
-    (void)state;
     const struct neph_medium medium = {.kind = NEPH_MEDIUM_GAUSSIAN,
                                        .bounds = everywhere,
                                        .extinction_color = {1, 1, 1},
@@ -259,7 +255,6 @@ static void test_more_cells_are_tighter(void **state)
 /* About as many cells as asked for, near to cubes, in a box of any shape. */
 static void test_cells_of_flat_and_long_boxes(void **state)
 {
-    (void)state;
     const struct neph_medium medium = {.kind = NEPH_MEDIUM_HOMOGENEOUS,
                                        .bounds = everywhere,
                                        .layer_count = 1,
@@ -292,7 +287,6 @@ static void test_cells_of_flat_and_long_boxes(void **state)
  * nothing, in its whole support or in a part. */
 static void test_cells_are_no_thinner_than_a_grid_s(void **state)
 {
-    (void)state;
     const int size[3] = {7, 3, 1};
     struct neph_grid *grid = NULL;
     struct neph_diag diag = {0};
@@ -329,7 +323,6 @@ static void assert_refused(const struct neph_bounds *box, int cell_count, const 
 
 static void test_what_has_no_majorants(void **state)
 {
-    (void)state;
     const struct neph_bounds open = {{-1, -INFINITY, -1}, {1, 1, 1}};
     const struct neph_bounds nowhere = {{-1, -1, NAN}, {1, 1, 1}};
     const struct neph_bounds flat = {{-1, -1, 1}, {1, 1, 1}};
@@ -345,7 +338,6 @@ static void test_what_has_no_majorants(void **state)
 /* 1e30 per metre and 1e-50 per metre, where a float has its ends. */
 static void test_float_ends(void **state)
 {
-    (void)state;
     const struct neph_bounds box = {{-1, -1, -1}, {1, 1, 1}};
     static const double extinctions[] = {0.0, 5e-324, 1e-50, 1e-40, 1e30};
     for (size_t i = 0; i < COUNT(extinctions); i++) {

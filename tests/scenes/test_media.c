@@ -34,7 +34,6 @@ static void report(const struct worst *worst)
  * ill-conditioned (|x| large and negative) its exponent is still the exact input. */
 static void test_phi(void **state)
 {
-    (void)state;
     struct worst worst = {.what = "phi"};
     for (size_t i = 0; i < COUNT(reference_phi); i++) {
         const double phi = neph_phi(reference_phi[i].x), expected = reference_phi[i].phi;
@@ -69,7 +68,6 @@ static void assert_fog_depth(double tau, const struct reference_depth *r, struct
 
 static void test_fog_layer_against_reference(void **state)
 {
-    (void)state;
     struct worst depth = {.what = "fog optical depth"}, light = {.what = "fog transmittance"};
     for (size_t i = 0; i < COUNT(reference_fog); i++) {
         const struct reference_fog *r = &reference_fog[i];
@@ -84,7 +82,6 @@ static void test_fog_layer_against_reference(void **state)
 /* Never NaN, never negative, never T > 1: every corner with every other, no reference needed. */
 static void test_fog_layer_is_never_nonsense(void **state)
 {
-    (void)state;
     static const double extinctions[] = {0.0, 5e-324, 1e-300, 1e-3, 1.0, 1e300};
     static const double falloffs[] = {0.0, 5e-324, 1e-300, 1e-9, 0.01, 1.0, 1e3};
     static const double heights[] = {-1e6, -3.0, 0.0, 3.0, 1e6};
@@ -124,7 +121,6 @@ static void fog_on_ray(double t_m, void *context, double value[3])
 /* Fog that thins out downwards: the same formula, against quadrature and its own inverse. */
 static void test_fog_upside_down(void **state)
 {
-    (void)state;
     static const double falloffs[] = {-1e-3, -0.1, -2.0}, slopes[] = {-1.0, -0.3, 0.2, 1.0};
     static const double lengths[] = {0.5, 20.0, 300.0};
     for (size_t b = 0; b < COUNT(falloffs); b++)
@@ -156,7 +152,6 @@ static void test_fog_upside_down(void **state)
 /* To infinity: finite upwards, opaque on the level and downwards, whatever the eye's height. */
 static void test_infinite_rays(void **state)
 {
-    (void)state;
     const struct neph_fog_layer fog = {1e-3, 0.01, 0.0};
     neph_assert_close(neph_fog_layer_optical_depth(&fog, 0.0, 1.0, INFINITY), 0.1, 1e-15, 0.0);
     neph_assert_close(neph_fog_layer_optical_depth(&fog, 0.0, 0.5, INFINITY), 0.2, 1e-15, 0.0);
@@ -196,7 +191,6 @@ static const double property_absolute = 1e-13;
 /* tau(0, a) + tau(a, b) = tau(0, b), and a ray back along itself meets the same fog. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 20240607;
     for (uint64_t trial = 0; trial < 20000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -221,7 +215,6 @@ static void test_optical_depth_adds_and_reverses(void **state)
  * extinction is 0 outside and unchanged inside. */
 static void test_bounds_clip(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 99;
     for (uint64_t trial = 0; trial < 20000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -248,7 +241,6 @@ static void test_bounds_clip(void **state)
 
 static void test_clip_by_hand(void **state)
 {
-    (void)state;
     const struct neph_bounds box = {{-1, 0, -1}, {1, 2, 1}};
     double t0_m = 0.0, t1_m = INFINITY;
     assert_true(neph_bounds_clip(&box, (struct neph_vec3){-5, 1, 0}, (struct neph_vec3){1, 0, 0},
@@ -273,7 +265,6 @@ static void test_clip_by_hand(void **state)
 /* A scene's depth is the sum of its media's. */
 static void test_scene_adds_media(void **state)
 {
-    (void)state;
     struct neph_scene scene = {.medium_count = 2};
     scene.media[0] = (struct neph_medium){.bounds = {{0, 0, 0}, {2, 2, 2}},
                                           .layer_count = 1,
@@ -292,7 +283,6 @@ static void test_scene_adds_media(void **state)
 
 static void test_phase_against_reference(void **state)
 {
-    (void)state;
     struct worst worst = {.what = "phase functions"};
     for (size_t i = 0; i < COUNT(reference_phase); i++) {
         const struct reference_phase *r = &reference_phase[i];
@@ -321,7 +311,6 @@ static void phase_moments(double v, void *context, double value[3])
  * moves a peak of width (1-g)^2 by 2^-53/(1-g)^2 relatively at most. */
 static void test_phase_is_normalised_with_mean_cosine_g(void **state)
 {
-    (void)state;
     static const struct neph_phase phases[] = {
         {NEPH_PHASE_ISOTROPIC, 0.0},           {NEPH_PHASE_RAYLEIGH, 0.0},
         {NEPH_PHASE_HENYEY_GREENSTEIN, 0.0},   {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3},
@@ -344,7 +333,6 @@ static void test_phase_is_normalised_with_mean_cosine_g(void **state)
 
 static void test_phase_symmetry(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 4;
     for (uint64_t trial = 0; trial < 1000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -379,7 +367,6 @@ static double unreal_transmittance(const struct neph_unreal_fog *ui, double eye_
 
 static void test_unreal_defaults(void **state)
 {
-    (void)state;
     const struct neph_unreal_fog defaults = {0.02, 0.2, 0.0};
     const struct neph_fog_layer layer = neph_fog_layer_from_unreal(&defaults);
     neph_assert_close(layer.extinction_per_m, 9.609e-4, 5e-5, 0.0); /* the notes' four digits */
@@ -391,7 +378,6 @@ static void test_unreal_defaults(void **state)
 
 static void test_unreal_round_trip(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 5;
     for (uint64_t trial = 0; trial < 1000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -410,7 +396,6 @@ static void test_unreal_round_trip(void **state)
  * at |F| near 1e-6 is 2^-53/1e-6. */
 static void test_unreal_formula(void **state)
 {
-    (void)state;
     struct worst worst = {.what = "transmittance against Unreal's formula"};
     const uint64_t first_seed = 6;
     for (uint64_t trial = 0; trial < 5000; trial++) {

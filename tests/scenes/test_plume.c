@@ -26,7 +26,6 @@ static struct neph_medium plume(struct neph_vec3 axis)
 /* Up the axis from below the foot, parallel to it, and across it. */
 static void test_closed_forms(void **state)
 {
-    (void)state;
     const struct neph_medium medium = plume((struct neph_vec3){0, 1, 0});
     const struct neph_vec3 up = {0, 1, 0}, across = {0, 0, 1};
     const struct neph_vec3 below_m = neph_vec3_along(foot_m, up, -5.0);
@@ -61,7 +60,6 @@ static void density(double t_m, void *context, double value[3])
 /* Pieces between the places where a cut belongs: among them the one at the foot. */
 static void test_lines_in_all_directions(void **state)
 {
-    (void)state;
     uint64_t seed = 20261123;
     struct neph_scene scene = {.medium_count = 2, .sun = {.direction = {0.6, 0.8, 0.0}}};
     for (int trial = 0; trial < 2000; trial++) {
@@ -92,7 +90,6 @@ static void test_lines_in_all_directions(void **state)
 /* No place of a box is denser than its bound, and of a small box not much less. */
 static void test_bound(void **state)
 {
-    (void)state;
     uint64_t seed = 20261124;
     double loosest = 1.0;
     for (int trial = 0; trial < 5000; trial++) {
@@ -112,7 +109,6 @@ static void test_bound(void **state)
 /* Whoever knows no formula gets voxels; who knows no wind gets it where it has gone. */
 static void test_box_bake_and_drift(void **state)
 {
-    (void)state;
     struct neph_medium medium = plume((struct neph_vec3){0.3, 1, 0});
     const struct neph_scene scene = {.medium_count = 1, .media = {medium}};
     const struct neph_vec3 by_m = {3, 0, -2};

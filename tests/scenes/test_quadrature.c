@@ -105,7 +105,6 @@ static double integrate(const struct known *known, double result[3], long *evalu
 
 static void test_known_integrals(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(analytic); i++) {
         double result[3];
         long evaluations;
@@ -133,7 +132,6 @@ static void assert_honest(const struct known *known)
 
 static void test_error_estimate_is_not_too_small(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(analytic); i++)
         assert_honest(&analytic[i]);
     for (size_t i = 0; i < COUNT(rough); i++)
@@ -143,7 +141,6 @@ static void test_error_estimate_is_not_too_small(void **state)
 /* An integrand that changes sign: its integral is small beside what is summed. */
 static void test_error_estimate_where_signs_cancel(void **state)
 {
-    (void)state;
     for (double frequency = 10.0; frequency < 200.0; frequency += 0.37) {
         const struct known known = {"wave",    wave,
                                     frequency, -0.5,
@@ -160,7 +157,6 @@ static void test_error_estimate_where_signs_cancel(void **state)
 
 static void test_rough_integrands_end(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(rough); i++) {
         double result[3];
         long evaluations;
@@ -174,7 +170,6 @@ static void test_rough_integrands_end(void **state)
  */
 static void test_union_of_pieces(void **state)
 {
-    (void)state;
     struct scalar scalar = {decay, 1.0, 0};
     const struct neph_interval pieces[] = {{0.0, 1.0}, {2.0, 3.0}, {100.0, 101.0}};
     double result[3];
@@ -198,7 +193,6 @@ static void test_union_of_pieces(void **state)
 /* All zero is not an error and ends at once. */
 static void test_nothing(void **state)
 {
-    (void)state;
     struct scalar scalar = {square_root, 0.0, 0};
     const struct neph_interval piece = {0.0, 1.0};
     double result[3];

@@ -30,7 +30,6 @@ static struct neph_scene *relight(const struct neph_scene *scene, const struct n
 /* The camera looks along -z, from (0, 2, 6) down to (0, 1, 0). */
 static void test_where_the_sun_is(void **state)
 {
-    (void)state;
     static const struct {
         double elevation_deg, azimuth_deg;
         struct neph_vec3 direction;
@@ -59,7 +58,6 @@ static void test_where_the_sun_is(void **state)
 /* A sun that sinks ends where it is said to stand, and comes down evenly, in one plane. */
 static void test_a_sun_that_sinks(void **state)
 {
-    (void)state;
     enum { LAST = NEPH_RELIT_FRAMES - 1 };
     struct neph_scene *scene = load("gaussian_blob");
     struct neph_relight light = as_it_was;
@@ -83,7 +81,6 @@ static void test_a_sun_that_sinks(void **state)
 
 static void test_what_stays_and_what_changes(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("height_fog_multiple");
     struct neph_scene *same = relight(scene, &as_it_was);
     assert_memory_equal(&same->sun.direction, &scene->sun.direction, sizeof(struct neph_vec3));
@@ -104,7 +101,6 @@ static void test_what_stays_and_what_changes(void **state)
 
 static void test_nothing_moves(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("camera_dolly");
     assert_true(scene->frame_count > 1);
     struct neph_scene *made = relight(scene, &as_it_was);
@@ -127,7 +123,6 @@ static void refuse(const char *name, const struct neph_relight *light, enum neph
 
 static void test_refusals(void **state)
 {
-    (void)state;
     refuse("glowing_slab", &as_it_was, NEPH_ERR_UNSUPPORTED);
     refuse("coloured_fog", &as_it_was, NEPH_ERR_UNSUPPORTED);
     refuse("white_furnace", &as_it_was, NEPH_ERR_UNSUPPORTED); /* no sun */

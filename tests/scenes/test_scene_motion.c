@@ -55,7 +55,6 @@ static void assert_vec3(struct neph_vec3 actual, struct neph_vec3 expected, doub
 
 static void test_time_stands_still_in_pauses(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(
         camera, sun, "frames: {pauses: [{frame: 10, count: 60}, {frame: 20, count: 5}]}\n");
     static const double map[][2] = {
@@ -69,7 +68,6 @@ static void test_time_stands_still_in_pauses(void **state)
 
 static void test_time_goes_on_unevenly(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, sun, "frames: {advance: [0.25, 2, 0]}\n");
     static const double map[][2] = {
         {-3, -3}, {0, 0},   {1, 0.25},    {1.5, 1.25}, {2, 2.25},   {3, 2.25},       {4, 2.5},
@@ -82,7 +80,6 @@ static void test_time_goes_on_unevenly(void **state)
 
 static void test_there_are_no_media_where_they_are_cleared(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(
         camera, sun,
         "frames: {advance: [2], clear: [{frame: 6, count: 3}, {frame: 20, count: 1}]}\n"
@@ -106,7 +103,6 @@ static void test_there_are_no_media_where_they_are_cleared(void **state)
 
 static void test_sizes_hold_from_their_picture_on(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, sun,
                                           "frames: {pauses: [{frame: 0, count: 100}],\n"
                                           "         sizes: [{frame: 4, scale: 0.5}, {frame: 6, "
@@ -135,7 +131,6 @@ static const char cut_camera[] =
 
 static void test_camera_is_held_until_it_cuts(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(cut_camera, sun, "");
     assert_true(neph_scene_camera(scene, -2).position_m.x == 0.1);
     neph_assert_close(neph_scene_camera(scene, 2).position_m.x, 0.4, 1e-15, 0.0);
@@ -151,7 +146,6 @@ static void test_camera_is_held_until_it_cuts(void **state)
 
 static void test_cuts_lie_behind_the_earlier_picture(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(cut_camera, sun,
                                           "frames: {pauses: [{frame: 8, count: 10}]}\n");
     assert_true(neph_scene_is_cut(scene, 7, 8));
@@ -169,7 +163,6 @@ static void test_cuts_lie_behind_the_earlier_picture(void **state)
 
 static void test_sun_goes_along_the_great_circle(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(
         camera,
         "sun:\n"
@@ -212,7 +205,6 @@ static const char blob[] = "media:\n  - gaussian: {center_m: [0, 1, 0], width_m:
 
 static void test_steady_wind_is_a_product(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(
         camera, blob, "frames: {rate_hz: 25}\nwind: {velocity_m_per_s: [10, 0.5, -3]}\n");
     for (int frame = -50; frame <= 100; frame += 25) {
@@ -228,7 +220,6 @@ static void test_steady_wind_is_a_product(void **state)
  * areas under it. */
 static void test_displacement_is_the_integral(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, blob,
                                           "frames: {rate_hz: 2, pauses: [{frame: 4, count: 3}]}\n"
                                           "wind:\n"
@@ -323,7 +314,6 @@ static void assert_drift(const struct neph_scene *scene, int drifting, double to
  * random place is on a face of the bounds. */
 static void test_still_media_are_the_moved_ones(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(cut_camera, windy, all_media);
     assert_int_equal(scene->medium_count, MEDIA);
     assert_drift(scene, DRIFTING, 1e-13);
@@ -334,7 +324,6 @@ static void test_still_media_are_the_moved_ones(void **state)
  * m, and extinction changes by less than 0.2 per metre of height. */
 static void test_still_clouds_are_the_moved_ones(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(cut_camera, level_wind, clouds);
     assert_drift(scene, 1, 1e-7);
     neph_scene_destroy(scene);
@@ -356,7 +345,6 @@ static const char movers[] =
 
 static void test_solids_are_where_their_keys_say(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, sun, movers);
     assert_int_equal(scene->mover_count, 3);
     /* Halfway: 45 degrees by the right hand about y take x towards -z; then 4 m along x. */
@@ -381,7 +369,6 @@ static void test_solids_are_where_their_keys_say(void **state)
  * scene that moves is left as it was. */
 static void test_still_solids_are_the_moved_ones(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, sun, movers), *still = NULL;
     const struct neph_vec3 built_m = scene->solids[0].center_m;
     struct neph_diag diag = {.line = 0};
@@ -404,7 +391,6 @@ static void test_still_solids_are_the_moved_ones(void **state)
 /* A point of a mover goes where the mover takes it, and from there back. */
 static void test_a_point_of_a_solid_is_found_before(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(camera, sun, movers);
     const struct neph_placing here = neph_mover_placing(scene, &scene->movers[0], 3);
     const struct neph_placing there = neph_mover_placing(scene, &scene->movers[0], 1);
@@ -419,7 +405,6 @@ static void test_a_point_of_a_solid_is_found_before(void **state)
 
 static void test_still_scene_has_no_time_left(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load_three(cut_camera, windy, all_media);
     assert_true(neph_scene_moves(scene));
     const struct neph_vec3 center_m = scene->media[0].gaussian.center_m;
@@ -458,7 +443,6 @@ static void test_still_scene_has_no_time_left(void **state)
 /* Each kind of key alone makes another moment, and time that stands still makes none. */
 static void test_moments_are_told_apart(void **state)
 {
-    (void)state;
     static const struct {
         const char *camera, *sun, *rest;
         int frame_a, frame_b;

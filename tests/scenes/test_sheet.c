@@ -53,7 +53,6 @@ static double depth_along(const struct neph_medium *medium, struct neph_vec3 fro
 
 static void test_a_sheet_has_its_optical_depth(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "  - sheet: {center_m: [3, 50, -2], side_m: 400, thickness_m: 0.5, optical_depth: 0.3,\n"
         "      nodes: 20, albedo: [1, 1, 1]}\n");
@@ -77,7 +76,6 @@ static void test_a_sheet_has_its_optical_depth(void **state)
 /* Straight through a node it is the pattern's value; from one to the next it is linear. */
 static void test_a_sheet_has_its_pattern(void **state)
 {
-    (void)state;
     enum { NODES = 64 };
     const struct neph_sheet wanted = {.center_m = {0.0, 7000.0, 0.0},
                                       .side_m = 16000.0,
@@ -126,7 +124,6 @@ static double depth_above(const struct neph_medium *medium, double x_m, double y
  * centre everywhere: the integral of what is above, exact by Simpson's rule from node to node. */
 static void test_a_sheet_goes_around_a_planet(void **state)
 {
-    (void)state;
     enum { NODES = 41 };
     const double half_m = 150.0, radius_m = 6.36e6, top_m = 9000.0, spacing_m = 200000.0 / NODES;
     struct neph_scene *scene = loaded(
@@ -156,7 +153,6 @@ static void test_a_sheet_goes_around_a_planet(void **state)
 /* One node, many times: far from its rims a slab, with a ramp on either side. */
 static void test_a_repeated_node_is_a_slab(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "  - grid: {size: [1, 2, 1], origin_m: [-512, 10, -512], spacing_m: [1, 4, 1],\n"
         "      repeat: [1024, 1, 1024], values: [1, 1], extinction_per_m: 0.1,\n"
@@ -177,7 +173,6 @@ static void test_a_repeated_node_is_a_slab(void **state)
  * by a period it is the same. */
 static void test_a_checkerboard_repeats(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "  - grid: {size: [2, 1, 2], origin_m: [0, 10, 0], spacing_m: [3, 1, 3],\n"
         "      repeat: [50, 1, 50], values: [1, 0, 0, 1], extinction_per_m: 0.7,\n"
@@ -209,7 +204,6 @@ static void test_a_checkerboard_repeats(void **state)
 /* Left out, there is one. */
 static void test_a_grid_is_there_once(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "  - grid: {size: [2, 1, 3], origin_m: [0, 10, 0], spacing_m: [3, 1, 3],\n"
         "      values: [1, 2, 3, 4, 5, 6], extinction_per_m: 0.7, albedo: [1, 1, 1]}\n");
@@ -224,7 +218,6 @@ static void test_a_grid_is_there_once(void **state)
  * integrals and what bounds them. */
 static void test_without_end(void **state)
 {
-    (void)state;
     static const char form[] =
         "  - grid: {size: [3, 2, 2], origin_m: [%s], spacing_m: [3, 2, 5], repeat: [%s],\n"
         "      values: [1, 0, 4, 2, 2, 0, 3, 1, 0, 0, 5, 2], extinction_per_m: 0.01,\n"
@@ -262,7 +255,6 @@ static void test_without_end(void **state)
 /* Far from its origin, too, and through the whole world. */
 static void test_without_end_everywhere(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "  - grid: {size: [2, 2, 1], origin_m: [0, 10, 0], spacing_m: [500, 4, 3],\n"
         "      repeat: [0, 1, 0], values: [1, 3, 1, 3], extinction_per_m: 0.1,\n"
@@ -281,7 +273,6 @@ static void test_without_end_everywhere(void **state)
 
 static void test_what_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *media, *words;
     } cases[] = {

@@ -45,7 +45,6 @@ static double ground_rounding_m(const struct neph_medium *medium, struct neph_ve
  * meets the ground, the rounding of that place, too. */
 static void test_optical_depth_against_reference(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (size_t i = 0; i < COUNT(reference_shell); i++) {
         const struct reference_shell *r = &reference_shell[i];
@@ -68,7 +67,6 @@ static void test_optical_depth_against_reference(void **state)
  * + 105 / (1024 X^3)) to the next term, -4725 / (32768 X^4). */
 static void test_level_rays_from_the_ground(void **state)
 {
-    (void)state;
     static const double xs[] = {40.0, 797.0, 1e4, 1e6, 1e9};
     for (size_t i = 0; i < COUNT(xs); i++) {
         const double x = xs[i];
@@ -87,7 +85,6 @@ static void test_level_rays_from_the_ground(void **state)
 /* Straight up H (1 - e^{-L / H}), on any planet; through its hollow middle twice that. */
 static void test_vertical_rays(void **state)
 {
-    (void)state;
     static const double radii[] = {1e-6, 1.0, 50.0, 6.371e6, 1e9};
     static const double heights[] = {1.0, 1200.0, 8000.0};
     for (size_t i = 0; i < COUNT(radii); i++)
@@ -141,7 +138,6 @@ static double depth(const struct trial *t, double from_m, double to_m)
  * place that is rounded to 2^-53 of its distance from the world's origin, meets the same air. */
 static void test_optical_depth_adds_and_reverses(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 20250902;
     double worst = 0.0;
     for (uint64_t n = 0; n < 20000; n++) {
@@ -174,7 +170,6 @@ static void test_optical_depth_adds_and_reverses(void **state)
  * and against its middle by the square of that. */
 static void test_extinction_is_the_derivative(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 70;
     for (uint64_t n = 0; n < 3000; n++) {
         uint64_t seed = first_seed + n;
@@ -194,7 +189,6 @@ static void test_extinction_is_the_derivative(void **state)
  * level line at the ground; a longer ray never meets less. */
 static void test_is_never_nonsense(void **state)
 {
-    (void)state;
     static const double radii[] = {1e-9, 1.0, 6.371e6, 1e12};
     static const double heights[] = {1e-3, 1.0, 8000.0, 1e9};
     static const double places[] = {-1e300, -1e9, -6.371e6, -1.0, -1e-300, 0.0, 5e-324, 3e4, 1e20};
@@ -230,7 +224,6 @@ static void test_is_never_nonsense(void **state)
 
 static void test_nothing_below_the_ground(void **state)
 {
-    (void)state;
     const struct neph_medium medium = planet(6.371e6, 8000.0);
     assert_true(neph_medium_extinction_per_m(&medium, (struct neph_vec3){0, 0, 0}) == 1.0);
     assert_true(neph_medium_extinction_per_m(&medium, (struct neph_vec3){0, -1e-6, 0}) == 0.0);
@@ -241,7 +234,6 @@ static void test_nothing_below_the_ground(void **state)
 /* Boxes around the ground, high up and below, wide and thin. */
 static void test_bound_holds_in_any_box(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 550;
     double used = 0.0;
     for (uint64_t trial = 0; trial < 3000; trial++) {
@@ -269,7 +261,6 @@ static void test_bound_holds_in_any_box(void **state)
 /* The cube around the planet: level lines above its faces lose most, and no line more than said. */
 static void test_container_loses_no_more_than_it_says(void **state)
 {
-    (void)state;
     const struct neph_scene scene = {0};
     static const struct neph_shell planets[] = {
         {{0, -6.371e6, 0}, 6.371e6, 8000.0}, {{5, 6, 7}, 1.0, 1.0}, {{0, 0, 0}, 50.0, 500.0}};
@@ -306,7 +297,6 @@ static void test_container_loses_no_more_than_it_says(void **state)
 
 static void test_container_keeps_finite_bounds(void **state)
 {
-    (void)state;
     const struct neph_scene scene = {0};
     struct neph_medium medium = planet(6.371e6, 8000.0);
     medium.bounds = (struct neph_bounds){{-5e4, 0, -7e4}, {5e4, 6e4, 7e4}};

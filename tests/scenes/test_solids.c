@@ -23,7 +23,6 @@ static void assert_hit(struct neph_hit hit, double t_m, double nx, double ny, do
 
 static void test_hits_by_hand(void **state)
 {
-    (void)state;
     const struct neph_solid unit_box = make_box(-1, -1, -1, 1, 1, 1),
                             ball = make_sphere(0, 0, 0, 2);
     assert_hit(hit_one(unit_box, (struct neph_vec3){-5, 0.3, 0.2}, (struct neph_vec3){1, 0, 0}),
@@ -50,7 +49,6 @@ static void test_hits_by_hand(void **state)
 
 static void test_the_nearest_solid_is_hit(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {make_box(8, -1, -1, 9, 1, 1), make_sphere(4, 0, 0, 1),
                                   make_box(6, -1, -1, 7, 1, 1)};
     const struct neph_scene scene = {.solid_count = 3, .solids = solids};
@@ -63,7 +61,6 @@ static void test_the_nearest_solid_is_hit(void **state)
 /* From 1000 km the hit is right to the rounding of the distance. */
 static void test_hit_from_far_away(void **state)
 {
-    (void)state;
     const double down = -0.8, across = 0.6;
     const struct neph_hit ground = hit_one(make_box(-1e7, -1, -1e7, 1e7, 0, 1e7),
                                            (struct neph_vec3){0, 1e6, 0},
@@ -90,7 +87,6 @@ static void assert_shadow(struct neph_solid solid, struct neph_vec3 sun, struct 
 
 static void test_shadows_by_hand(void **state)
 {
-    (void)state;
     const struct neph_vec3 origin = {0, 0, 0}, x = {1, 0, 0}, up = {0, 1, 0}, left = {-1, 0, 0};
     const struct neph_vec3 slanted = {0.6, 0.8, 0}; /* 3 m sideways for 4 m up */
     const struct neph_solid roof = make_box(5, 4, -1, 7, 8, 1), ball = make_sphere(6, 10, 0.6, 1);
@@ -209,7 +205,6 @@ static struct ray random_view(uint64_t *seed, const struct neph_solid *solid, st
  * within 1e-7 m of an end, or of grazing along it. */
 static void test_shadow_interval_against_brute_force(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 31415;
     long hidden = 0, tested = 0;
     for (uint64_t trial = 0; trial < 30000; trial++) {
@@ -247,7 +242,6 @@ static void test_shadow_interval_against_brute_force(void **state)
 /* A turned box before a ray is the box before the ray turned back, with all that it answers. */
 static void test_a_turned_box_is_a_turned_world(void **state)
 {
-    (void)state;
     uint64_t seed = 2718;
     long met = 0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
@@ -294,7 +288,6 @@ static void test_a_turned_box_is_a_turned_world(void **state)
 /* By hand: a cube of 2 m whose edge points at the eye. */
 static void test_a_cube_shows_its_edge(void **state)
 {
-    (void)state;
     struct neph_solid cube = make_box(-1, -1, -1, 1, 1, 1);
     cube.turn = (struct neph_turn){1, sqrt(0.5), sqrt(0.5)};
     const struct neph_scene scene = {.solid_count = 1, .solids = &cube};
@@ -315,7 +308,6 @@ static void test_a_cube_shows_its_edge(void **state)
 /* The range asked for only cuts: no memory of what lies outside it. */
 static void test_shadow_range_only_cuts(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 2718;
     for (uint64_t trial = 0; trial < 5000; trial++) {
         uint64_t seed = first_seed + trial;
@@ -343,7 +335,6 @@ static void test_shadow_range_only_cuts(void **state)
 /* A point on a face that looks at the sun is lit: the solid does not shade itself. */
 static void test_a_lit_face_sees_the_sun(void **state)
 {
-    (void)state;
     struct neph_solid solid = make_box(-1, -1, -1, 1, 1, 1);
     const struct neph_scene scene = {
         .solid_count = 1, .solids = &solid, .sun = {.present = true, .direction = {0.6, 0.8, 0.0}}};
@@ -356,7 +347,6 @@ static void test_a_lit_face_sees_the_sun(void **state)
 /* Nor does the ball of a planet, whose points are rounded to 1e-9 m, under a sun of 0.1 degrees. */
 static void test_a_planet_does_not_shade_its_day(void **state)
 {
-    (void)state;
     const double radius_m = 6.371e6;
     struct neph_solid ball = {
         .kind = NEPH_SOLID_SPHERE, .center_m = {0, -radius_m, 0}, .radius_m = radius_m};

@@ -41,7 +41,6 @@ static void assert_fence(const struct neph_scene *scene, int divisor, int top, c
 
 static void test_fences_have_their_pitch(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("fence_pitch4");
     assert_fence(scene, 1, 55, ".##.");
     assert_fence(scene, 2, 27, ".#");
@@ -54,7 +53,6 @@ static void test_fences_have_their_pitch(void **state)
 
 static void test_leaves_are_pixels(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("foliage");
     int count = 0;
     for (int y = 0; y < HEIGHT; y++)
@@ -73,7 +71,6 @@ static void test_leaves_are_pixels(void **state)
 
 static void test_ridges_are_20_pixels_apart(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("ridges");
     static const double at_m[] = {30000, 15100, 14900, 12000, 9000, 9000};
     for (int y = 0; y < HEIGHT; y++)
@@ -86,7 +83,6 @@ static void test_ridges_are_20_pixels_apart(void **state)
  * faces along -Z. */
 static void test_sun_grazes_all_faces(void **state)
 {
-    (void)state;
     static const char *const names[] = {"fence_pitch4", "sun_step",   "foliage",
                                         "ridges",       "camera_pan", "camera_cut"};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
@@ -99,7 +95,6 @@ static void test_sun_grazes_all_faces(void **state)
 
 static void test_sun_steps_at_frame_64(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("sun_step");
     assert_int_equal(scene->frame_count, 128);
     const double x = 0.95 / sqrt(0.95 * 0.95 + 0.3 * 0.3);
@@ -111,7 +106,6 @@ static void test_sun_steps_at_frame_64(void **state)
 
 static void test_wind_is_two_pixels_per_frame(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("wind_cloud");
     const struct neph_camera camera = neph_scene_camera(scene, 0);
     const double pixel_m = 2.0 * tan(0.5 * camera.vertical_fov_rad) / HEIGHT * 40.0;
@@ -125,7 +119,6 @@ static void test_wind_is_two_pixels_per_frame(void **state)
 /* What the scene promises: 1e-5 rad. */
 static void test_pan_is_even(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("camera_pan");
     for (int frame = 0; frame < scene->frame_count; frame++) {
         const struct neph_vec3 forward = neph_scene_camera(scene, frame).forward;
@@ -136,7 +129,6 @@ static void test_pan_is_even(void **state)
 
 static void test_camera_cuts_once(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load("camera_cut");
     const struct neph_vec3 before_m = neph_scene_camera(scene, 0).position_m;
     const struct neph_vec3 after_m = neph_scene_camera(scene, 32).position_m;
@@ -152,7 +144,6 @@ static void test_camera_cuts_once(void **state)
 /* The moving scenes of flicker studies move in each of their 256 frames. */
 static void test_what_moves_never_stops(void **state)
 {
-    (void)state;
     static const char *const names[] = {"pillars_strafe", "lattice_drift", "veil_tower",
                                         "sun_turns",      "orbit_cloud",   "wires_pan"};
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
@@ -167,7 +158,6 @@ static void test_what_moves_never_stops(void **state)
 /* The speeds that their texts give, in pixels at 320x180. */
 static void test_speeds_are_those_of_the_texts(void **state)
 {
-    (void)state;
     static const double pixel = 0.004; /* of the distance */
     static const struct {
         const char *name;

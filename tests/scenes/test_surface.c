@@ -17,7 +17,6 @@
 /* Computed in Python from the paper's listing. */
 static void test_noise_is_pcg3d(void **state)
 {
-    (void)state;
     assert_true(neph_noise_value(0, 0, 0) == 10203095 * 0x1p-24);
     assert_true(neph_noise_value(3, 1, 2) == 16424825 * 0x1p-24);
     assert_true(neph_noise_value(1000000000, 31, 5) == 12210007 * 0x1p-24);
@@ -26,7 +25,6 @@ static void test_noise_is_pcg3d(void **state)
 
 static void test_noise_is_bilinear_and_uniform(void **state)
 {
-    (void)state;
     const struct neph_paint noise = {.cell_m = 1, .pattern = NEPH_PATTERN_NOISE, .seed = 7};
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < NEPH_NOISE_CELLS; i++)
@@ -48,7 +46,6 @@ static void test_noise_is_bilinear_and_uniform(void **state)
 
 static void test_a_checker_by_hand(void **state)
 {
-    (void)state;
     const struct neph_paint checker = {.cell_m = 1, .pattern = NEPH_PATTERN_CHECKER};
     static const struct {
         double u, v, value;
@@ -72,7 +69,6 @@ static double colour_seen(const struct neph_solid *solid, struct neph_vec3 from_
  * pattern; and the same of the box when it has moved and turned. */
 static void test_a_pattern_is_painted_on_faces(void **state)
 {
-    (void)state;
     struct neph_solid box = make_box(10, 0, 0, 14, 2, 8);
     box.albedo = make_grey(0.25);
     box.surface.texture = (struct neph_paint){
@@ -137,7 +133,6 @@ static struct neph_scene *loaded(const char *solid, const char *keys)
 
 static void test_keys_are_read(void **state)
 {
-    (void)state;
     struct neph_scene *scene = loaded(
         "box", ", metalness: 0.75, roughness: 0.3,\n"
                "  texture: {pattern: noise, cell_m: 0.2, albedo: [1, 0.5, 0], seed: 9}");
@@ -165,7 +160,6 @@ static void test_keys_are_read(void **state)
 /* A plain solid has the hash that it had before there were surfaces, taken then. */
 static void test_hashes(void **state)
 {
-    (void)state;
     static const char *const keys[] = {
         "",
         ", metalness: 1",
@@ -195,7 +189,6 @@ static void test_hashes(void **state)
 
 static void test_what_cannot_be_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *scattering, *solid, *keys, *message;
     } cases[] = {

@@ -78,7 +78,6 @@ static double depth(const struct trial *t, double from_m, double to_m)
 /* The closed form loses radius^2 of its digits. */
 static void test_optical_depth_is_the_closed_form(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (uint64_t n = 0; n < 4000; n++) {
         uint64_t seed = 4100 + n;
@@ -98,7 +97,6 @@ static void test_optical_depth_is_the_closed_form(void **state)
  * peak of a planet's layer about sqrt(2 R w) * 2/3 on either side, to w / R. */
 static void test_known_columns(void **state)
 {
-    (void)state;
     const struct neph_medium medium = make_tent(2e-6, ozone);
     const struct neph_vec3 up = {0, 1, 0}, level = {1, 0, 0};
     neph_assert_close(
@@ -119,7 +117,6 @@ static void test_known_columns(void **state)
 
 static void test_optical_depth_adds(void **state)
 {
-    (void)state;
     for (uint64_t n = 0; n < 4000; n++) {
         uint64_t seed = 900 + n;
         const struct trial t = random_trial(&seed);
@@ -135,7 +132,6 @@ static void test_optical_depth_adds(void **state)
 /* Any box, any place in it; and it is no looser than the density somewhere on a fine grid. */
 static void test_bound_holds_in_any_box(void **state)
 {
-    (void)state;
     double used = 0.0;
     for (uint64_t n = 0; n < 1000; n++) {
         uint64_t seed = 30 + n;
@@ -155,7 +151,6 @@ static void test_bound_holds_in_any_box(void **state)
 
 static void test_support_holds_all_of_it(void **state)
 {
-    (void)state;
     const struct neph_medium medium = make_tent(1.0, ozone);
     double lost;
     const struct neph_bounds box = neph_medium_container(&(struct neph_scene){0}, &medium, &lost);

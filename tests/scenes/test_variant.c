@@ -36,7 +36,6 @@ static double irradiance_of(const struct neph_scene *scene, double frame)
 
 static void test_sun_step(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load(wind_cloud);
     struct neph_scene *made = make(scene, NEPH_VARIANT_SUN_STEP, 40, 100);
     assert_string_equal(made->name, "wind_cloud_sun_step");
@@ -52,7 +51,6 @@ static void test_sun_step(void **state)
 
 static void test_sun_sine(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load(wind_cloud);
     struct neph_scene *made = make(scene, NEPH_VARIANT_SUN_SINE, 0, 256);
     double least = INFINITY;
@@ -73,7 +71,6 @@ static void test_sun_sine(void **state)
  * is where the picture ends above, and a turn by fov / 2 puts the old middle at -tan(fov / 2). */
 static void test_camera_cut(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load(wind_cloud);
     struct neph_scene *made = make(scene, NEPH_VARIANT_CAMERA_CUT, 7, 64);
     const struct neph_camera old = neph_scene_camera(scene, 0);
@@ -94,7 +91,6 @@ static void test_camera_cut(void **state)
 /* Wind and media are those of the scene; a picture of the variant outlives nothing. */
 static void test_the_rest_is_as_it_was(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load(wind_cloud), *still = NULL;
     struct neph_scene *made = make(scene, NEPH_VARIANT_SUN_STEP, 20, 64);
     neph_assert_ok(neph_scene_at(made, 30, &still, NULL), NULL);
@@ -111,7 +107,6 @@ static void test_the_rest_is_as_it_was(void **state)
 
 static void test_obstacles(void **state)
 {
-    (void)state;
     static const struct {
         const char *scene;
         enum neph_variant_kind kind;
@@ -144,7 +139,6 @@ static void test_obstacles(void **state)
 
 static void test_frames_out_of_range(void **state)
 {
-    (void)state;
     struct neph_scene *scene = load(wind_cloud), *made = NULL;
     static const struct neph_variant wrong[] = {
         {NEPH_VARIANT_SUN_STEP, 0, 64},   {NEPH_VARIANT_SUN_STEP, 64, 64},

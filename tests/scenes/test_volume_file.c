@@ -639,7 +639,6 @@ static void test_damaged_files(void **state)
 
 static void test_disney_cloud(void **state)
 {
-    (void)state;
     const char *path = getenv("NEPH_DISNEY_CLOUD");
     if (!path || !path[0]) {
         print_message("not run: NEPH_DISNEY_CLOUD names no wdas_cloud_sixteenth.vdb\n");

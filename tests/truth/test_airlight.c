@@ -44,7 +44,6 @@ static double exponential_integral(double x)
  * sigma/(4 pi) e^(-sigma (2 t + b)) / (t + b)^2 is sigma e^(sigma b) E2(2 sigma b) / (4 pi b). */
 static void test_away_from_a_lamp(void **state)
 {
-    (void)state;
     for (double depth = 1e-6; depth < 4.0; depth *= 7.0) {
         const double sigma = 0.3, b_m = depth / sigma, x = 2.0 * depth;
         const double e2 = exp(-x) - x * exponential_integral(x);
@@ -83,7 +82,6 @@ static double sun_airlight(double sigma, double distance_m, double angle_rad)
 
 static void test_the_airlight_model_of_sun_et_al(void **state)
 {
-    (void)state;
     const double sigmas[] = {1e-4, 0.05, 0.4, 3.0}, angles_deg[] = {0.01, 2, 30, 90, 130, 179};
     for (size_t s = 0; s < COUNT(sigmas); s++)
         for (size_t a = 0; a < COUNT(angles_deg); a++) {
@@ -101,7 +99,6 @@ static void test_the_airlight_model_of_sun_et_al(void **state)
 /* Thin air between two planes: sigma/(4 pi) I (theta1 - theta0) / h. */
 static void test_thin_air_by_hand(void **state)
 {
-    (void)state;
     const double sigma = 1e-13, heights_m[] = {3.0, 1e-2, 1e-7};
     for (size_t i = 0; i < COUNT(heights_m); i++) {
         const double h_m = heights_m[i];
@@ -157,7 +154,6 @@ static void plain_source(double t_m, void *context, double value[3])
 /* The midpoint rule on 6e4 places: edges of shadows are first order, 1e-4 of the whole. */
 static void test_a_stage_against_plain_quadrature(void **state)
 {
-    (void)state;
     struct test_scene test;
     const struct neph_scene *scene = &lamp_stage(&test)->scene;
     for (int i = 0; i < 24; i += 3) {
@@ -181,7 +177,6 @@ static void test_a_stage_against_plain_quadrature(void **state)
 /* A plate under a lamp and a spot, in fog: albedo / pi I cos / d^2 e^-depth. */
 static void test_a_lamplit_surface_by_hand(void **state)
 {
-    (void)state;
     struct neph_solid plate = make_box(-9, -1, -9, 9, 0, 9);
     plate.albedo = (struct neph_rgb){0.5, 0.25, 1.0};
     struct neph_scene scene = make_lamplit(make_homogeneous(0.2, everywhere),
@@ -215,7 +210,6 @@ static double near_source(double t_m, const void *context)
 /* Along a ray through the light 1 / d^2 is smooth outside of it: Gauss on 64 parts. */
 static void test_a_light_on_the_ray_outside_the_fog(void **state)
 {
-    (void)state;
     const double lights_m[] = {0.0, 1e-7, 2.0, 3.999, 6.001, 8.0};
     for (size_t i = 0; i < COUNT(lights_m); i++) {
         const struct near_lamp lamp = {.light_m = {0, 0, 5 - lights_m[i]}};
@@ -238,7 +232,6 @@ static void test_a_light_on_the_ray_outside_the_fog(void **state)
 /* No number is right there. */
 static void test_a_light_on_the_ray_in_the_fog_has_no_value(void **state)
 {
-    (void)state;
     const struct {
         struct neph_vec3 light_m, axis; /* a spot's; 0: none */
         double eye_z_m;
@@ -325,7 +318,6 @@ static struct estimate trace_view(const struct neph_scene *scene,
 /* 4.5 standard errors, as in test_path.c. */
 static void test_paths_against_the_stage(void **state)
 {
-    (void)state;
     struct test_scene test;
     struct neph_scene *scene = &lamp_stage(&test)->scene;
     struct neph_tracker *tracker;
@@ -354,7 +346,6 @@ static void test_paths_against_the_stage(void **state)
  * scattering is the exact one. The rays look level, down, straight down and up. */
 static void test_fog_without_ground(void **state)
 {
-    (void)state;
     static const struct neph_vec3 ways[] = {{0.1, 0, -1}, {0.1, -0.6, -1}, {0, -1, 0}, {0, 1, -1}};
     const int samples = neph_test_paths(4000);
     for (int second = 0; second < 2; second++) {
@@ -479,7 +470,6 @@ static struct estimate trace_middle_ray(const struct neph_scene *scene, int samp
 /* 4.5 standard errors, and an error that is known: none is above a twentieth of the value. */
 static void test_paths_find_lights_near_rays(void **state)
 {
-    (void)state;
     const int samples = neph_test_paths(20000);
     for (int i = 0; i < NEAR_LAMPS; i++) {
         struct test_scene test;
@@ -498,7 +488,6 @@ static void test_paths_find_lights_near_rays(void **state)
  * all places where nothing is. */
 static void test_paths_find_the_fog_around_a_clear_place(void **state)
 {
-    (void)state;
     struct test_scene test;
     const struct near_lamp lamp = {.light_m = {0, 1e-6, 0}};
     struct neph_scene *scene = near_lamp_stage(&test, &lamp);
@@ -523,7 +512,6 @@ static void test_paths_find_the_fog_around_a_clear_place(void **state)
 
 static void test_white_media_keep_all_lamplight(void **state)
 {
-    (void)state;
     assert_conserves((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 0.7, false);
     assert_conserves((struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.4}, 2.0, true);
     assert_conserves((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0}, 4.0, false);

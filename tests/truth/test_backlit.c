@@ -137,7 +137,6 @@ static void hold_scores(const char *what, int channel, const struct moments *sco
 /* Paths over the exact value. */
 static void test_samples_know_their_error(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
         const struct neph_scene scene = make_scene(i);
         const struct neph_vec3 eye_m = {0.3, 0.2, 40.0}, ahead = {0, 0, -1};

@@ -27,7 +27,6 @@ static struct neph_medium lattice(double extinction_per_m, int side, struct neph
 /* The same lines as in cloud_reference.py. 1e-10 is what grids and shells are integrated to. */
 static void test_reference(void **state)
 {
-    (void)state;
     struct neph_medium tent = lattice(3.0, 1, (struct neph_vec3){0}, (struct neph_vec3){1, 1, 1},
                                       1);
     struct neph_diag diag = {.message = ""};
@@ -117,7 +116,6 @@ static double error_along_the_sun(const struct neph_ray_light *light, struct nep
 
 static void test_towards_and_away_from_the_sun(void **state)
 {
-    (void)state;
     static const double scales[] = {1e-6, 1.0, 1e3, 1e6};
     const double distance_m = 300.0;
     double worst = 0.0;
@@ -247,7 +245,6 @@ static double assert_composite(const struct neph_scene *scene, struct neph_vec3 
  * and 4. */
 static void test_random_clouds(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (uint64_t trial = 0; trial < 24; trial += NEPH_TEST_EVERY) {
         uint64_t seed = 314159 + trial;
@@ -276,7 +273,6 @@ static void test_random_clouds(void **state)
  * is a closed form: boxes that overlap, and one height fog. */
 static void test_a_channel_is_a_grey_scene(void **state)
 {
-    (void)state;
     uint64_t seed = 577215;
     struct neph_medium media[3];
     make_media(media, 2.0, seed);
@@ -317,7 +313,6 @@ static void test_a_channel_is_a_grey_scene(void **state)
 
 static void test_coloured_surface_and_furnace(void **state)
 {
-    (void)state;
     /* A lit floor under a coloured blob, sun and view straight up and down through its middle. */
     struct neph_solid floor = {
         .kind = NEPH_SOLID_BOX, .box = {{-50, -21, -50}, {50, -20, 50}}, .albedo = {0.5, 0.6, 0.7}};
@@ -356,7 +351,6 @@ static void test_coloured_surface_and_furnace(void **state)
  * roundings of the coordinates, in widths or cells, and a factor of 3 for optical depth 3. */
 static void test_clouds_far_away(void **state)
 {
-    (void)state;
     for (uint64_t trial = 0; trial < 20; trial += NEPH_TEST_EVERY) {
         uint64_t seed = 141421 + trial;
         const struct neph_medium media[2] = {make_blob(1.0, (struct neph_vec3){0}, 0.5),
@@ -379,7 +373,6 @@ static void test_clouds_far_away(void **state)
  * its shadow on the ray: the light that is missing is missing on a few metres. */
 static void test_shadow_of_a_small_cloud(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 2; kind++) {
         struct neph_medium cloud = kind == 0 ? make_blob(50.0, (struct neph_vec3){4e4, 300, 0}, 1.0)
                                              : lattice(50.0, 9, (struct neph_vec3){4e4, 300, -4},
@@ -409,7 +402,6 @@ static void test_shadow_of_a_small_cloud(void **state)
 /* Finite, not negative, T in [0, 1], no more light than the sun gives: any scale, any ray. */
 static void test_never_nonsense(void **state)
 {
-    (void)state;
     static const double scales[] = {0.0, 1e-300, 1e-9, 1.0, 1e9, 1e300};
     static const struct neph_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {0, -1, 0}};
     uint64_t seed = 123;

@@ -83,7 +83,6 @@ static double worst_view(const struct setting *setting, const struct neph_bounds
 /* The finite stays as it is, and costs nothing. */
 static void test_finite_bounds_are_kept(void **state)
 {
-    (void)state;
     struct neph_medium fog = make_height_fog(0.1, 0.2);
     fog.bounds = (struct neph_bounds){{-1, -2, -3}, {4, 5, 6}};
     struct setting setting;
@@ -97,7 +96,6 @@ static void test_finite_bounds_are_kept(void **state)
 /* Unreal's default fog from eye height: a box of some kilometres, good to 1e-6. */
 static void test_unreal_default_fog(void **state)
 {
-    (void)state;
     const struct neph_medium fog = make_height_fog(9.609e-4, 0.01386294361119891);
     const struct neph_vec3 eye = {0.0, 1.7, 0.0};
     struct setting setting;
@@ -116,7 +114,6 @@ static void test_unreal_default_fog(void **state)
 /* The promise: no view from the eyes is off by more than the stated error, whatever the fog. */
 static void test_no_view_is_off_by_more_than_stated(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 141421;
     double largest_stated = 0.0, least_slack = INFINITY;
     const uint64_t trials = (uint64_t)neph_test_by_day(150, 400);
@@ -162,7 +159,6 @@ static void test_no_view_is_off_by_more_than_stated(void **state)
 /* Homogeneous without end: a box as large as can be seen. */
 static void test_homogeneous_without_bounds(void **state)
 {
-    (void)state;
     struct neph_medium fog = make_height_fog(0.02, 0.0);
     struct setting setting;
     make_setting(&setting, fog, (struct neph_vec3){5, 2, -3}, (struct neph_vec3){9, 20, 0});
@@ -186,7 +182,6 @@ static void test_homogeneous_without_bounds(void **state)
 /* A finite box and an honest error for whatever a scene file may say. */
 static void test_corners(void **state)
 {
-    (void)state;
     static const double extinctions[] = {0.0, 1e-300, 1e-8, 1.0, 1e6};
     static const double falloffs[] = {0.0, 1e-300, 1e-9, 0.1, 100.0};
     static const double eyes[] = {-1e6, 0.0, 1e4, 1e6};
@@ -213,7 +208,6 @@ static void test_corners(void **state)
 /* Sunlight too crosses as much fog in the box as without: scattered radiance stays. */
 static void test_scattered_light_stays(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 173205;
     double worst = 0.0;
     for (uint64_t trial = 0; trial < 300; trial += (uint64_t)neph_test_path_step()) {

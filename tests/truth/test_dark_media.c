@@ -68,7 +68,6 @@ static void hold(const char *what, const struct neph_scene *scene, struct neph_v
 /* Both media fill the same 4 m: L = glow k_b / k (1 - e^-(4 k)). */
 static void test_thin_glow_in_a_dark_medium(void **state)
 {
-    (void)state;
     for (double bright_per_m = 1e-2; bright_per_m > 1e-9; bright_per_m *= 0.1) {
         const double k_per_m = 0.7 + bright_per_m;
         struct neph_scene scene = {.scattering = NEPH_SCATTERING_NONE, .medium_count = 2};
@@ -83,7 +82,6 @@ static void test_thin_glow_in_a_dark_medium(void **state)
 /* Behind an optical depth that lets nothing through that free flights would find. */
 static void test_a_glow_behind_a_dark_medium(void **state)
 {
-    (void)state;
     for (double depth = 5.0; depth < 80.0; depth *= 2.0) {
         struct neph_scene scene = {.scattering = NEPH_SCATTERING_NONE, .medium_count = 2};
         scene.media[0] = plate(depth / 2.0, 0, 2, make_grey(0));
@@ -97,7 +95,6 @@ static void test_a_glow_behind_a_dark_medium(void **state)
  * 4)) / (2 k). The dark medium may be dark in one channel only. */
 static void test_thin_cloud_in_a_dark_medium(void **state)
 {
-    (void)state;
     static const struct neph_rgb albedos[] = {{0, 0, 0}, {0.9, 0.9, 0}};
     for (size_t i = 0; i < 2; i++)
         for (double bright_per_m = 1e-2; bright_per_m > 1e-7; bright_per_m *= 0.1) {
@@ -117,7 +114,6 @@ static void test_thin_cloud_in_a_dark_medium(void **state)
  * of its optical depth. */
 static void test_all_orders(void **state)
 {
-    (void)state;
     const struct neph_vec3 back = {0, 0, 1};
     struct neph_scene scene = make_sunny(plate(0.7, 0, 4, make_grey(0)), back);
     scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -130,7 +126,6 @@ static void test_all_orders(void **state)
 /* A glow behind Horizon layers, whose optical depth is a matter of chance to the path tracer. */
 static void test_horizon_layers_that_are_dark(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_horizon_params params = make_cumulus();
     params.coverage = 1.0;
@@ -152,7 +147,6 @@ static void test_horizon_layers_that_are_dark(void **state)
 /* Media that are alike keep the estimator that they had. */
 static void test_which_scenes_differ(void **state)
 {
-    (void)state;
     struct neph_scene scene = make_sunny(plate(0.7, 0, 4, make_grey(0)), ahead);
     assert_false(neph_scene_sources_differ(&scene)); /* there is one */
     scene.media[scene.medium_count++] = plate(0.1, 0, 4, make_grey(0.5));

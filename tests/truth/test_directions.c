@@ -11,7 +11,6 @@
 
 static void test_streams_are_reproducible_and_differ(void **state)
 {
-    (void)state;
     struct neph_random a = neph_random_stream(1, 2, 3), again = neph_random_stream(1, 2, 3);
     assert_memory_equal(&a, &again, sizeof(a));
     /* Neighbours, exchanged arguments, and the all-zero start, which would be stuck. */
@@ -31,7 +30,6 @@ static void test_streams_are_reproducible_and_differ(void **state)
  * correlation of neighbours, to 4.5 standard errors each. */
 static void test_first_numbers_of_streams(void **state)
 {
-    (void)state;
     enum { STREAMS = 200000 };
     double sum = 0.0, squares = 0.0, neighbours = 0.0, before = 0.0;
     for (int n = 0; n < STREAMS; n++) {
@@ -67,7 +65,6 @@ static double below(double g, double c)
  * (1e-16 next to 2) moves u, that is allowed. */
 static void test_henyey_greenstein_inverts_its_distribution(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(asymmetries); i++) {
         const double g = asymmetries[i];
         const struct neph_phase phase = {NEPH_PHASE_HENYEY_GREENSTEIN, g};
@@ -84,7 +81,6 @@ static void test_henyey_greenstein_inverts_its_distribution(void **state)
 
 static void test_rayleigh_inverts_its_distribution(void **state)
 {
-    (void)state;
     const struct neph_phase phase = {NEPH_PHASE_RAYLEIGH, 0.0};
     for (double u = 1e-6; u < 1.0; u += 0.00127) {
         const double c = 1.0 - neph_phase_versine(&phase, u);
@@ -134,7 +130,6 @@ static void check_sampling(const struct neph_phase *phase, double mean, double m
 
 static void test_phase_sampling(void **state)
 {
-    (void)state;
     /* <c^2> = (1 + 2 g^2) / 3: from the second Legendre coefficient, g^2. */
     for (size_t i = 0; i < COUNT(asymmetries); i++) {
         const double g = asymmetries[i];
@@ -148,7 +143,6 @@ static void test_phase_sampling(void **state)
 /* The square of the cosine is uniform; mean 2/3, mean square 1/2. All axes, the poles too. */
 static void test_cosine_sampling(void **state)
 {
-    (void)state;
     static const struct neph_vec3 normals[] = {
         {0, 0, 1}, {0, 0, -1}, {0, 1, 0}, {-1, 0, 0}, {0.6, 0.0, -0.8}};
     struct neph_random random = neph_random_stream(12, 0, 0);

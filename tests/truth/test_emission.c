@@ -51,7 +51,6 @@ static struct neph_scene *add(struct neph_scene *scene, struct neph_medium mediu
 
 static void test_glow(void **state)
 {
-    (void)state;
     struct neph_medium medium = plate(1, 0, (struct neph_rgb){0, 0.25, 1}, make_grey(8));
     medium.extinction_color = (struct neph_rgb){1, 2, 1};
     const struct neph_rgb glow = neph_medium_glow(&medium);
@@ -66,7 +65,6 @@ static void test_glow(void **state)
 /* glow * (1 - e^-tau) per channel, at optical depths 2e-10 to 2e4, whatever the switch. */
 static void test_one_plate(void **state)
 {
-    (void)state;
     const struct neph_rgb albedo = {0, 0.5, 0.9}, emission = {1, 2, 3};
     for (double extinction_per_m = 1e-10; extinction_per_m < 1e5; extinction_per_m *= 10.0)
         for (int s = NEPH_SCATTERING_NONE; s <= NEPH_SCATTERING_SINGLE; s++) {
@@ -89,7 +87,6 @@ static void test_one_plate(void **state)
  * be of an optical depth of 60, or of 700. One in the same place shares the extinction out. */
 static void test_plates_that_differ(void **state)
 {
-    (void)state;
     for (double front_per_m = 0.05; front_per_m < 400.0; front_per_m *= 2.0) {
         struct neph_scene scene = dark_scene(NEPH_SCATTERING_NONE);
         add(&scene, plate(front_per_m, 4, make_grey(0), make_grey(0)));
@@ -109,7 +106,6 @@ static void test_plates_that_differ(void **state)
 /* Without an end: 1 where it is opaque, else by its whole optical depth. */
 static void test_fog_without_end(void **state)
 {
-    (void)state;
     struct neph_scene scene = dark_scene(NEPH_SCATTERING_NONE);
     add(&scene, make_height_fog(0.1, 0.2));
     scene.media[0].albedo = make_grey(0.5);
@@ -128,7 +124,6 @@ static void test_fog_without_end(void **state)
 /* Sunlight scattered once and emitted light add up. */
 static void test_the_sun_adds(void **state)
 {
-    (void)state;
     struct neph_scene scene = make_sunny(plate(0.7, 0, make_grey(0.5), make_grey(0)),
                                          (struct neph_vec3){0.3, 0.2, 0.9});
     const struct neph_ray_light scattered = neph_transport_ray(&scene, eye_m, ahead);
@@ -188,7 +183,6 @@ static double brute_force(const struct neph_scene *scene, struct neph_vec3 origi
  * by no more than what the step holds, of which there are six. */
 static void test_random_scenes_against_brute_force(void **state)
 {
-    (void)state;
     for (uint64_t start = 1; start <= 60; start++) {
         uint64_t seed = start;
         struct neph_solid wall = make_box(-100, -100, -30, 100, 100, -20);
@@ -269,7 +263,6 @@ static void assert_estimate(const struct estimate *found, struct neph_rgb expect
 /* One grey medium, all depths drawn from its own table: every path brings the same. */
 static void test_a_plate_without_noise(void **state)
 {
-    (void)state;
     for (int s = NEPH_SCATTERING_NONE; s <= NEPH_SCATTERING_SINGLE; s++) {
         struct neph_scene scene = dark_scene((enum neph_scattering)s);
         add(&scene, plate(0.8, 0, (struct neph_rgb){0, 0.5, 0.9}, (struct neph_rgb){1, 2, 3}));
@@ -282,7 +275,6 @@ static void test_a_plate_without_noise(void **state)
  * and without. Order 1 is sunlight alone. */
 static void test_paths_against_exact(void **state)
 {
-    (void)state;
     for (uint64_t start = 1; start <= 24; start++) {
         uint64_t seed = start;
         const bool is_sunny = start % 3 > 0;
@@ -325,7 +317,6 @@ static struct neph_scene furnace(struct neph_solid *ball)
 
 static void test_furnace_is_exact(void **state)
 {
-    (void)state;
     char reason[100] = "";
     struct neph_solid ball;
     struct neph_scene scene = furnace(&ball);
@@ -340,7 +331,6 @@ static void test_furnace_is_exact(void **state)
 
 static void test_paths_in_the_furnace(void **state)
 {
-    (void)state;
     struct neph_solid ball;
     const struct neph_scene scene = furnace(&ball);
     const struct neph_vec3 directions[] = {{0, 0, -1}, {0.05, 0.02, -1}, {-0.3, 0.1, -1}};
@@ -356,7 +346,6 @@ static void test_paths_in_the_furnace(void **state)
  * furnace together. Emitted light alone lights the ball. */
 static void test_halves_of_the_furnace(void **state)
 {
-    (void)state;
     struct neph_solid ball;
     const struct neph_scene whole = furnace(&ball);
     struct neph_scene dark = whole, cold = whole;

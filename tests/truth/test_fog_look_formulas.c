@@ -209,7 +209,6 @@ static struct neph_scene some_fog(int trial, uint64_t *seed, bool two_layers, st
 
 static void test_unreal_is_what_its_listing_says(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
         uint64_t seed = 100 + (uint64_t)trial;
@@ -222,7 +221,6 @@ static void test_unreal_is_what_its_listing_says(void **state)
 
 static void test_filament_is_what_its_shader_says(void **state)
 {
-    (void)state;
     double worst = 0.0;
     for (int trial = 0; trial < neph_test_paths(20000); trial++) {
         uint64_t seed = 900 + (uint64_t)trial;
@@ -238,7 +236,6 @@ static void test_filament_is_what_its_shader_says(void **state)
 /* d 2^(-f (y - h)), in Unreal's centimetres and thousandths; the exponent ends at -127. */
 static void test_density_is_unreals(void **state)
 {
-    (void)state;
     for (int trial = 0; trial < 1000; trial++) {
         uint64_t seed = 40 + (uint64_t)trial;
         const struct neph_unreal_fog ui = {neph_test_uniform(&seed, 0, 4),
@@ -259,7 +256,6 @@ static void test_density_is_unreals(void **state)
  * series leaves out, whose size at the seam is the jump there. */
 static void test_mean_is_ln2_times_the_mean(void **state)
 {
-    (void)state;
     const double exponents[] = {-120, -30,  -3,    -0.2, -0.011, -0.01, -1e-3, 0,
                                 1e-3, 0.01, 0.011, 0.2,  3,      30,    120};
     for (size_t i = 0; i < sizeof(exponents) / sizeof(exponents[0]); i++) {
@@ -280,7 +276,6 @@ static void test_mean_is_ln2_times_the_mean(void **state)
 /* What begins later is what a camera further on sees, and what lies nearer sees nothing. */
 static void test_a_start_is_a_camera_further_on(void **state)
 {
-    (void)state;
     for (int trial = 0; trial < 1000; trial++) {
         uint64_t seed = 70 + (uint64_t)trial;
         struct neph_scene scene = foggy(0.3, 0.4, 5.0);
@@ -303,7 +298,6 @@ static void test_a_start_is_a_camera_further_on(void **state)
 /* Fog ends over ground: nowhere straight up, and on a slope of 60 degrees at twice the distance. */
 static void test_the_end_is_over_ground(void **state)
 {
-    (void)state;
     struct neph_scene scene = foggy(0.2, 0.1, 5.0);
     const struct view up = {{0, 3, 0}, {0, 1, 0}, 400.0};
     const struct view slope = {{0, 3, 0}, {0.5, sqrt(0.75), 0}, 400.0};
@@ -318,7 +312,6 @@ static void test_the_end_is_over_ground(void **state)
 /* The least that comes through; the glow that it does not dim; the pop. */
 static void test_limits(void **state)
 {
-    (void)state;
     struct neph_scene scene = foggy(2.0, 0.1, 0.0);
     struct view view = {{0, 0, 0}, scene.sun.direction, 500.0};
     const struct neph_fog_look_light whole = seen(&scene, NEPH_FOG_UNREAL, &view);
@@ -342,7 +335,6 @@ static void test_limits(void **state)
  * fog that only glows is as bright as engine exact has it. */
 static void test_without_controls_it_is_physics(void **state)
 {
-    (void)state;
     const double seams[] = {pow(ln2 * 0.01, 2.0) / 6.0, 0.5 * 0.00125};
     for (int trial = 0; trial < 2000; trial++) {
         uint64_t seed = 4000 + (uint64_t)trial;
@@ -375,7 +367,6 @@ static void test_without_controls_it_is_physics(void **state)
 /* The sky's light in white fog under an even sky is a furnace: nothing can be seen. */
 static void test_sky_light_is_a_furnace(void **state)
 {
-    (void)state;
     struct neph_scene scene = foggy(0.5, 0.2, 0.0);
     scene.fog_look.inscattering_w_per_m2_sr = make_grey(0.0);
     scene.fog_look.sky_light = white;
@@ -399,7 +390,6 @@ static void assert_finite(const struct neph_fog_look_light *fog)
 /* rsqrt(0), with and without an observer elsewhere. */
 static void test_nothing_lies_before_what_is_at_the_camera(void **state)
 {
-    (void)state;
     for (int model = 0; model < NEPH_FOG_MODEL_COUNT; model++) {
         struct neph_scene scene = foggy(10.0, 2.0, 1000.0); /* 2^127 d is infinite as a float */
         scene.fog_look.directional_w_per_m2_sr = white;
@@ -413,7 +403,6 @@ static void test_nothing_lies_before_what_is_at_the_camera(void **state)
  * through, up, down and level. */
 static void test_far_below_the_fog(void **state)
 {
-    (void)state;
     const double falloffs[] = {0.2, 0.7, 2.0}, rises[] = {-1.0, 0.0, 1e-6, 1.0};
     for (int i = 0; i < 3 * 4 * NEPH_FOG_MODEL_COUNT; i++) {
         const struct neph_scene scene = foggy(4.0, 10.0 * falloffs[i % 3], 0.0);
@@ -434,7 +423,6 @@ static void test_far_below_the_fog(void **state)
 /* No falloff, no density, straight up and down, to everywhere. */
 static void test_zeros(void **state)
 {
-    (void)state;
     const double lengths_m[] = {1e-30, 1.0, 1e6, INFINITY};
     for (int i = 0; i < 2 * 2 * 3 * 4 * NEPH_FOG_MODEL_COUNT; i++) {
         const double density = i % 2 ? 0.1 : 0.0, y = (double)(i / 4 % 3) - 1.0;
@@ -450,7 +438,6 @@ static void test_zeros(void **state)
 /* pow(0, 0) */
 static void test_there_is_no_glow_away_from_the_sun(void **state)
 {
-    (void)state;
     assert_true(neph_fog_lobe(0.0, 0.0) == 0.0 && neph_fog_lobe(-1.0, 0.0) == 0.0);
     assert_true(neph_fog_lobe(1e-300, 0.0) == 1.0 && neph_fog_lobe(1.0, 64.0) == 1.0);
     neph_assert_close(neph_fog_lobe(0.5, 3.0), 0.125, 1e-15, 0.0);
@@ -460,7 +447,6 @@ static void test_there_is_no_glow_away_from_the_sun(void **state)
 
 static void test_controls_are_switched_one_by_one(void **state)
 {
-    (void)state;
     uint64_t seed = 8;
     struct neph_fog_look full = some_look(&seed);
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
@@ -478,7 +464,6 @@ static void test_controls_are_switched_one_by_one(void **state)
 /* What Filament has no word for does nothing there. */
 static void test_filament_does_not_know_all(void **state)
 {
-    (void)state;
     struct neph_scene scene = foggy(0.5, 0.2, 0.0);
     const struct view view = {{0, 50, 0}, {0.6, -0.48, 0.64}, 300.0};
     const double before = seen(&scene, NEPH_FOG_FILAMENT, &view).transmittance;

@@ -88,7 +88,6 @@ static void check_medium(const char *name, struct neph_medium medium)
 
 static void test_a_medium_in_layers_is_the_medium(void **state)
 {
-    (void)state;
     uint64_t seed = 4;
     struct neph_grid *grid = random_lattice((const int[3]){6, 5, 6},
                                             (struct neph_vec3){-7.0, 1.0, -7.0},
@@ -107,7 +106,6 @@ static void test_a_medium_in_layers_is_the_medium(void **state)
 /* A sheet above a cloud, and haze below and around both: whichever is listed first. */
 static void test_any_order_of_layers_is_the_same(void **state)
 {
-    (void)state;
     struct neph_diag diag = {0};
     struct neph_grid *grid = NULL;
     const struct neph_sheet sheet = {.center_m = {0.0, 10.0, 0.0},

@@ -119,7 +119,6 @@ static struct scores scores_against(const double *truth, const struct neph_image
  * with g <= 2, which was measured for this scene, and N = 512, 0.044 and 0.02. */
 static void test_reported_noise_is_true(void **state)
 {
-    (void)state;
     enum { WIDTH = 64, HEIGHT = 36, SAMPLES = 512 };
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
@@ -147,7 +146,6 @@ static void test_reported_noise_is_true(void **state)
  * symmetric, its mean is not shifted. */
 static void test_two_seeds_differ_by_their_noise(void **state)
 {
-    (void)state;
     enum { WIDTH = 48, HEIGHT = 27, SAMPLES = 256 };
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
@@ -181,7 +179,6 @@ static void test_two_seeds_differ_by_their_noise(void **state)
 
 static void test_layers(void **state)
 {
-    (void)state;
     enum { WIDTH = 32, HEIGHT = 18 };
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
@@ -237,7 +234,6 @@ static void test_layers(void **state)
 /* Light everywhere alike, nothing absorbed: each pixel is that light, thick cloud or thin. */
 static void test_white_furnace_frame(void **state)
 {
-    (void)state;
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
     stage.scene.sun.present = false;
@@ -260,7 +256,6 @@ static void test_white_furnace_frame(void **state)
 
 static void test_threads_change_no_bit(void **state)
 {
-    (void)state;
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
     const struct neph_oracle_params params = params_of(24, 20, 20);
@@ -355,7 +350,6 @@ static void test_foreign_and_damaged_checkpoints_are_refused(void **state)
 
 static void test_target_and_limit(void **state)
 {
-    (void)state;
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_SINGLE);
     struct neph_oracle_params params = params_of(16, 9, 4096);
@@ -375,7 +369,6 @@ static void test_target_and_limit(void **state)
 
 static void test_what_is_refused(void **state)
 {
-    (void)state;
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_MULTIPLE);
     struct neph_oracle_params params = params_of(8, 8, 1);
@@ -454,7 +447,6 @@ static void test_interrupted_render_is_resumed(void **state)
  * centres lie within its radius, however far it is. */
 static void test_parallel_rays(void **state)
 {
-    (void)state;
     enum { WIDTH = 80, HEIGHT = 60 };
     struct stage stage;
     make_stage(&stage, NEPH_SCATTERING_NONE);

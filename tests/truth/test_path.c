@@ -285,7 +285,6 @@ static void check_one_medium(const char *name, struct neph_medium medium)
 
 static void test_single_scattering_of_one_medium(void **state)
 {
-    (void)state;
     check_one_medium("homogeneous", make_homogeneous(0.7, cube));
     check_one_medium("two fogs", two_fogs());
     check_one_medium("Gaussian", make_blob(0.9, (struct neph_vec3){0.5, 0.4, 0.3}, 0.8));
@@ -307,7 +306,6 @@ static void add_solids(struct neph_scene *scene, struct neph_solid solids[2])
 /* Overlapping, each of another colour, phase and albedo; one channel sees nothing of one. */
 static void test_single_scattering_of_coloured_media_and_solids(void **state)
 {
-    (void)state;
     struct neph_solid solids[2];
     struct neph_scene scene = sunny(NEPH_SCATTERING_SINGLE);
     add_solids(&scene, solids);
@@ -378,7 +376,6 @@ static void check_fluxes(const struct neph_scene *scene, double reflected, doubl
  * (doubling of 128 streams, checked against DISORT); and the same from sunlight. */
 static void test_conservative_slabs(void **state)
 {
-    (void)state;
     static const struct {
         double optical_depth, reflected;
         int samples;
@@ -433,7 +430,6 @@ static void check_slab(double optical_depth, double albedo, struct neph_phase ph
 
 static void test_slabs_against_doubling(void **state)
 {
-    (void)state;
     check_slab(0.5, 1.0, (struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 30000);
     check_slab(3.0, 0.9, rayleigh, 30000);
     check_slab(8.0, 0.99, (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 20000);
@@ -475,7 +471,6 @@ static void check_profile(const char *name, struct neph_medium medium, double op
 
 static void test_vertical_profiles_are_slabs(void **state)
 {
-    (void)state;
     struct neph_medium fog = two_fogs();
     fog.layers[0] = (struct neph_fog_layer){0.3, 0.2, 0.0};
     fog.layers[1] = (struct neph_fog_layer){0.05, 0.1, 5.0};
@@ -513,7 +508,6 @@ static void test_vertical_profiles_are_slabs(void **state)
 /* A half-space of absorbing fog that thickens downwards without end. */
 static void test_half_space_against_chandrasekhar(void **state)
 {
-    (void)state;
     const double albedo = 0.9, view_cosine = 0.7, sun_cosine = 0.5;
     struct neph_scene scene = slab_scene(1.0, albedo, (struct neph_phase){0}, sun_cosine);
     scene.media[0].kind = NEPH_MEDIUM_HEIGHT_FOG;
@@ -534,7 +528,6 @@ static void test_half_space_against_chandrasekhar(void **state)
  * estimate with another path for every sample. */
 static void test_colour_of_all_orders(void **state)
 {
-    (void)state;
     enum { SAMPLES = 20000 };
     struct neph_solid solids[2];
     struct neph_scene scene = sunny(NEPH_SCATTERING_MULTIPLE);
@@ -566,7 +559,6 @@ static void test_colour_of_all_orders(void **state)
 /* No light is lost: solids and media of albedo 1 in uniform surroundings. */
 static void test_white_furnace(void **state)
 {
-    (void)state;
     struct neph_solid solids[2];
     struct neph_scene scene = sunny(NEPH_SCATTERING_MULTIPLE);
     add_solids(&scene, solids);

@@ -93,7 +93,6 @@ static struct estimate ambient(struct neph_solid *solids, int count, double x, d
 
 static void test_ambient_of_a_plane_is_one(void **state)
 {
-    (void)state;
     struct neph_solid plane = floor_of(0.5);
     const struct estimate open = ambient(&plane, 1, 3, 4, INFINITY);
     assert_true(open.mean == 1.0 && open.error == 0.0);
@@ -102,7 +101,6 @@ static void test_ambient_of_a_plane_is_one(void **state)
 /* Walls to the sky: half of it is left by one, a quarter by two. */
 static void test_ambient_of_a_corner(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5),
                                   grey_box(0, 0, -far_m, far_m, far_m, 0, 0.5)};
     assert_mean(ambient(solids, 2, 0.2, 5, INFINITY), 0.5);
@@ -113,7 +111,6 @@ static void test_ambient_of_a_corner(void **state)
 /* An endless strip hides (1 - cos elevation) / 2 of the cosine-weighted sky. */
 static void test_ambient_of_a_step(void **state)
 {
-    (void)state;
     static const double distances_m[] = {0.05, 0.5, 1, 3, 20};
     const double height_m = 1.5;
     struct neph_solid solids[] = {floor_of(0.5),
@@ -128,7 +125,6 @@ static void test_ambient_of_a_step(void **state)
  * the wall is above d / D (Nusselt's analogue). */
 static void test_ambient_within_a_distance(void **state)
 {
-    (void)state;
     static const double distances_m[] = {0.5, 0.9, 1.1, 2, 10};
     const double d = 1.0;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-far_m, 0, -far_m, 0, far_m, far_m, 0.5)};
@@ -149,7 +145,6 @@ static double rectangle_factor(double b, double h, double d)
 
 static void test_ambient_of_a_board(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, 0.5)};
     assert_mean(ambient(solids, 2, 0.7, 0, INFINITY),
                 1.0 - rectangle_factor(2, 1.2, 0.7) - rectangle_factor(3, 1.2, 0.7));
@@ -160,7 +155,6 @@ static void test_ambient_of_a_board(void **state)
 /* A board in the sun shines evenly on the ground: its radiance times its form factor. */
 static void test_one_bounce_off_a_board(void **state)
 {
-    (void)state;
     const double albedo = 0.6, irradiance = 5.0, d = 0.7;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, 1.2, 3, albedo)};
     struct neph_scene scene = scene_of(solids, 2);
@@ -182,7 +176,6 @@ static void test_one_bounce_off_a_board(void **state)
  * light, and of what it hides, comes from there. The camera looks along x. */
 static void test_what_a_screen_knows(void **state)
 {
-    (void)state;
     const double d = 0.7, height_m = 1.2;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-1, 0, -2, 0, height_m, 2, 0.6)};
     struct neph_scene scene = scene_of(solids, 2);
@@ -256,7 +249,6 @@ static struct neph_vec3 before_a_wall(uint64_t *seed, struct neph_vec3 *directio
  * 1 / (1 - albedo) of all. */
 static void test_energy_in_a_room(void **state)
 {
-    (void)state;
     const double albedo = 0.7, intensity = 2.0;
     const double area = 2 * (room_m[1] * room_m[2] + room_m[0] * room_m[2] + room_m[0] * room_m[1]);
     const double once = 4 * M_PI * intensity / area;
@@ -308,7 +300,6 @@ static int make_textured(struct neph_solid *solids)
 /* The closed form, the oracle and light between solids, each with code of its own. */
 static void test_textures_in_the_sun(void **state)
 {
-    (void)state;
     struct neph_solid solids[2];
     struct neph_scene scene = scene_of(solids, make_textured(solids));
     scene.environment_light = false;
@@ -338,7 +329,6 @@ static void test_textures_in_the_sun(void **state)
 /* All bounces, by the oracle's paths. */
 static void test_textures_in_all_light(void **state)
 {
-    (void)state;
     struct neph_solid solids[2];
     struct neph_scene scene = scene_of(solids, make_textured(solids));
     scene.sun = (struct neph_sun){true, {0.48, 0.6, 0.64}, {3, 2, 4}};
@@ -371,7 +361,6 @@ static void test_textures_in_all_light(void **state)
 /* All that scatters all light is as bright as what is around it, whatever its shape. */
 static void test_white_furnace(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {floor_of(1), make_sphere(0, 1, 0, 1),
                                   grey_box(1.2, 0, -2, 1.6, 3, 2, 1),
                                   grey_box(-3, 0, -2, -2, 3, 2, 1)};
@@ -422,7 +411,6 @@ static double reflected_once(double alpha, double cos_from, bool all)
 /* A plain of rough metal under an even sky, drawn and by the reflectance itself. */
 static void test_rough_metal_under_an_even_sky(void **state)
 {
-    (void)state;
     static const double roughnesses[] = {0.3, 0.6, 1.0}, cosines[] = {0.95, 0.3};
     for (size_t i = 0; i < COUNT(roughnesses); i++)
         for (size_t k = 0; k < COUNT(cosines); k++) {
@@ -442,7 +430,6 @@ static void test_rough_metal_under_an_even_sky(void **state)
 /* The same light by cosine-drawn directions times the reflectance. */
 static void test_reflectance_of_rough_metal(void **state)
 {
-    (void)state;
     const struct neph_vec3 up = {0, 1, 0};
     const struct neph_vec3 from = neph_vec3_normalize((struct neph_vec3){0.8, 0.6, 0});
     const int samples = neph_test_paths(200000);
@@ -483,7 +470,6 @@ static int make_mirror_stage(struct neph_solid *solids)
 /* What a mirrored camera sees, times the mirror's colour. */
 static void test_a_mirror_is_a_mirrored_camera(void **state)
 {
-    (void)state;
     struct neph_solid solids[4];
     struct neph_scene scene = scene_of(solids, make_mirror_stage(solids));
     scene.sun = (struct neph_sun){true, {0.6, 0.8, 0}, white};
@@ -514,7 +500,6 @@ static void test_a_mirror_is_a_mirrored_camera(void **state)
 /* Sun and a lamp that a half-metal mirror throws on the ground, and not beyond its shape. */
 static void test_light_that_a_mirror_throws(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 0, 0.9)};
     solids[1].surface.metalness = 0.5;
     struct neph_scene scene = scene_of(solids, 2);
@@ -550,7 +535,6 @@ static void test_light_that_a_mirror_throws(void **state)
 /* Turning the world turns the mirror with it. */
 static void test_a_turned_mirror(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {floor_of(0.5), grey_box(-9, 0, -1, 9, 3, 1, 0.9)};
     solids[1].surface.metalness = 1.0;
     const double turn_rad = 0.4;
@@ -569,7 +553,6 @@ static void test_a_turned_mirror(void **state)
 
 static void test_what_no_path_finds_is_refused(void **state)
 {
-    (void)state;
     char reason[256] = "";
     struct neph_solid solids[] = {floor_of(0.5), make_sphere(0, 1, 0, 1), make_sphere(3, 1, 0, 1)};
     struct neph_scene scene = scene_of(solids, 3);

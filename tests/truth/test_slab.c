@@ -36,7 +36,6 @@ static struct neph_slab_fluxes fluxes_of(struct neph_slab_params params)
 
 static void test_h_function(void **state)
 {
-    (void)state;
     neph_assert_close(neph_chandrasekhar_h(1.0, 1.0), 2.907810529, 2e-10, 0.0);
     neph_assert_close(neph_chandrasekhar_h(0.9, 1.0), 1.850098517, 2e-10, 0.0);
     assert_true(neph_chandrasekhar_h(0.7, 0.0) == 1.0);
@@ -76,7 +75,6 @@ static const double views5[] = {1.0, 0.7, 0.3, 0.05, 0.01};
  * what the nodes promise. */
 static void test_half_space(void **state)
 {
-    (void)state;
     static const double albedos[] = {0.2, 0.9, 0.99};
     static const double suns[] = {1.0, 0.7, 0.1};
     for (size_t a = 0; a < COUNT(albedos); a++)
@@ -102,7 +100,6 @@ static void test_half_space(void **state)
  * absorption of 1e-16 per event, of which there are tau^2. */
 static void test_diffusion_limit(void **state)
 {
-    (void)state;
     const double q = 0.710446089598763;
     static const double depths[] = {32.0, 300.0, NEPH_SLAB_OPTICAL_DEPTH_MAX};
     for (size_t i = 0; i < COUNT(depths); i++) {
@@ -127,7 +124,6 @@ static void test_diffusion_limit(void **state)
  * and Monte Carlo. */
 static void test_cloud_fluxes(void **state)
 {
-    (void)state;
     static const double rows[][3] = {{1.0, 0.0907, 0.9093},
                                      {4.0, 0.3109, 0.6891},
                                      {16.0, 0.6397, 0.3603},
@@ -212,7 +208,6 @@ static bool is_taken(size_t index, size_t count)
  * the fourth order: a few times 1e-8. */
 static void test_second_order(void **state)
 {
-    (void)state;
     const struct neph_phase phases[] = {isotropic, rayleigh, hg(0.6), hg(-0.4)};
     static const double views[] = {0.95, 0.5, 0.08}, suns[] = {0.77, 0.2},
                         azimuths[] = {0.0, 1.0, M_PI};
@@ -254,7 +249,6 @@ static void test_second_order(void **state)
  * 1 - E2(tau/2) of itself in the next, at the middle of the slab. */
 static void test_thin_limit(void **state)
 {
-    (void)state;
     for (double tau = 1e-1; tau > 1e-6; tau *= 0.01) {
         struct neph_slab *slab = make(
             (struct neph_slab_params){tau, 1.0, isotropic, 0.7, COUNT(views5), views5, 0});
@@ -285,7 +279,6 @@ static const struct neph_phase all_phases[] = {
  * at the most. */
 static void test_energy_is_conserved(void **state)
 {
-    (void)state;
     static const double depths[] = {1e-8, 1e-3, 0.3, 4.0, 64.0, 1000.0};
     static const double suns[] = {1.0, 0.7, 0.1, NEPH_SLAB_COSINE_MIN};
     double worst = 0.0;
@@ -305,7 +298,6 @@ static void test_energy_is_conserved(void **state)
 /* Fluxes are the integrals of the radiances, first order and azimuths included. */
 static void test_radiances_integrate_to_fluxes(void **state)
 {
-    (void)state;
     enum { NODES = 64, AZIMUTHS = 160 };
     double cosines[NODES], weight[NODES];
     neph_gauss_legendre(NODES, cosines, weight);
@@ -331,7 +323,6 @@ static void test_radiances_integrate_to_fluxes(void **state)
 /* Sun and view exchanged: radiance / sun cosine is the same. */
 static void test_reciprocity(void **state)
 {
-    (void)state;
     const struct neph_phase phases[] = {rayleigh, hg(0.85)};
     const double cosines[] = {0.9, 0.25};
     for (size_t n = 0; n < COUNT(phases); n++) {
@@ -356,7 +347,6 @@ static void test_reciprocity(void **state)
  * of the sharpest phase functions to 1e-6. */
 static void test_number_of_nodes(void **state)
 {
-    (void)state;
     const struct neph_phase phases[] = {isotropic, rayleigh, hg(0.75)};
     double worst = 0.0;
     for (size_t n = 0; n < COUNT(phases); n++) {
@@ -392,7 +382,6 @@ static void test_number_of_nodes(void **state)
 
 static void test_nothing_there(void **state)
 {
-    (void)state;
     struct neph_slab *empty = make(
         (struct neph_slab_params){0.0, 1.0, hg(0.5), 0.5, COUNT(views5), views5, 0});
     struct neph_slab *black = make(
@@ -412,7 +401,6 @@ static void test_nothing_there(void **state)
 
 static void test_what_is_refused(void **state)
 {
-    (void)state;
     static const double sideways[] = {0.5, 0.0};
     const struct {
         struct neph_slab_params params;

@@ -36,7 +36,6 @@ static struct neph_step_cloud_params i3rc_case(int experiment, double optical_de
  * 0.06 %; four digits. */
 static void test_i3rc_step_cloud(void **state)
 {
-    (void)state;
     static const struct {
         double reflected, transmitted, absorbed;
     } expected[] = {{0.3277, 0.6723, 0.0},
@@ -67,7 +66,6 @@ static void test_i3rc_step_cloud(void **state)
 /* Equal columns are a slab, whatever their width: fluxes and nadir radiance by adding-doubling. */
 static void test_equal_columns_are_a_slab(void **state)
 {
-    (void)state;
     static const struct {
         double depth, albedo, sun_cosine, g, width_m;
     } cases[] = {
@@ -106,7 +104,6 @@ static void test_equal_columns_are_a_slab(void **state)
  * much narrower than a free path are one slab of the mean depth. */
 static void test_wide_and_narrow_columns(void **state)
 {
-    (void)state;
     const double depths[2] = {0.5, 4.0};
     struct neph_step_cloud_params params = {
         2, depths, 1e6, 10.0, 1.0, {NEPH_PHASE_ISOTROPIC, 0.0}, 0.7, 11, neph_test_paths(100000)};
@@ -134,7 +131,6 @@ static void test_wide_and_narrow_columns(void **state)
 
 static void test_same_seed_same_bits_and_bad_input(void **state)
 {
-    (void)state;
     double depths[32];
     struct neph_step_cloud_params params = i3rc_case(4, depths);
     struct neph_step_cloud_fluxes a, b, c;

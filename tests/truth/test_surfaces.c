@@ -45,7 +45,6 @@ static float *const *layer(const struct neph_image *image, const char *name, flo
 
 static void test_parts_make_the_picture(void **state)
 {
-    (void)state;
     struct test_scene stage;
     make_stage(&stage);
     const struct neph_surfaces_params params = make_params();
@@ -84,7 +83,6 @@ static void test_parts_make_the_picture(void **state)
 /* The noise that a picture tells is that between pictures of other seeds. */
 static void test_noise_is_told(void **state)
 {
-    (void)state;
     static const char *const names[] = {"diffuse_indirect", "glossy_direct", "ao", NULL};
     struct test_scene stage;
     make_stage(&stage);
@@ -114,7 +112,6 @@ static void test_noise_is_told(void **state)
 /* Single scattering is direct light alone. */
 static void test_orders_of_scattering(void **state)
 {
-    (void)state;
     struct test_scene stage;
     make_stage(&stage);
     stage.solids[0].surface = (struct neph_surface){0};
@@ -135,7 +132,6 @@ static void test_orders_of_scattering(void **state)
 
 static void test_what_is_out_of_range_is_refused(void **state)
 {
-    (void)state;
     struct test_scene stage;
     struct neph_image *image = NULL;
     make_stage(&stage);

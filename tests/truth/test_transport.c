@@ -22,7 +22,6 @@ static const double invisible_per_sr = 1e-290;
  * optical depths 1e-10 .. 1e3. 1e-12, or four roundings of the coordinates. */
 static void test_single_scattering_against_reference(void **state)
 {
-    (void)state;
     double worst = 0.0;
     int failures = 0;
     for (size_t i = 0; i < COUNT(reference_view); i++) {
@@ -56,7 +55,6 @@ static void test_single_scattering_against_reference(void **state)
  * four roundings of the exponent. */
 static void test_the_sun_behind_an_opaque_medium(void **state)
 {
-    (void)state;
     const struct neph_vec3 ahead = {0, 0, -1};
     const struct neph_vec3 steep = neph_vec3_normalize((struct neph_vec3){0.2, 0.5, -1});
     struct neph_medium fog_in_box = make_height_fog(30.0, 0.25);
@@ -89,7 +87,6 @@ static void test_the_sun_behind_an_opaque_medium(void **state)
  * L = E p tau e^(-tau / mu0) phi(tau (1 - 1 / mu0)). */
 static void test_a_slanting_sun_behind_a_slab(void **state)
 {
-    (void)state;
     const double cosine = 0.8, depth = 100.0, far_m = 1e5;
     const struct neph_scene scene = make_sunny(
         make_homogeneous(50.0, (struct neph_bounds){{-far_m, -far_m, -1}, {far_m, far_m, 1}}),
@@ -104,7 +101,6 @@ static void test_a_slanting_sun_behind_a_slab(void **state)
 /* The first 60 optical depths lie in the shadow of a plate. */
 static void test_light_behind_an_opaque_shadow(void **state)
 {
-    (void)state;
     const double extinction_per_m = 10.0;
     struct neph_scene scene = make_sunny(
         make_homogeneous(extinction_per_m, (struct neph_bounds){{-50, -50, -10}, {50, 1, 0}}),
@@ -146,7 +142,6 @@ static void assert_one_shadow(struct neph_solid solid, double slant, double low_
 
 static void test_shadow_of_one_solid(void **state)
 {
-    (void)state;
     /* Above the layer, from 20 to 24 m: 16 and 20 m over the ray. */
     assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.0, 30, 33);
     assert_one_shadow(make_box(30, 20, -1, 33, 24, 1), 0.75, 30 - 15, 33 - 12);
@@ -161,7 +156,6 @@ static void test_shadow_of_one_solid(void **state)
 /* Two overlapping shadows count once; a solid hit by the ray ends it. */
 static void test_shadows_overlap_and_rays_end(void **state)
 {
-    (void)state;
     const double sigma = 0.07;
     struct neph_solid solids[] = {make_box(10, 20, -1, 14, 24, 1), make_box(12, 15, -1, 17, 16, 1),
                                   make_box(11, 30, -1, 13, 31, 1), make_box(40, 0, -9, 50, 5, 9)};
@@ -182,7 +176,6 @@ static void test_shadows_overlap_and_rays_end(void **state)
 /* Height fog, sun overhead, a roof over part of a level ray: density is constant along it. */
 static void test_shadow_in_height_fog(void **state)
 {
-    (void)state;
     struct neph_solid roof = make_box(30, 20, -1, 33, 24, 1);
     struct neph_scene scene = make_sunny(make_height_fog(0.02, 0.05),
                                          (struct neph_vec3){0.0, 1.0, 0.0});
@@ -293,7 +286,6 @@ static void make_fences(struct fence fences[4])
 /* Along the fence just in front of it, across its shadows, and past its end. */
 static void test_fence_against_brute_force(void **state)
 {
-    (void)state;
     struct fence *fences = test_malloc(4 * sizeof(*fences));
     make_fences(fences);
     static const struct neph_vec3 origins[] = {{-18, 0.8, -7.5}, {0, 1.7, 0}, {-18, 1.2, -3}};
@@ -336,7 +328,6 @@ static struct neph_medium random_medium(uint64_t *seed)
 /* Media that overlap, boxes and spheres, any sun, any ray. */
 static void test_random_scenes_against_brute_force(void **state)
 {
-    (void)state;
     const uint64_t first_seed = 161803;
     double worst = 0.0;
     for (uint64_t trial = 0; trial < 60; trial += (uint64_t)neph_test_path_step()) {
@@ -377,7 +368,6 @@ static void test_random_scenes_against_brute_force(void **state)
 /* albedo / pi E cos(theta) T_sun, seen through T_view. */
 static void test_lambert_through_fog(void **state)
 {
-    (void)state;
     const double a = 0.02, b = 0.05, mu0 = 0.8, k = -0.6;
     struct neph_solid ground = make_box(-1e6, -1, -1e6, 1e6, 0, 1e6);
     ground.albedo = (struct neph_rgb){0.5, 0.25, 0.125};
@@ -401,7 +391,6 @@ static void test_lambert_through_fog(void **state)
 
 static void test_a_surface_turned_away_or_shaded_is_black(void **state)
 {
-    (void)state;
     struct neph_solid solids[] = {make_box(-9, -1, -9, 9, 0, 9), make_box(-1, 3, -1, 1, 4, 1)};
     solids[0].albedo = solids[1].albedo = white;
     struct neph_scene scene = make_sunny(make_height_fog(0.0, 0.0), (struct neph_vec3){0, 1, 0});
@@ -421,7 +410,6 @@ static void test_a_surface_turned_away_or_shaded_is_black(void **state)
 /* The ground under 1000 km of air is not shaded by its own rounding. */
 static void test_a_surface_far_away_is_lit(void **state)
 {
-    (void)state;
     struct neph_solid ground = make_box(-1e7, -10, -1e7, 1e7, 0, 1e7);
     ground.albedo = white;
     struct neph_scene scene = make_sunny(make_height_fog(0.0, 0.0),
@@ -442,7 +430,6 @@ static void test_a_surface_far_away_is_lit(void **state)
 /* radiance = volume + T background; each channel has its albedo and its sun. */
 static void test_parts_add_up(void **state)
 {
-    (void)state;
     struct neph_medium fog = make_homogeneous(0.3, (struct neph_bounds){{-1, -1, -1}, {1, 1, 1}});
     struct neph_scene scene = make_sunny(fog, (struct neph_vec3){0, 1, 0});
     const struct neph_vec3 eye = {-3, 0.2, 0.1}, d = {1, 0, 0};
@@ -474,7 +461,6 @@ static void test_parts_add_up(void **state)
 
 static void test_white_furnace(void **state)
 {
-    (void)state;
     struct neph_solid ball = {
         .kind = NEPH_SOLID_SPHERE, .center_m = {0, 0, -5}, .radius_m = 1, .albedo = white};
     struct neph_scene scene = {.scattering = NEPH_SCATTERING_MULTIPLE,
@@ -505,7 +491,6 @@ static void assert_refused(const struct neph_scene *scene, const char *because)
 
 static void test_what_is_refused(void **state)
 {
-    (void)state;
     char reason[100];
     struct neph_solid wall = make_box(0, 0, 0, 1, 1, 1);
     wall.albedo = white;
@@ -539,7 +524,6 @@ static void test_what_is_refused(void **state)
 /* Finite, not negative, T in [0, 1], volume no more than all the sun's light: any corner. */
 static void test_never_nonsense(void **state)
 {
-    (void)state;
     static const double extinctions[] = {0.0, 1e-300, 1e-10, 1e-3, 1.0, 1e3, 1e300};
     static const double falloffs[] = {0.0, 1e-300, 1e-4, 0.1, 10.0};
     static const double heights[] = {-1e6, -100.0, 0.0, 2.0, 1e3, 1e6};
