@@ -287,6 +287,19 @@ static void judge_version(const struct neph_external_renderer *renderer, const c
                  version, renderer->laws);
 }
 
+static void try_version(const struct neph_external_renderer *renderer, const char *program,
+                        struct neph_engine_info *info)
+{
+    struct neph_diag diag = {0};
+    char *text = NULL;
+    if (ask_version(renderer, program, &text, info->build, &diag))
+        snprintf(info->missing, sizeof(info->missing), "'%.120s --version' failed: %.380s", program,
+                 diag.message);
+    else
+        judge_version(renderer, program, text, info);
+    free(text);
+}
+
 static bool has_data_file(const struct neph_external_renderer *renderer,
                           struct neph_engine_info *info)
 {
@@ -311,16 +324,8 @@ void neph_external_probe(const struct neph_external_renderer *renderer, int inde
     if (!program)
         return;
     info->broken = true;
-    struct neph_diag diag = {0};
-    char *text = NULL;
-    if (!has_data_file(renderer, info))
-        ;
-    else if (ask_version(renderer, program, &text, info->build, &diag))
-        snprintf(info->missing, sizeof(info->missing), "'%.120s --version' failed: %.380s", program,
-                 diag.message);
-    else
-        judge_version(renderer, program, text, info);
-    free(text);
+    if (has_data_file(renderer, info))
+        try_version(renderer, program, info);
     free(program);
 }
 

@@ -170,7 +170,8 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 #define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
-// By index: of formats alone, so that a kernel knows, and is another for, no setting but its own.
+// A choice by an index that is no constant, which only formats need. It names these three and not
+// all settings: a kernel is made anew for each setting that its shader names.
 int format_choice(int index)
 {
     return index == RT_DEPTH_FORMAT ? choice(RT_DEPTH_FORMAT)
@@ -203,8 +204,8 @@ const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 int format_of(int target)
 {
     TargetRow row = TARGETS[target];
-    return row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF ? row.half_format
-                                                                           : row.float_format;
+    bool is_half = row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF;
+    return is_half ? row.half_format : row.float_format;
 }
 
 layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
