@@ -11,22 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
-
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
 
 enum {
     FORMS_MAX = NEPH_MEDIUM_FORMS * NEPH_MEDIUM_KIND_COUNT,
     FIELDS_MAX = 32 /* of a form and of all */
-};
-
-static const char *const phase_words[] = {
-    [NEPH_PHASE_ISOTROPIC] = "isotropic",
-    [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
-    [NEPH_PHASE_RAYLEIGH] = "rayleigh",
-    NULL,
 };
 
 /* What every medium has. */
@@ -39,10 +29,10 @@ static const struct neph_field common_fields[] = {
      .note = "of the black body that it were, opaque and without scattering: emitted per metre is "
              "(1 - albedo) * extinction * emission, seen always, scattered with `multiple`",
      .standard = "[0, 0, 0]"},
-    {"phase", NEPH_WORD, AT(phase.kind), .words = phase_words, .standard = "`isotropic`"},
+    {"phase", NEPH_WORD, AT(phase.kind), .words = neph_phase_words, .standard = "`isotropic`"},
     {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
      .note = "beyond 0.999 the phase function is a spike that Cycles clamps",
-     .standard = "needed by `henyey_greenstein`"},
+     .standard = "needed by `" NEPH_PHASES_WITH_ASYMMETRY "`"},
     {"voxels", NEPH_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
      .note = "along the longest side of the grid that replaces the medium",
@@ -105,12 +95,14 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
                                      const struct neph_medium *medium)
 {
     const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
-    const bool wants_g = neph_phase_has_asymmetry(medium->phase.kind);
+    const bool wants_g = neph_phase_row(medium->phase.kind)->has_asymmetry;
     const struct neph_rgb color = medium->extinction_color;
     if (wants_g && !has_g)
-        return neph_refuse(reader, "phase", "henyey_greenstein needs the key asymmetry_g");
+        return neph_refuse(reader, "phase", "%s needs the key asymmetry_g",
+                           neph_phase_words[medium->phase.kind]);
     if (!wants_g && has_g)
-        return neph_refuse(reader, "asymmetry_g", "only phase: henyey_greenstein has an asymmetry");
+        return neph_refuse(reader, "asymmetry_g", 
+                           "only phase: " NEPH_PHASES_WITH_ASYMMETRY " has an asymmetry");
     if (color.r + color.g + color.b == 0.0)
         return neph_refuse(reader, "extinction_color",
                            "a medium that no channel sees; leave it out instead");

@@ -96,16 +96,6 @@ double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_v
 struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                          struct neph_vec3 direction, double t0_m, double t1_m);
 
-/* Phase function [1/sr], normalised over the sphere; cosine between the directions of travel
- * before and after. */
-double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
-
-/* Whether `g` of a phase function means anything. */
-bool neph_phase_has_asymmetry(enum neph_phase_kind kind);
-
-/* The mean over the sphere of the cosine, weighted by the phase function. */
-double neph_phase_mean_cosine(const struct neph_phase *phase);
-
 /* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
  *   sigma_t = a e^{-b (y-h)},  a = (ln 2)^2 density_ui / 10,  b = ln 2 falloff_ui / 10  [1/m].
  * Source: HeightFogCommon.ush and FogRendering.cpp: the shader's missing 1/ln 2 in the line
