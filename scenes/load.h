@@ -18,6 +18,9 @@ struct neph_written_scene {
     struct neph_written_solid *solids; /* fences are one */
 };
 
+/* All keys of a scene file, read into a struct neph_written_scene. */
+extern const struct neph_field neph_scene_fields[];
+
 /* Read in place, into a struct neph_written_scene. */
 extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun_record,
     neph_wind_record;
@@ -39,9 +42,6 @@ extern const struct neph_record neph_fog_look_record;
 enum neph_status neph_check_fog_look(const struct neph_reader *reader,
                                      const struct neph_scene *scene);
 
-/* Its part of a scene's hash. */
-void neph_fog_look_hash(const struct neph_fog_look *look, FILE *text);
-
 /* Write the numbers of a point of the sweep into the file. */
 enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,
@@ -58,6 +58,10 @@ void neph_finish_sun(struct neph_written_scene *written);
 
 /* Fences become their bars, and what moves has its mover. */
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
+
+/* Their parts of the scene's hash. */
+void neph_solids_hash(const struct neph_scene *scene, FILE *text);
+void neph_movers_hash(const struct neph_scene *scene, FILE *text);
 
 /* No light is inside a solid: it would light nothing. */
 enum neph_status neph_check_lights(const struct neph_reader *reader,

@@ -44,40 +44,46 @@ static enum neph_status check_direction(const struct neph_reader *reader, const 
 
 static const struct neph_field pause_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_pause, frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, not of the pictures"},
+     .note = "of the keys, not of the pictures", .hash_name = "pause"},
     {"count", NEPH_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
      .note = "so many pictures more show it"},
     {0},
 };
-static const struct neph_record pause_record = {sizeof(struct neph_pause), pause_fields, NULL};
+static const struct neph_record pause_record = {.size = sizeof(struct neph_pause),
+                                                .fields = pause_fields};
 
 static const struct neph_field clear_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_clear, frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, the first without media"},
+     .note = "of the keys, the first without media", .hash_name = "clear"},
     {"count", NEPH_WHOLE, offsetof(struct neph_clear, count), "frames", 1, KEY_FRAME_MAX,
      .note = "of the keys"},
     {0},
 };
-static const struct neph_record clear_record = {sizeof(struct neph_clear), clear_fields, NULL};
+static const struct neph_record clear_record = {.size = sizeof(struct neph_clear),
+                                                .fields = clear_fields};
 
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
-     .note = "the first picture of this size"},
+     .note = "the first picture of this size", .hash_name = "frame_scale"},
     {"scale", NEPH_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
      .note = "of the size that was asked for"},
     {0},
 };
-static const struct neph_record size_record = {sizeof(struct neph_frame_scale), size_fields, NULL};
+static const struct neph_record size_record = {.size = sizeof(struct neph_frame_scale),
+                                               .fields = size_fields};
 
 static const struct neph_field frames_fields[] = {
-    {"count", NEPH_WHOLE, SCENE(frame_count), "", 1, 10000, .standard = "1"},
-    {"rate_hz", NEPH_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .standard = "30"},
+    {"count", NEPH_WHOLE, SCENE(frame_count), "", 1, 10000, .standard = "1",
+     .hash_name = "frame_count"},
+    {"rate_hz", NEPH_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .standard = "30",
+     .hash_name = "frame_rate_hz"},
     {"pauses", NEPH_LIST, SCENE(pauses), .is_ascending = true, .least = 1,
      .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count), .record = &pause_record,
      .standard = "none"},
     {"advance", NEPH_NUMBERS, SCENE(advances), "frames", 0, 1000,
      .note = "of the keys from picture to picture, by turns: pictures at uneven times", .least = 1,
-     .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]"},
+     .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]",
+     .hash_name = "advance"},
     {"clear", NEPH_LIST, SCENE(clears), .note = "there are no media", .is_ascending = true,
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(clear_count),
      .record = &clear_record, .standard = "none"},
@@ -86,39 +92,41 @@ static const struct neph_field frames_fields[] = {
      .standard = "none"},
     {0},
 };
-const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames_fields, NULL};
+const struct neph_record neph_frames_record = {.size = sizeof(struct neph_scene),
+                                               .fields = frames_fields};
 
 /* --- Camera --- */
 
 static const struct neph_field camera_key_fields[] = {
-    {"frame", NEPH_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time",
+     .hash_name = "camera_key"},
     {"position_m", NEPH_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of the eye"},
     {"look_at_m", NEPH_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "in the middle of the picture"},
     {"cut", NEPH_FLAG, CAMERA_KEY(cut), .note = "the camera stays at the key before and jumps",
-     .standard = "`false`"},
+     .standard = "`false`", .hashing = NEPH_HASHED_IF_SET},
     {0},
 };
-static const struct neph_record camera_key_record = {sizeof(struct neph_camera_key),
-                                                     camera_key_fields, NULL};
+static const struct neph_record camera_key_record = {.size = sizeof(struct neph_camera_key),
+                                                     .fields = camera_key_fields};
 
 static const struct neph_field camera_fields[] = {
     {"position_m", NEPH_THREE, WRITTEN(camera.position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = "needed, or `keys`"},
+     .standard = "needed, or `keys`", .hashing = NEPH_HASHED_AS_MADE},
     {"look_at_m", NEPH_THREE, WRITTEN(camera.look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = "needed, or `keys`"},
+     .standard = "needed, or `keys`", .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(camera_keys),
      .note = "in place of both, by ascending frames; linear in between", .is_ascending = true,
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(camera_key_count),
      .record = &camera_key_record, .standard = "none"},
     {"up", NEPH_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .standard = "[0, 1, 0]"},
     {"vertical_fov_deg", NEPH_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
-     .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`"},
+     .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`",
+     .hash_name = "vertical_fov_rad"},
     {"orthographic_height_m", NEPH_NUMBER, SCENE(orthographic_height_m), "m", 1e-3, NEPH_FAR_M,
      .note = "in place of it: parallel rays, the picture's height at any distance",
-     .standard = "none"},
+     .standard = "none", .hashing = NEPH_HASHED_IF_SET},
     {0},
 };
 
@@ -162,27 +170,30 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
     return status;
 }
 
-const struct neph_record neph_camera_record = {sizeof(struct neph_written_scene), camera_fields,
-                                               read_camera};
+const struct neph_record neph_camera_record = {
+    .size = sizeof(struct neph_written_scene), .fields = camera_fields, .read = read_camera};
 
 /* --- Sun --- */
 
 static const struct neph_field sun_key_fields[] = {
-    {"frame", NEPH_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time",
+     .hash_name = "sun_key"},
     {"direction", NEPH_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "towards the sun"},
     {"irradiance_w_per_m2", NEPH_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
      .note = "on a plane across the direction"},
     {0},
 };
-static const struct neph_record sun_key_record = {sizeof(struct neph_sun_key), sun_key_fields,
-                                                  NULL};
+static const struct neph_record sun_key_record = {.size = sizeof(struct neph_sun_key),
+                                                  .fields = sun_key_fields};
 
 static const struct neph_field sun_fields[] = {
     {"direction", NEPH_THREE, WRITTEN(sun.direction), "", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "towards the sun; any length but 0", .standard = "needed, or `keys`"},
+     .note = "towards the sun; any length but 0", .standard = "needed, or `keys`",
+     .hashing = NEPH_HASHED_AS_MADE},
     {"irradiance_w_per_m2", NEPH_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
-     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`"},
+     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`",
+     .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(sun_keys),
      .note = "in place of both, by ascending frames; directions go along the great circle, so "
              "neighbours may not be opposite",
@@ -232,8 +243,8 @@ static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *
     return status;
 }
 
-const struct neph_record neph_sun_record = {sizeof(struct neph_written_scene), sun_fields,
-                                            read_sun};
+const struct neph_record neph_sun_record = {
+    .size = sizeof(struct neph_written_scene), .fields = sun_fields, .read = read_sun};
 
 /* A single key is a sun that stands still. */
 void neph_finish_sun(struct neph_written_scene *written)
@@ -259,17 +270,18 @@ void neph_finish_sun(struct neph_written_scene *written)
 /* --- Wind --- */
 
 static const struct neph_field wind_key_fields[] = {
-    {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time",
+     .hash_name = "wind_key"},
     {"velocity_m_per_s", NEPH_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
      .note = "of what drifts, see Time"},
     {0},
 };
-static const struct neph_record wind_key_record = {sizeof(struct neph_wind_key), wind_key_fields,
-                                                   NULL};
+static const struct neph_record wind_key_record = {.size = sizeof(struct neph_wind_key),
+                                                   .fields = wind_key_fields};
 
 static const struct neph_field wind_fields[] = {
     {"velocity_m_per_s", NEPH_THREE, WRITTEN(wind.velocity_m_per_s), "m/s", -FAST_M_PER_S,
-     FAST_M_PER_S, .standard = "needed, or `keys`"},
+     FAST_M_PER_S, .standard = "needed, or `keys`", .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(wind_keys),
      .note = "in its place, by ascending frames; linear in between", .is_ascending = true,
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(wind_key_count),
@@ -294,8 +306,8 @@ static enum neph_status read_wind(struct neph_reader *reader, const yaml_node_t 
     return neph_arena_check(reader->arena, reader->diag);
 }
 
-const struct neph_record neph_wind_record = {sizeof(struct neph_written_scene), wind_fields,
-                                             read_wind};
+const struct neph_record neph_wind_record = {
+    .size = sizeof(struct neph_written_scene), .fields = wind_fields, .read = read_wind};
 
 /* --- In the finished scene --- */
 

@@ -7,7 +7,6 @@
 #include "scenes/grid.h"
 
 #include "scenes/emission.h"
-#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -182,24 +181,6 @@ bool neph_scene_is_endless(const struct neph_scene *scene)
         if (neph_medium_is_endless(&scene->media[m]))
             return true;
     return false;
-}
-
-void neph_medium_hash(const struct neph_medium *medium, FILE *text)
-{
-    neph_put_number(text, "medium", medium->kind);
-    neph_put_vec3(text, "min_m", medium->bounds.min_m);
-    neph_put_vec3(text, "max_m", medium->bounds.max_m);
-    neph_put_rgb(text, "extinction_color", medium->extinction_color);
-    neph_put_rgb(text, "albedo", medium->albedo);
-    if (neph_medium_emits(medium)) /* what was stored before there was emission stays valid */
-        neph_put_rgb(text, "emission_w_per_m2_sr", medium->emission_w_per_m2_sr);
-    neph_put_number(text, "phase", medium->phase.kind);
-    neph_put_number(text, "g", medium->phase.g);
-    const struct neph_medium_row *row = rows[medium->kind];
-    if (row->hash)
-        row->hash(medium, text);
-    else
-        neph_fields_hash(row->forms[0].fields, medium, text);
 }
 
 /* --- all media of a scene -------------------------------------------------------------------- */

@@ -72,9 +72,6 @@ bool neph_medium_is_endless(const struct neph_medium *medium);
 bool neph_scene_is_endless(const struct neph_scene *scene); /* some medium of it is */
 extern const char neph_endless_reason[]; /* why others cannot have it, in words */
 
-/* Write all that changes a rendered value, see scenes/hash_text.h. */
-void neph_medium_hash(const struct neph_medium *medium, FILE *text);
-
 /* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
  * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
  * infinite where there is no such end (height fog, homogeneous, shell). Minimum = maximum on some

@@ -217,8 +217,8 @@ static void describe(const struct row *row, char *text, size_t size)
     if (row->rung != FURNACE)
         snprintf(light, sizeof(light), "sun %.0f degrees high",
                  asin(row->sun_cosine) / NEPH_RAD_PER_DEG);
-    snprintf(text, size, "%s: optical depth %g, albedo %g, %s scattering%s; %s; %s", media[row->medium],
-             row->optical_depth, row->albedo, phase->title, g, light,
+    snprintf(text, size, "%s: optical depth %g, albedo %g, %s scattering%s; %s; %s",
+             media[row->medium], row->optical_depth, row->albedo, phase->title, g, light,
              observables[row->observable]);
 }
 
