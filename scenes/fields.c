@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/fields.h"
 
-#include "scenes/hash_text.h"
 #include "scenes/spelling.h"
 
 #include <stdarg.h>
@@ -10,7 +9,6 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
-_Static_assert(NEPH_HASHING_COUNT == 5, "a new kind");
 
 static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t *node,
                                    const struct neph_field *field, void *target);
@@ -530,7 +528,7 @@ enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t 
     return neph_refuse(reader, "", "%s is exactly one of %s", what, keys);
 }
 
-/* --- Defaults, hash and ends --- */
+/* --- Defaults --- */
 
 /* Words are 0. */
 static void set_default(const struct neph_field *field, void *target)
@@ -560,89 +558,4 @@ void neph_fields_default(const struct neph_field *fields, void *target)
 {
     for (; fields->key; fields++)
         set_default(fields, target);
-}
-
-static void hash_record(const struct neph_record *record, const void *value, FILE *text)
-{
-    if (record->hash)
-        record->hash(value, text);
-    else
-        neph_fields_hash(record->fields, value, text);
-}
-
-static void hash_list(const struct neph_field *field, const void *value, int count, FILE *text)
-{
-    if (field->type == NEPH_NUMBERS)
-        for (int i = 0; i < count; i++)
-            neph_put_number(text, field->hash_name ? field->hash_name : field->key,
-                            ((const double *)value)[i]);
-    else
-        for (int i = 0; i < count; i++)
-            hash_record(field->record, (const char *)value + (size_t)i * field->record->size, text);
-}
-
-static void hash_value(const struct neph_field *field, const void *target, FILE *text)
-{
-    const char *name = field->hash_name ? field->hash_name : field->key;
-    const void *value = (const char *)target + field->at;
-    const int *count = (const void *)((const char *)target + field->count_at);
-    switch (field->type) {
-    case NEPH_NUMBER:
-        neph_put_number(text, name, *(const double *)value);
-        break;
-    case NEPH_THREE:
-        neph_put_vec3(text, name, *(const struct neph_vec3 *)value);
-        break;
-    case NEPH_WHOLE:
-    case NEPH_WORD:
-        neph_put_number(text, name, *(const int *)value);
-        break;
-    case NEPH_WHOLES:
-        neph_put_three(text, name, ((const int *)value)[0], ((const int *)value)[1],
-                       ((const int *)value)[2]);
-        break;
-    case NEPH_FLAG:
-        neph_put_number(text, name, *(const bool *)value);
-        break;
-    case NEPH_TEXT:
-        neph_put_text(text, name, *(const char *const *)value);
-        break;
-    case NEPH_RECORD:
-        hash_record(field->record, value, text);
-        break;
-    case NEPH_LIST:
-        hash_list(field, *(const void *const *)value, *count, text);
-        break;
-    case NEPH_NUMBERS:
-    case NEPH_ENTRIES:
-        hash_list(field, value, *count, text);
-        break;
-    case NEPH_FIELD_TYPE_COUNT:
-        break;
-    }
-}
-
-/* Of a number, three of them, or a flag: whether it is not 0. */
-static bool is_set(const struct neph_field *field, const void *target)
-{
-    const void *value = (const char *)target + field->at;
-    const struct neph_vec3 *three = value;
-    if (field->type == NEPH_FLAG)
-        return *(const bool *)value;
-    if (field->type == NEPH_WHOLE || field->type == NEPH_WORD)
-        return *(const int *)value != 0;
-    if (field->type == NEPH_THREE && (three->y != 0.0 || three->z != 0.0))
-        return true;
-    return *(const double *)value != 0.0;
-}
-
-void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text)
-{
-    for (bool is_hashed = false; fields->key; fields++) {
-        if (fields->hashing != NEPH_HASHED_WITH_LAST)
-            is_hashed = fields->hashing == NEPH_HASHED ||
-                        (fields->hashing == NEPH_HASHED_IF_SET && is_set(fields, target));
-        if (is_hashed)
-            hash_value(fields, target, text);
-    }
 }

@@ -32,6 +32,17 @@ bool neph_is_identifier(const char *text)
     return strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
 }
 
+/* Shorter directions are refused: their normalised form would be noise. */
+#define DIRECTION_MIN 1e-9
+
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction)
+{
+    return neph_vec3_length(direction) < DIRECTION_MIN
+               ? neph_refuse(reader, path, "a direction of length 0")
+               : NEPH_OK;
+}
+
 static bool has_control(const char *text, const char *except)
 {
     const size_t length = strlen(text);

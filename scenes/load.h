@@ -72,6 +72,19 @@ enum neph_status neph_check_lights(const struct neph_reader *reader,
 enum neph_status neph_check_motion(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
 
+#define NEPH_KEY_FRAME_MAX 1e5
+
+/* A direction has a length. */
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction);
+
+/* The camera at a frame of the keys: outside solids, and looking somewhere. */
+enum neph_status neph_check_view(const struct neph_reader *reader, const struct neph_scene *scene,
+                                 double frame);
+
+/* Rows of a struct neph_camera_key. */
+extern const struct neph_field neph_camera_key_fields[];
+
 /* Position and target at a frame of the keys. */
 struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
