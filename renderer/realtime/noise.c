@@ -3,7 +3,7 @@
 
 #include "renderer/blue_noise.h"
 
-enum { MASK_FRAMES = 32, GRADIENT_FRAMES = 64 }; /* of shaders/realtime_dither.glsl */
+enum { MASK_FRAMES = 32, GRADIENT_FRAMES = 64 }; /* of realtime/shared/dither.glsl */
 
 /* `frame_count` slices of 64x64. */
 static enum neph_status load_mask(uint32_t seed, int frame_count, const char *cache_folder,
