@@ -88,7 +88,8 @@ static enum neph_status create_messenger(struct neph_vulkan *vulkan, struct neph
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "create the messenger", diag);
 }
 
-static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validation,
+static enum neph_status create_instance(struct neph_vulkan *vulkan,
+                                        enum neph_vulkan_validation validation,
                                         struct neph_diag *diag)
 {
     VkResult result = volkInitialize();
@@ -96,7 +97,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
         return unavailable_driver(result, "open the loader libvulkan.so.1", diag);
     if (vkEnumerateInstanceVersion == NULL)
         return unavailable_driver(VK_ERROR_INCOMPATIBLE_DRIVER, "Vulkan 1.1 or later", diag);
-    if (validation && !has_validation_layer()) {
+    if (validation != NEPH_VALIDATION_OFF && !has_validation_layer()) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "validation is asked for but %s is not installed",
                   validation_layer);
         neph_hint(diag, "%s", install_validation);
@@ -104,12 +105,14 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     }
 
     const VkValidationFeatureEnableEXT checks[] = {
-        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
+        VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+        VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
     const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan);
     const VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
         .pNext = &messenger, /* hears the creation and the destruction of the instance too */
-        .enabledValidationFeatureCount = sizeof(checks) / sizeof(checks[0]),
+        .enabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 3 : 1,
         .pEnabledValidationFeatures = checks,
     };
     const char *const layers[] = {validation_layer};
@@ -121,11 +124,11 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     };
     const VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-        .pNext = validation ? &features : NULL,
+        .pNext = validation != NEPH_VALIDATION_OFF ? &features : NULL,
         .pApplicationInfo = &application,
-        .enabledLayerCount = validation ? 1 : 0,
+        .enabledLayerCount = validation != NEPH_VALIDATION_OFF ? 1 : 0,
         .ppEnabledLayerNames = layers,
-        .enabledExtensionCount = validation ? 1 : 0,
+        .enabledExtensionCount = validation != NEPH_VALIDATION_OFF ? 1 : 0,
         .ppEnabledExtensionNames = extensions,
     };
     result = vkCreateInstance(&info, NULL, &vulkan->instance);
@@ -134,7 +137,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     if (result != VK_SUCCESS)
         return unavailable_driver(result, "create an instance", diag);
     volkLoadInstanceOnly(vulkan->instance);
-    return validation ? create_messenger(vulkan, diag) : NEPH_OK;
+    return validation != NEPH_VALIDATION_OFF ? create_messenger(vulkan, diag) : NEPH_OK;
 }
 
 /* --- physical device ---------------------------------------------------------------------- */

@@ -16,8 +16,15 @@
 
 struct neph_vulkan;
 
+enum neph_vulkan_validation {
+    NEPH_VALIDATION_OFF,
+    NEPH_VALIDATION_ON,      /* core and synchronization checks; every message is counted */
+    NEPH_VALIDATION_SHADERS, /* those, and checks that the layer adds to the shaders: what they
+                              * read and write, as they run */
+};
+
 struct neph_vulkan_params {
-    bool validation;    /* core and synchronization checks; every message is counted */
+    enum neph_vulkan_validation validation;
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
     /* Borrowed; for specialised shaders and the driver's compiled pipelines; made if need be. NULL:
