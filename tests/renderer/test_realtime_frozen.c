@@ -5,8 +5,9 @@
  * frames; a change of any of them is meant, or a fault.
  *
  * Bits belong to one version of a driver and one width of its vectors. frozen_frames.txt has the
- * hashes of each device that was tried, and on another one the test says so and is skipped. After a
- * change that is meant, and on a new device, this command writes the hashes of the device that runs:
+ * hashes of each device that was tried, and on another one the test says so and is skipped. After
+ * a change that is meant, and on a new device, this command writes the hashes of the device that
+ * runs:
  *
  *   NEPH_TEST_FREEZE=1 ctest --test-dir build/release -R renderer/test_realtime_frozen
  */
