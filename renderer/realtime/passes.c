@@ -159,7 +159,6 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .resolution = RT_QUARTER,
         .block = {RT_MARCH_BLOCK, RT_MARCH_BLOCK},
         .rays = NEPH_RT_RAYS_THROUGH_MEDIA,
-        .reads_noise = true,
         .reads = BIT(RT_TILE) | BIT(RT_HALF_DEPTH),
         .writes = BIT(RT_RAY) | BIT(RT_RAY_DISTANCE),
     },
@@ -240,7 +239,6 @@ const struct neph_rt_pass neph_rt_passes[] = {
         .condition = {RT_SPLIT, RT_SPLIT_FOUR},
         .resolution = RT_FULL,
         .in_quads = true,
-        .reads_noise = true,
         .reads = BIT(RT_DEPTH) | BIT(RT_HALF_DEPTH) | BIT(RT_HISTORY) | BIT(RT_HISTORY_BEFORE) |
                  BIT(RT_HISTORY_STATE) | BIT(RT_BEHIND),
         .spared = {{{{RT_ATROUS, 0}}, BIT(RT_HISTORY)},

@@ -63,7 +63,6 @@ struct neph_rt_pass {
      * in_colours if that holds; {0}: they are by themselves. */
     int block[2];
     enum neph_rt_rays rays;
-    bool reads_noise; /* the masks of blue noise */
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
      * wrote: by four dispatches, on a GPU by one of blocks that are by themselves. Else, or NULL,
      * one dispatch of texels. */
