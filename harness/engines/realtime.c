@@ -83,8 +83,8 @@ static enum neph_status label_passes(struct neph_image *image,
 {
     static const char ending[] = "gpu_ms";
     enum neph_status status = NEPH_OK;
-    for (int i = 0; neph_rt_passes[i].name && !status; i++)
-        status = neph_frame_stats_set_pass(image, neph_rt_passes[i].name, ending,
+    for (int i = 0; neph_rt_passes[i] && !status; i++)
+        status = neph_frame_stats_set_pass(image, neph_rt_passes[i]->name, ending,
                                            stats->pass_gpu_s[i], diag);
     if (!status)
         status = neph_frame_stats_set_pass(image, "higher orders", ending, stats->light_gpu_s,
@@ -216,8 +216,8 @@ static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
     if (status)
         return status;
     *cost = (struct neph_flight_cost){.gpu_s = stats.gpu_s, .cpu_s = stats.wall_s};
-    for (int i = 0; neph_rt_passes[i].name; i++)
-        neph_flight_cost_add(cost, neph_rt_passes[i].name, stats.pass_gpu_s[i],
+    for (int i = 0; neph_rt_passes[i]; i++)
+        neph_flight_cost_add(cost, neph_rt_passes[i]->name, stats.pass_gpu_s[i],
                              of_targets(stats.pass_traffic_bytes[i]));
     neph_flight_cost_add_sky(cost, &stats.sky);
     add_before("higher orders", stats.light_gpu_s, cost);
@@ -280,7 +280,7 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
     static const char *const resolutions[] = {
         [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
         [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
-    const struct neph_rt_pass *record = &neph_rt_passes[index];
+    const struct neph_rt_pass *record = neph_rt_passes[index];
     if (!record->name)
         return false;
     const struct neph_option *setting = &neph_rt_options[record->condition.setting];

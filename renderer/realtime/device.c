@@ -10,7 +10,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
-enum { local_size = 64 }; /* of shaders/realtime_pass.glsl */
+enum { local_size = 64 }; /* of realtime/shared/pass.glsl */
 
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target)
 {
@@ -144,7 +144,7 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
     }
 }
 
-/* What a shader knows of a setting (shaders/realtime_choices.glsl). */
+/* What a shader knows of a setting (realtime/shared/choices.glsl). */
 static uint32_t digit_of(int setting, float value)
 {
     if (neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)

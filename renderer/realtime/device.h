@@ -26,8 +26,8 @@ struct neph_rt_device {
     struct neph_buffer nothing; /* one word, where a pass does not declare a target */
     bool specialises; /* compile the choices into the shaders: faster, but a compilation (seconds on
                          lavapipe) for each set of them. Same bits. */
-    bool is_dark;     /* rays see transmittance alone, and have no noise (shaders/rt_march.comp) */
-    bool on_gpu;      /* compile for one. Same bits, but for what is rounded freely. */
+    bool is_dark; /* rays see transmittance alone, and have no noise (ray_march/ray_march.comp) */
+    bool on_gpu;  /* compile for one. Same bits, but for what is rounded freely. */
     uint32_t native_halves; /* NEPH_HALVES_READ, ..: what the driver may do itself; 0 on a CPU, so
                                that nobody has to be asked there. Same bits. */
     struct neph_buffer readback; /* as large as the largest target */

@@ -115,9 +115,11 @@ enum neph_status neph_rt_inject_history(struct neph_rt_device *device,
 {
     uint32_t before = NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND); /* in their place */
     enum neph_status status = NEPH_OK;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_holds(device->view, pass->condition))
             before |= neph_rt_targets_before(pass);
+    }
     for (int t = 0; t < RT_TARGET_COUNT && !status; t++)
         if (before & NEPH_RT_BIT(t))
             status = put_where(device, t, is_inside, NULL, value, count, diag);

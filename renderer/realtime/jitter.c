@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/jitter.h"
 
-#include "renderer/shaders/realtime_names.h"
+#include "renderer/realtime/shared/names.h"
 
 #include <math.h>
 

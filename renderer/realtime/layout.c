@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* struct TargetRow of shaders/realtime.glsl */
+/* struct TargetRow of realtime/shared/view.glsl */
 static const struct {
     int resolution, setting, half_format, float_format;
 } rows[RT_TARGET_COUNT] = {RT_TARGETS};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sizes and formats of the targets: RT_TARGETS of shaders/realtime_names.h, as the settings want
+ * Sizes and formats of the targets: RT_TARGETS of realtime/shared/names.h, as the settings want
  * them.
  */
 #ifndef NEPH_RENDERER_REALTIME_LAYOUT_H

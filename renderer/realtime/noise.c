@@ -4,7 +4,7 @@
 #include "renderer/blue_noise.h"
 #include "renderer/shaders/realtime_names.h"
 
-enum { GRADIENT_FRAMES = 64 }; /* of shaders/realtime_dither.glsl */
+enum { GRADIENT_FRAMES = 64 }; /* of realtime/shared/dither.glsl */
 
 int neph_rt_dither_period(int kind)
 {

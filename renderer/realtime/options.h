@@ -7,7 +7,7 @@
 #define NEPH_RENDERER_REALTIME_OPTIONS_H
 
 #include "base/option.h"
-#include "renderer/shaders/realtime_names.h"
+#include "renderer/realtime/shared/names.h"
 
 /* By the names RT_*; ends with a NULL name. The defaults are the preset `fixed`. */
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];

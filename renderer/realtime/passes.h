@@ -8,7 +8,7 @@
 
 #include "renderer/realtime/layout.h"
 
-/* A shader that includes realtime.glsl; 64 threads a group, along x. */
+/* A shader that includes realtime/shared/view.glsl; 64 threads a group, along x. */
 struct neph_rt_shader {
     const char *name;
     const uint32_t *code;
@@ -48,6 +48,11 @@ enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 6, NEPH_RT_PASSES_MAX = 3
 
 #define NEPH_RT_BIT(target) (1u << (target))
 
+/* The change around a tile is found from these (gradient/change_around.glsl). */
+#define NEPH_RT_CHANGE_READS                                                                       \
+    (NEPH_RT_BIT(RT_LOOK_NOW) | NEPH_RT_BIT(RT_LOOK_THEN) | NEPH_RT_BIT(RT_LOOK_BEHIND_NOW) |      \
+     NEPH_RT_BIT(RT_LOOK_BEHIND_THEN) | NEPH_RT_BIT(RT_CHANGE_BEHIND))
+
 struct neph_rt_pass {
     const char *name; /* "tile index" */
     const char *note; /* what it makes, in a few words */
@@ -73,11 +78,34 @@ struct neph_rt_pass {
     int picture; /* the target whose R G B are the frame as far as it has come; 0: none */
 };
 
-/* Ends with a NULL name; at most NEPH_RT_PASSES_MAX. */
-extern const struct neph_rt_pass neph_rt_passes[];
+/* Each is in the folder of its pass: realtime/FOLDER/pass.c. */
+extern const struct neph_rt_pass neph_rt_scene_rays;
+extern const struct neph_rt_pass neph_rt_depth_map;
+extern const struct neph_rt_pass neph_rt_froxel_light;
+extern const struct neph_rt_pass neph_rt_froxel_sum;
+extern const struct neph_rt_pass neph_rt_tile_index;
+extern const struct neph_rt_pass neph_rt_ray_march;
+extern const struct neph_rt_pass neph_rt_gradient;
+extern const struct neph_rt_pass neph_rt_change;
+extern const struct neph_rt_pass neph_rt_reconstruct;
+extern const struct neph_rt_pass neph_rt_atrous_1;
+extern const struct neph_rt_pass neph_rt_atrous_2;
+extern const struct neph_rt_pass neph_rt_atrous_4;
+extern const struct neph_rt_pass neph_rt_upscale;
+extern const struct neph_rt_pass neph_rt_froxel_apply;
+extern const struct neph_rt_pass neph_rt_lamp_peaks;
+extern const struct neph_rt_pass neph_rt_compose;
+extern const struct neph_rt_pass neph_rt_solid_motion;
+extern const struct neph_rt_pass neph_rt_taa;
+extern const struct neph_rt_pass neph_rt_taau;
+extern const struct neph_rt_pass neph_rt_locks;
+extern const struct neph_rt_pass neph_rt_sharpen;
 
-/* NULL: none has this name. */
-const struct neph_rt_pass *neph_rt_pass_named(const char *name);
+/* All, in the order of a frame. Ends with NULL; at most NEPH_RT_PASSES_MAX. */
+extern const struct neph_rt_pass *const neph_rt_passes[];
+
+/* The place of a pass among them; -1: none has this name. */
+int neph_rt_pass_index(const char *name);
 
 const char *neph_rt_target_name(int target);
 

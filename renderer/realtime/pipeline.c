@@ -170,7 +170,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
                                      struct neph_rt_submission *submission, double *gpu_s,
                                      struct neph_diag *diag)
 {
-    const struct neph_march_cut *cut = &realtime->cuts[pass - neph_rt_passes];
+    const struct neph_march_cut *cut = &realtime->cuts[neph_rt_pass_index(pass->name)];
     struct ray_pass work = {
         .pass = pass,
         .submission = submission,
@@ -204,8 +204,8 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; neph_rt_passes[i].name && !status; i++) {
-        const struct neph_rt_pass *pass = &neph_rt_passes[i];
+    for (int i = 0; neph_rt_passes[i] && !status; i++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[i];
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
@@ -277,10 +277,12 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
+    for (int p = 0; neph_rt_passes[p] && !status; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (!pass->rays && neph_rt_holds(view, pass->condition) &&
             !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
+    }
     return status;
 }
 
@@ -496,7 +498,7 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
                                  struct neph_rt_submission *submission, struct progress *made,
                                  struct neph_diag *diag)
 {
-    double *gpu_s = &made->stats->pass_gpu_s[pass - neph_rt_passes];
+    double *gpu_s = &made->stats->pass_gpu_s[neph_rt_pass_index(pass->name)];
     const uint32_t touched = neph_rt_targets_touched(realtime->device.view, pass);
     enum neph_status status =
         pass->rays ? add_ray_pass(realtime, pass, made->counts, submission, gpu_s, diag)
@@ -507,9 +509,9 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
     status = inject_rays(realtime, pass, made->rays, submission, diag);
     if (status)
         return status;
-    made->stats->pass_traffic_bytes[pass - neph_rt_passes] = targets_bytes(realtime->device.view,
-                                                                           touched);
-    made->stats->traffic_bytes += made->stats->pass_traffic_bytes[pass - neph_rt_passes];
+    made->stats->pass_traffic_bytes[neph_rt_pass_index(pass->name)] = targets_bytes(
+        realtime->device.view, touched);
+    made->stats->traffic_bytes += made->stats->pass_traffic_bytes[neph_rt_pass_index(pass->name)];
     made->touched |= touched;
     made->past |= neph_rt_targets_before(pass);
     made->picture = pass->picture ? pass->picture : made->picture;
@@ -528,7 +530,8 @@ static enum neph_status begin_passes(struct neph_realtime *realtime, const struc
                                      struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++) {
+    for (int p = 0; neph_rt_passes[p] && !status; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         struct neph_dispatch dispatch = {.group_count = 0};
         const struct neph_kernel *kernel;
         if (!is_wanted(realtime, pass, made) ||
@@ -549,19 +552,23 @@ static enum neph_status run_passes(struct neph_realtime *realtime, struct progre
         return begun;
     struct neph_rt_submission submission = {.vulkan = realtime->vulkan};
     enum neph_status status = NEPH_OK;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name && !status; pass++)
+    for (int p = 0; neph_rt_passes[p] && !status; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_is_done_by_other(realtime->device.view, pass))
             made->past |= neph_rt_targets_before(pass);
         else if (is_wanted(realtime, pass, made))
             status = add_pass(realtime, pass, &submission, made, diag);
+    }
     return status ? status : neph_rt_submission_send(&submission, diag);
 }
 
 static void hand_on(struct neph_realtime *realtime)
 {
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_holds(realtime->device.view, pass->condition))
             neph_rt_device_hand_on(&realtime->device, pass);
+    }
 }
 
 static uint64_t whole_number(const uint32_t halves[2])
@@ -635,13 +642,15 @@ static enum neph_status send_whole(struct neph_realtime *realtime,
                                    const struct neph_march_moment *moment, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_holds(view, pass->condition))
             return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                              "split=none takes its picture to the CPU and back for the pass '%s', "
                              "so frames of it cannot be in flight: switch the pass off, or set "
                              "split=four",
                              pass->name);
+    }
     return neph_march_frame(realtime->whole, still, frame->frame, moment, NULL, NULL, diag);
 }
 
@@ -663,7 +672,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     if (status)
         return status;
     struct neph_realtime_stats *stats = made->stats;
-    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] = march.gpu_s;
+    stats->pass_gpu_s[neph_rt_pass_index("march")] = march.gpu_s;
     stats->density_evaluations = march.density_evaluations;
     stats->closed_forms = march.closed_forms;
     stats->view_steps = march.view_steps;
@@ -694,7 +703,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
 static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
     stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
-    for (int i = 0; neph_rt_passes[i].name; i++) {
+    for (int i = 0; neph_rt_passes[i]; i++) {
         stats->gpu_s += stats->pass_gpu_s[i];
         if (realtime->cuts[i].ray_count > 0)
             neph_march_cut_learn(&realtime->cuts[i], stats->pass_gpu_s[i]);
@@ -707,7 +716,7 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
     uint64_t evaluations, closed_forms;
     neph_sun_fill_counts(fill, &evaluations, &closed_forms);
     stats->gpu_s += neph_sun_fill_gpu_s(fill);
-    stats->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes] += fill->gpu_s[NEPH_SUN_CACHE];
+    stats->pass_gpu_s[neph_rt_pass_index("march")] += fill->gpu_s[NEPH_SUN_CACHE];
     stats->shadow_gpu_s = fill->gpu_s[NEPH_SUN_MAP];
     stats->density_evaluations += evaluations;
     stats->closed_forms += closed_forms;
@@ -977,8 +986,8 @@ enum neph_status neph_realtime_home(struct neph_realtime *realtime,
         return status;
     struct neph_realtime_stats *home = &realtime->flights[slot];
     if (realtime->whole)
-        status = neph_march_home(
-            realtime->whole, &home->pass_gpu_s[neph_rt_pass_named("march") - neph_rt_passes], diag);
+        status = neph_march_home(realtime->whole, &home->pass_gpu_s[neph_rt_pass_index("march")],
+                                 diag);
     take_times(realtime, home);
     add_fill(home, &realtime->fills[slot]);
     if (!status)

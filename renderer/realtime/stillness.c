@@ -62,7 +62,7 @@ void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness)
 }
 
 /* Pictures until a change of 1 is forgotten (CHANGE_LEAST of
- * shaders/realtime_change_around.glsl). */
+ * realtime/gradient/change_around.glsl). */
 static double forgetting_pictures(double hold)
 {
     return hold > 0.0 ? ceil(log(0x1p-14) / log(hold)) + 1.0 : 0.0;

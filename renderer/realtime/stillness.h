@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * How long pictures have shown the same: where camera, sun, lights, media and solids have stood
- * still for long enough, rays that are marched a second time (shaders/rt_gradient.comp) see what
+ * still for long enough, rays that are marched a second time (gradient/gradient.comp) see what
  * they saw, to the last bit, and what they have seen before is forgotten. That is known without a
  * look.
  */

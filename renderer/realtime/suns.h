@@ -2,7 +2,7 @@
  *
  * The suns of the pictures before, of which no ray can tell: whether they flash with the period of
  * two looks at the same light, so that rays which are marched a second time after as many frames
- * (shaders/rt_gradient.comp) see what they saw; and whether a sun has jumped, which texels that the
+ * (gradient/gradient.comp) see what they saw; and whether a sun has jumped, which texels that the
  * override never marches would not learn.
  */
 #ifndef NEPH_RENDERER_REALTIME_SUNS_H

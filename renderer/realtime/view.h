@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * What all passes of one frame of the real-time renderer are told, buffer View of
- * shaders/realtime.glsl, and how a target keeps its numbers.
+ * realtime/shared/view.glsl, and how a target keeps its numbers.
  */
 #ifndef NEPH_RENDERER_REALTIME_VIEW_H
 #define NEPH_RENDERER_REALTIME_VIEW_H
 
+#include "renderer/realtime/shared/names.h"
 #include "renderer/shaders/constants.h" /* NEPH_GPU_FAR_M: where the targets' sky lies [m] */
-#include "renderer/shaders/realtime_names.h"
 #include "shaders/structs.h"
 
 #include <stdbool.h>
@@ -21,7 +21,7 @@ uint32_t neph_rt_format_words(uint32_t format);
 uint32_t neph_rt_format_bytes(uint32_t format);
 
 /* The nearest half, ties to even; beyond 65504 infinite from 65520 on; NaN stays NaN (0x7e00 with
- * the sign). The same rule as to_half() of shaders/realtime.glsl, which does not trust the driver's
+ * the sign). The same rule as to_half() of shaders/halves.glsl, which does not trust the driver's
  * packHalf2x16: Vulkan leaves its rounding open. */
 uint16_t neph_rt_to_half(float value);
 float neph_rt_from_half(uint16_t half);

@@ -6,20 +6,22 @@
 #include <string.h>
 
 static const uint32_t code[] = {
-#include "shaders/rt_watch.comp.inc"
+#include "realtime/watch.comp.inc"
 };
 
 /* Directions. */
 #define SIGNED_TARGETS NEPH_RT_BIT(RT_MOVED)
 
-enum { local_size = 64 }; /* of shaders/rt_watch.comp */
+enum { local_size = 64 }; /* of watch.comp */
 
 uint32_t neph_rt_watched(const struct neph_gpu_view *view)
 {
     uint32_t found = 0;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++)
             found |= NEPH_RT_BIT(pass->histories[i].now);
+    }
     return neph_rt_targets_used(view) & ~found;
 }
 
@@ -62,7 +64,7 @@ static enum neph_status watch_targets(struct neph_rt_device *device, uint32_t ta
                                       struct neph_buffer *counter, struct neph_diag *diag)
 {
     const struct neph_kernel_params params = {
-        .name = "rt_watch",
+        .name = "watch",
         .code = code,
         .code_bytes = sizeof(code),
         .buffer_count = 2,

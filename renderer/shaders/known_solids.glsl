@@ -10,7 +10,7 @@
 
 #extension GL_EXT_control_flow_attributes : require
 
-#include "realtime_names.h"
+#include "renderer/realtime/shared/names.h"
 
 layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
 // Which are balls, a bit each.

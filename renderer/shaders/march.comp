@@ -35,7 +35,8 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     MarchPixel pixel;
     pixel.volume = view_scattered(sums, optical_depth, ray, place_px);
     pixel.transmittance = fraction_through(optical_depth);
-    precise vec3 radiance = pixel.volume + pixel.transmittance * behind; // as rt_compose.comp does
+    // As realtime/composition/compose.comp does.
+    precise vec3 radiance = pixel.volume + pixel.transmittance * behind;
     pixel.radiance = radiance;
     if (HAS_VEIL) { // of which the air is a medium, and fog as well
         Behind all = veiled_behind(hit, ray);

@@ -11,7 +11,7 @@
 #include "renderer/realtime/device.h"
 #include "renderer/realtime/layout.h"
 #include "renderer/realtime/options.h"
-#include "tests/renderer/twins/twin.h"
+#include "renderer/realtime/shared/check_reference.h"
 
 #include <stdlib.h>
 
@@ -150,7 +150,7 @@ static inline void test_get(const struct test_passes *test, int target, size_t i
  * run it there. */
 static inline void test_passes_run(struct test_passes *test, const char *name)
 {
-    const struct neph_rt_pass *pass = neph_rt_pass_named(name);
+    const struct neph_rt_pass *pass = neph_rt_passes[neph_rt_pass_index(name)];
     struct neph_diag diag = {0};
     assert_non_null(pass);
     *test->device.view = test->view;

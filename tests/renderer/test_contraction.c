@@ -22,28 +22,28 @@ SHADER(probe_media){
 #include "shaders/probe_media.comp.inc"
 };
 SHADER(rt_compose){
-#include "shaders/rt_compose.comp.inc"
+#include "realtime/composition/compose.comp.inc"
 };
 SHADER(rt_march){
-#include "shaders/rt_march.comp.inc"
+#include "realtime/ray_march/ray_march.comp.inc"
 };
 SHADER(rt_min_max){
-#include "shaders/rt_min_max.comp.inc"
+#include "realtime/depth_map/depth_map.comp.inc"
 };
 SHADER(rt_reconstruct){
-#include "shaders/rt_reconstruct.comp.inc"
+#include "realtime/reconstruction/reconstruct.comp.inc"
 };
 SHADER(rt_scene){
-#include "shaders/rt_scene.comp.inc"
+#include "realtime/scene_rays/scene_rays.comp.inc"
 };
 SHADER(rt_taa){
-#include "shaders/rt_taa.comp.inc"
+#include "realtime/anti_aliasing/taa.comp.inc"
 };
 SHADER(rt_tile_index){
-#include "shaders/rt_tile_index.comp.inc"
+#include "realtime/tile_index/tile_index.comp.inc"
 };
 SHADER(rt_upscale){
-#include "shaders/rt_upscale.comp.inc"
+#include "realtime/upscale/upscale.comp.inc"
 };
 SHADER(tracer){
 #include "shaders/tracer.comp.inc"

@@ -115,7 +115,7 @@ static void test_costs_come_home_in_order(void **state)
         neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
         assert_int_equal(home.traffic_bytes, read.traffic_bytes);
         assert_int_equal(home.density_evaluations, 0);
-        for (int i = 0; neph_rt_passes[i].name; i++) {
+        for (int i = 0; neph_rt_passes[i]; i++) {
             assert_int_equal(home.pass_gpu_s[i] > 0.0, read.pass_gpu_s[i] > 0.0);
             traffic_bytes += home.pass_traffic_bytes[i];
         }

@@ -3,10 +3,10 @@
  * What the presets after the article and after other engines do in their own ways, on the device
  * and in closed form: weights, boxes, rejections and stand-ins of published sources.
  */
-#include "tests/renderer/reconstruct_test.h"
+#include "renderer/realtime/reconstruction/check_reconstruct.h"
 
 #include "renderer/realtime/jitter.h"
-#include "tests/renderer/twins/dither.h"
+#include "renderer/realtime/shared/check_reference_dither.h"
 
 /* --- the article ------------------------------------------------------------------------------ */
 

@@ -396,7 +396,7 @@ static void test_movers_that_rest_are_none(void **state)
     struct neph_scene *still = NULL;
     struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("ours", "");
-    const int motion = (int)(neph_rt_pass_named("motion") - neph_rt_passes);
+    const int motion = neph_rt_pass_index("motion");
     scene_movers(&stage);
     neph_assert_ok(neph_scene_at(&stage.test.scene, RESTING, &still, &diag), &diag);
     struct neph_realtime *resting = open_realtime(*state, &stage.test.scene, &settings);

@@ -109,7 +109,8 @@ static void assert_same_targets(const char *pass, const char *what, uint32_t dec
 
 static void test_records_are_what_shaders_do(void **state)
 {
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         const struct module module = reflect(pass);
         assert_same_targets(pass->name, "reads", pass->reads, module.reads);
         assert_same_targets(pass->name, "writes", pass->writes, module.writes);
@@ -120,9 +121,12 @@ static void test_records_are_what_shaders_do(void **state)
 static void test_what_is_read_was_written(void **state)
 {
     uint32_t there = 0;
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         there |= neph_rt_targets_before(pass);
-    for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++) {
+    }
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_pass *pass = neph_rt_passes[p];
         assert_same_targets(pass->name, "reads before it is made", pass->reads & ~there,
                             pass->reads & ~there & pass->writes);
         there |= pass->writes;
@@ -141,13 +145,15 @@ static void test_histories_have_one_shape(void **state)
         settings.values[RT_TAA_FORMAT] = format;
         settings.values[RT_SCREEN_PERCENT] = format == RT_FORMAT_HALF ? 100 : 67;
         neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
-        for (const struct neph_rt_pass *pass = neph_rt_passes; pass->name; pass++)
+        for (int p = 0; neph_rt_passes[p]; p++) {
+            const struct neph_rt_pass *pass = neph_rt_passes[p];
             for (int i = 0; i < NEPH_RT_HISTORIES_MAX && pass->histories[i].before; i++) {
                 const struct neph_rt_history history = pass->histories[i];
                 assert_true(pass->writes & NEPH_RT_BIT(history.now));
                 assert_memory_equal(&view.targets[history.now], &view.targets[history.before],
                                     sizeof(view.targets[0]));
             }
+        }
     }
 }
 

@@ -3,8 +3,8 @@
  * Pictures of which it is known that nothing has changed for long (renderer/realtime/stillness.h):
  * the gradient does not look at them, and no bit of them or of what follows is another one.
  */
+#include "renderer/realtime/anti_aliasing/check_taa.h"
 #include "tests/renderer/sequence_test.h"
-#include "tests/renderer/taa_test.h"
 
 #include "renderer/realtime/stillness.h"
 
@@ -44,7 +44,7 @@ struct ran {
 
 static bool has_run(const struct neph_realtime_stats *stats, const char *pass)
 {
-    return stats->pass_traffic_bytes[neph_rt_pass_named(pass) - neph_rt_passes] > 0;
+    return stats->pass_traffic_bytes[neph_rt_pass_index(pass)] > 0;
 }
 
 static struct ran render(struct neph_realtime *realtime, const struct neph_scene *scene, int frame,
@@ -106,7 +106,7 @@ static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *sce
     const struct neph_realtime_frame picture = {scene, frame, NULL};
     neph_assert_ok(neph_realtime_render(realtime, &picture, NULL, NULL, &diag), &diag);
     neph_assert_ok(neph_realtime_home(realtime, &stats, &diag), &diag);
-    return stats.pass_traffic_bytes[neph_rt_pass_named(pass) - neph_rt_passes];
+    return stats.pass_traffic_bytes[neph_rt_pass_index(pass)];
 }
 
 /* Pictures in flight, of which some are read, each beside one after pictures that all were. The sun

@@ -6,8 +6,8 @@
  */
 #include "tests/renderer/probe.h"
 
+#include "renderer/realtime/shared/names.h"
 #include "renderer/shader_code.h"
-#include "renderer/shaders/realtime_names.h"
 #include "renderer/specialize.h"
 
 #include <zlib.h>
@@ -25,7 +25,7 @@ static const uint32_t first_code[] = {
 #include "shaders/tracer_first.comp.inc"
 };
 static const uint32_t taa_code[] = {
-#include "shaders/rt_taa.comp.inc"
+#include "realtime/anti_aliasing/taa.comp.inc"
 };
 
 enum { ANSWERS = 64, CONSTANTS = 4 };
@@ -130,7 +130,7 @@ static const struct {
     {"march", march_code, sizeof(march_code)},
     {"tracer", tracer_code, sizeof(tracer_code)},
     {"tracer_first", first_code, sizeof(first_code)},
-    {"rt_taa", taa_code, sizeof(taa_code)},
+    {"taa", taa_code, sizeof(taa_code)},
 };
 
 static bool has_open_constants(const uint32_t *words, size_t size_bytes)

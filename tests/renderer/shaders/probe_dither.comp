@@ -1,12 +1,12 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Dither number by number, for tests/renderer/test_realtime_dither.c: of kind ray_dither in each of
-// four channels, at the view's frame; the first pixel is (-70, -5).
+// Dither number by number, for renderer/realtime/shared/check_dither.c: of kind ray_dither in each
+// of four channels, at the view's frame; the first pixel is (-70, -5).
 #extension GL_GOOGLE_include_directive : require
 
-#include "realtime_dither.glsl"
-#include "realtime_pass.glsl"
+#include "renderer/realtime/shared/dither.glsl"
+#include "renderer/realtime/shared/pass.glsl"
 
 void main()
 {

@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What temporal anti-aliasing makes of many frames: the arithmetic of an exponential mean, blur by
+ * resampling, the stall of a history in halves, and bad numbers that must not stay.
+ */
+#include "tests/renderer/realtime_test.h"
+
+/* Plain running mean: nothing but alpha, so that closed forms hold. */
+#define PLAIN "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_guard=off "
+
+static const double alphas[] = {0.04, 0.1, 0.2, 0.5};
+enum { ALPHAS = COUNT(alphas) };
+
+/* A film is a test_passes whose RT_TAA_BEFORE is the last output, on both sides. */
+static void film_open(struct neph_vulkan *vulkan, const char *settings_text, const int size_px[2],
+                      struct test_passes *film)
+{
+    const struct neph_settings settings = test_settings(settings_text);
+    test_passes_open(vulkan, &settings, size_px, (int[2]){0, 0}, 0, film);
+    film->view.has_history = 1;
+    test_fill(film, RT_DEPTH, 128, 0, 0, 0);
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_rt_device_upload(&film->device, RT_DEPTH, film->twin.targets[RT_DEPTH], &diag), &diag);
+}
+
+static void film_upload(struct test_passes *film, int target)
+{
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_rt_device_upload(&film->device, target, film->twin.targets[target], &diag),
+                   &diag);
+}
+
+/* The history before the first frame. */
+static void film_start(struct test_passes *film, float value)
+{
+    test_fill(film, RT_TAA_BEFORE, value, value, value, 0);
+    film_upload(film, RT_TAA_BEFORE);
+}
+
+/* Take one more frame in, of which the twin has the colours. */
+static void film_step(struct test_passes *film)
+{
+    struct neph_diag diag = {0};
+    *film->device.view = film->view;
+    film_upload(film, RT_COLOR);
+    const struct neph_rt_pass *pass = &neph_rt_taa;
+    neph_assert_ok(neph_rt_device_run(&film->device, pass, &diag), &diag);
+    neph_rt_device_hand_on(&film->device, pass);
+    neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
+                                           film->twin.targets[RT_TAA_BEFORE], &diag),
+                   &diag);
+    film->view.frame++;
+}
+
+static float film_value(const struct test_passes *film, size_t index, int channel)
+{
+    float value[4];
+    test_get(film, RT_TAA_BEFORE, index, value);
+    return value[channel];
+}
+
+/* A running mean and `more`. */
+static void open_plain(struct neph_vulkan *vulkan, double alpha, const char *more,
+                       const int size_px[2], struct test_passes *film)
+{
+    char text[256];
+    snprintf(text, sizeof(text), PLAIN "taa_alpha=%g taa_alpha_moving=%g %s", alpha, alpha, more);
+    film_open(vulkan, text, size_px, film);
+}
+
+/* --- the exponential mean ----------------------------------------------------------------------
+ */
+
+/* White noise of 64x64 pixels and three channels comes out with sqrt(a / (2 - a)) of its deviation,
+ * as if (2 - a) / a frames had been averaged. The error of the measured deviation: a frame's output
+ * remembers 1 - a of the one before, so that n frames are worth n (1 - p) / (1 + p), p = (1 - a)^2,
+ * independent ones: 5 of each a, 6 10^4 numbers in all, whose deviation is known to
+ * 1 / sqrt(1.2 10^5) = .29 %; twice that for the number of samples. */
+static void test_noise_is_averaged_by_what_alpha_says(void **state)
+{
+    static const double table_factor[] = {0.143, 0.229, 0.333, 0.577},
+                        table_samples[] = {49, 19, 9, 3};
+    for (int a = 0; a < ALPHAS; a++) {
+        struct test_passes film;
+        open_plain(*state, alphas[a], "taa_format=float", (int[2]){64, 64}, &film);
+        film_start(&film, 1.0f);
+        uint64_t seed = 20261123;
+        const double p = pow(1.0 - alphas[a], 2.0);
+        const int count = (int)ceil(5.0 * (1.0 + p) / (1.0 - p));
+        const int settling = (int)(4.0 / alphas[a]); /* variance within e^-8 */
+        double squares = 0.0;
+        for (int frame = 0; frame < settling + count; frame++) {
+            for (size_t i = 0; i < 64 * 64; i++) {
+                float colour[4] = {0.0f};
+                for (int c = 0; c < 3; c++)
+                    colour[c] = (float)(0.5 + test_uniform(&seed));
+                test_set(&film, RT_COLOR, i, colour);
+            }
+            film_step(&film);
+            for (size_t i = 0; i < 3 * 64 * 64 && frame >= settling; i++)
+                squares += pow(film_value(&film, i / 3, (int)(i % 3)) - 1.0, 2.0);
+        }
+        const double variance = squares / (3.0 * 64 * 64 * count) * 12.0; /* of the frame: 1/12 */
+        neph_assert_close(sqrt(variance), sqrt(alphas[a] / (2.0 - alphas[a])), 0.01, 0.0);
+        neph_assert_close(sqrt(variance), table_factor[a], 0.02, 0.0);
+        neph_assert_close(1.0 / variance, table_samples[a], 0.02, 0.0);
+        test_passes_close(&film);
+    }
+}
+
+/* A step in red, periods of 4 and 2 frames in green and blue. All of it is exact but for
+ * float32; the tables are to two or three digits. */
+static void test_steps_and_strobes_pass_as_alpha_says(void **state)
+{
+    static const double half_life[] = {17.0, 6.6, 3.1, 1.0}, settled[] = {113, 44, 21, 7};
+    static const double at_period_4[] = {0.0289, 0.0743, 0.156, 0.447};
+    static const double at_period_2[] = {0.0204, 0.0526, 0.111, 0.333};
+    static const float four[] = {2.0f, 1.0f, 0.0f, 1.0f}, two[] = {2.0f, 0.0f};
+    for (int a = 0; a < ALPHAS; a++) {
+        struct test_passes film;
+        open_plain(*state, alphas[a], "taa_format=float", (int[2]){1, 1}, &film);
+        film_start(&film, 1.0f);
+        double left_before = 1.0, crossed_half = 0.0, last_four[4];
+        int one_percent = 0;
+        for (int frame = 0; frame < 200; frame++) {
+            test_set(&film, RT_COLOR, 0, (float[4]){2.0f, four[frame % 4], two[frame % 2]});
+            film_step(&film);
+            const double left = 2.0 - film_value(&film, 0, 0);
+            if (left_before > 0.5 && left <= 0.5) /* where the exponential between crosses */
+                crossed_half = frame + log(left_before / 0.5) / log(left_before / left);
+            one_percent += left > 0.01;
+            left_before = left > 0.0 ? left : left_before;
+            last_four[frame % 4] = film_value(&film, 0, 1);
+        }
+        neph_assert_close(crossed_half, half_life[a], 0.02, 0.0);
+        neph_assert_close(one_percent + 1, settled[a], 0.0, 1.0); /* whole frames */
+        neph_assert_close(hypot(last_four[0] - last_four[2], last_four[1] - last_four[3]) / 2.0,
+                          at_period_4[a], 0.02, 0.0);
+        neph_assert_close(1.0 - film_value(&film, 0, 2), at_period_2[a], 0.02, 0.0);
+        test_passes_close(&film);
+    }
+}
+
+/* --- resampling --------------------------------------------------------------------------------
+ */
+
+enum { WALL_PX = 256 };
+
+/* 256x1 pixels of 1 m at 128 m, passing at `speed_px` a frame to the left; a Gaussian of 2 px on
+ * them ends at pixel 96. Its place and variance in the history of 10 / alpha frames. */
+static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, double speed_px,
+                double *centre_px, double *variance_px2)
+{
+    static const double sigma_px = 2.0;
+    const int frames = (int)(10.0 / alpha);
+    struct test_passes film;
+    open_plain(vulkan, alpha, words, (int[2]){WALL_PX, 1}, &film);
+    film.view.now.half_width = film.view.before.half_width = 1.0f;
+    film.view.before.position_m[0] = -(float)speed_px;
+    for (int frame = 0; frame < frames; frame++) {
+        const double at_px = 96.0 + speed_px * (frames - 1 - frame);
+        for (int x = 0; x < WALL_PX; x++) {
+            const double way = (x + 0.5 - at_px) / sigma_px;
+            const float value = (float)exp(-0.5 * way * way);
+            test_set(&film, RT_COLOR, (size_t)x, (float[4]){value, value, value});
+        }
+        film_step(&film);
+    }
+    double sums[3] = {0.0};
+    for (int x = 0; x < WALL_PX; x++) {
+        const double value = film_value(&film, (size_t)x, 0), way = x + 0.5 - 96.0;
+        sums[0] += value;
+        sums[1] += value * way;
+        sums[2] += value * way * way;
+    }
+    *centre_px = sums[1] / sums[0];
+    *variance_px2 = sums[2] / sums[0] - *centre_px * *centre_px - sigma_px * sigma_px;
+    test_passes_close(&film);
+}
+
+/* Each bilinear sample between pixels widens by v (1 - v) px^2, and a frame of age k has had k:
+ * (1 - a) / a v (1 - v) in all. What is older than 10 / a frames is missing: at most 0.96^250 of
+ * it, times its age in mean ages, 4e-4. */
+static void test_bilinear_history_blurs_as_alpha_says(void **state)
+{
+    static const double table_px[] = {2.45, 1.50, 1.00, 0.50};
+    for (int a = 0; a < ALPHAS; a++) {
+        static const char words[] = "taa_format=float taa_history=bilinear";
+        double centre_px, variance_px2;
+        pan(*state, alphas[a], words, 0.5, &centre_px, &variance_px2);
+        neph_assert_close(sqrt(variance_px2), table_px[a], 0.02, 0.0);
+        neph_assert_close(centre_px, 0.0, 0.0, 0.001); /* the history keeps up */
+        pan(*state, alphas[a], words, 0.25, &centre_px, &variance_px2);
+        neph_assert_close(variance_px2, (1.0 - alphas[a]) / alphas[a] * 0.25 * 0.75, 0.01, 0.0);
+    }
+}
+
+/* Catmull-Rom gives parabolas back: it leaves the variance alone. float32 loses some 1e-7 of values
+ * up to 1 each frame, at up to 128 px from the middle; the Gaussian's sum is 5. */
+static void test_catmull_rom_does_not_widen(void **state)
+{
+    static const char words[] = "taa_format=float taa_history=catmull_rom";
+    double centre_px, variance_px2;
+    pan(*state, 0.04, words, 0.5, &centre_px, &variance_px2);
+    neph_assert_close(variance_px2, 0.0, 0.0, 0.02);
+    neph_assert_close(centre_px, 0.0, 0.0, 0.001);
+}
+
+/* --- halves ------------------------------------------------------------------------------------
+ */
+
+/* 64 pixels whose frame is 0 .. 63 ulps above the history of 1: each step of the mean is rounded to
+ * whole ulps, and a step of 0.04 d < 1/2 is none. So the history stays 12 ulps short, 1.2 %. */
+static void test_a_history_in_halves_stalls(void **state)
+{
+    struct test_passes film;
+    open_plain(*state, 0.04, "taa_format=half taa_rounding=nearest", (int[2]){64, 1}, &film);
+    film_start(&film, 1.0f);
+    for (size_t x = 0; x < 64; x++) {
+        const float value = 1.0f + (float)x * 0x1p-10f;
+        test_set(&film, RT_COLOR, x, (float[4]){value, value, value});
+    }
+    for (int frame = 0; frame < 200; frame++)
+        film_step(&film);
+    for (int x = 0; x < 64; x++)
+        assert_true(film_value(&film, (size_t)x, 1) ==
+                    1.0f + (float)(x < 12 ? 0 : x - 12) * 0x1p-10f);
+    test_passes_close(&film);
+}
+
+/* With rounding by chance the average arrives. Each frame's rounding has a variance of at most 1/4
+ * ulp^2, the mean of them 1/4 / (1 - 0.96^2) = 3.2; of 4096 x 3 pixels the mean is known to 0.016,
+ * and four times that is allowed; 0.96^200 of the 6 ulps are still to come: 0.002. */
+static void test_rounding_by_chance_does_not_stall(void **state)
+{
+    struct test_passes film;
+    open_plain(*state, 0.04, "taa_format=half taa_rounding=stochastic", (int[2]){64, 64}, &film);
+    film_start(&film, 1.0f);
+    const float value = 1.0f + 6.0f * 0x1p-10f;
+    for (size_t i = 0; i < 64 * 64; i++)
+        test_set(&film, RT_COLOR, i, (float[4]){value, value, value});
+    for (int frame = 0; frame < 200; frame++)
+        film_step(&film);
+    double sum_ulp = 0.0, squares_ulp2 = 0.0;
+    for (size_t i = 0; i < 3 * 64 * 64; i++) {
+        const double off_ulp = (film_value(&film, i / 3, (int)(i % 3)) - value) * 0x1p10;
+        sum_ulp += off_ulp;
+        squares_ulp2 += off_ulp * off_ulp;
+    }
+    neph_assert_close(sum_ulp / (3 * 64 * 64), 0.0, 0.0, 4.0 * 0.016 + 0.002);
+    assert_true(squares_ulp2 / (3 * 64 * 64) < 3.2);
+    test_passes_close(&film);
+}
+
+/* --- the contrast law's price ------------------------------------------------------------------
+ */
+
+/* A number of the normal distribution, by Box and Muller. */
+static double test_normal(uint64_t *seed)
+{
+    const double u = test_uniform(seed), v = test_uniform(seed);
+    return sqrt(-2.0 * log(1.0 - u)) * cos(6.283185307179586 * v);
+}
+
+/* What the law leaves of noise about a luma of 1: one pixel in double for long. Its 10^5 frames are
+ * worth 2000 independent ones at worst: 1.6 %. */
+static double law_factor(double deviation, uint64_t seed)
+{
+    double history = 1.0, squares = 0.0;
+    for (int frame = 0; frame < 100000; frame++) {
+        const double value = 1.0 + deviation * test_normal(&seed);
+        const double alpha = fmax(0.04, fmin(1.0, 0.01 * history / fabs(value - history)));
+        history += alpha * (value - history);
+        squares += (history - 1.0) * (history - 1.0) / 100000;
+    }
+    return sqrt(squares) / deviation;
+}
+
+/* Noise of 0.5 % of the luma is hardly averaged at all, of 5 % a third is left, where alpha alone
+ * would leave a seventh. 64x64 pixels in 20 frames are known to 1 %, the law's factor to 1.6 %:
+ * 5 % are 2.6 deviations. */
+static void test_the_contrast_law_keeps_faint_noise(void **state)
+{
+    static const double deviations[] = {0.005, 0.05, 0.2}, known[] = {0.90, 0.35, 0.18};
+    for (int d = 0; d < 3; d++) {
+        struct test_passes film;
+        film_open(*state, "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float",
+                  (int[2]){64, 64}, &film);
+        film_start(&film, 1.0f);
+        uint64_t seed = 5;
+        double squares = 0.0;
+        for (int frame = 0; frame < 100; frame++) {
+            for (size_t i = 0; i < 64 * 64; i++) {
+                const float value = (float)(1.0 + deviations[d] * test_normal(&seed));
+                test_set(&film, RT_COLOR, i, (float[4]){value, value, value});
+            }
+            film_step(&film);
+            for (size_t i = 0; i < 64 * 64 && frame >= 80; i++)
+                squares += pow(film_value(&film, i, 0) - 1.0, 2.0) / (64 * 64 * 20);
+        }
+        const double factor = sqrt(squares) / deviations[d];
+        neph_assert_close(factor, law_factor(deviations[d], seed), 0.05, 0.0);
+        neph_assert_close(factor, known[d], 0.05, 0.0);
+        test_passes_close(&film);
+    }
+}
+
+/* --- bad numbers -------------------------------------------------------------------------------
+ */
+
+static int count_bad(const struct test_passes *film)
+{
+    int count = 0;
+    for (size_t i = 0; i < test_elements(film, RT_TAA_BEFORE); i++)
+        for (int c = 0; c < 3; c++)
+            count += !isfinite(film_value(film, i, c));
+    return count;
+}
+
+/* One pixel of one frame; what it is in the end, in the settings of a whole renderer. */
+static int bad_after_one_frame(struct neph_vulkan *vulkan, const char *settings_text, float bad)
+{
+    struct test_passes film;
+    film_open(vulkan, settings_text, (int[2]){32, 32}, &film);
+    film_start(&film, 1.0f);
+    int count = 0;
+    for (int frame = 0; frame < 8; frame++) {
+        for (size_t i = 0; i < 32 * 32; i++)
+            test_set(&film, RT_COLOR, i, (float[4]){1.0f, 0.5f, 0.25f});
+        if (frame == 2)
+            test_set(&film, RT_COLOR, 16 * 32 + 16, (float[4]){bad, bad, bad});
+        film.view.before.position_m[0] = 0.3f; /* a history that moves is resampled */
+        film_step(&film);
+        count = count_bad(&film);
+    }
+    test_passes_close(&film);
+    return count;
+}
+
+/* Without the guard one pixel becomes nine by the filter and more each frame by Catmull-Rom. */
+static void test_a_bad_pixel_grows_without_guard_alone(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int b = 0; b < 3; b++) {
+        assert_int_equal(bad_after_one_frame(*state, "taa_guard=on", bad[b]), 0);
+        assert_int_equal(bad_after_one_frame(*state, "taa_guard=on taa_box=none", bad[b]), 0);
+    }
+    assert_true(bad_after_one_frame(*state, "taa_guard=off", NAN) > 3 * 9);
+}
+
+/* Black over black: 0.01 * 0 / 0. */
+static void test_black_stays_black_with_guard_alone(void **state)
+{
+    for (int guard = 0; guard < 2; guard++) {
+        struct test_passes film;
+        film_open(*state, guard ? "taa_guard=on" : "taa_guard=off", (int[2]){8, 8}, &film);
+        film_start(&film, 0.0f);
+        film_step(&film);
+        film_step(&film);
+        assert_int_equal(count_bad(&film), guard ? 0 : 3 * 64);
+        for (size_t i = 0; i < 64 && guard; i++)
+            assert_true(film_value(&film, i, 0) == 0.0f);
+        test_passes_close(&film);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_noise_is_averaged_by_what_alpha_says),
+        cmocka_unit_test(test_steps_and_strobes_pass_as_alpha_says),
+        cmocka_unit_test(test_bilinear_history_blurs_as_alpha_says),
+        cmocka_unit_test(test_catmull_rom_does_not_widen),
+        cmocka_unit_test(test_a_history_in_halves_stalls),
+        cmocka_unit_test(test_rounding_by_chance_does_not_stall),
+        cmocka_unit_test(test_the_contrast_law_keeps_faint_noise),
+        cmocka_unit_test(test_a_bad_pixel_grows_without_guard_alone),
+        cmocka_unit_test(test_black_stays_black_with_guard_alone),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

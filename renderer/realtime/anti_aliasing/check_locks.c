@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Upsampling with locks against its twin, and what each of its parts is there for: thin features
+ * are locked, what is uncovered has no history, a history counts by what is in it.
+ */
+#include "renderer/realtime/anti_aliasing/check_taa.h"
+
+static void run(struct test_passes *test)
+{
+    test_passes_run(test, "locks");
+    test_take(test, RT_TAA_OUT);
+    test_take(test, RT_TAA_STATE);
+}
+
+/* --- against the twin ------------------------------------------------------------------------- */
+
+/* Locks of all ages, with lumas of the picture or of none; depths of all sorts. */
+static void fill_states(struct test_passes *test, double most, uint64_t *seed)
+{
+    static const float left[] = {0.0f, 0.01f, 0.5f, 1.0f, -1.0f, 2.0f, NAN};
+    for (size_t i = 0; i < test_elements(test, RT_TAA_STATE_BEFORE); i++)
+        test_set(test, RT_TAA_STATE_BEFORE, i,
+                 (float[4]){left[neph_test_random(seed) % 7],
+                            (float)neph_test_uniform(seed, 0.0, 4.0 * most), random_depth_m(seed)});
+}
+
+static void test_the_pass_equals_the_twin(void **state)
+{
+    static const int sizes_px[][2] = {{1, 1}, {5, 4}, {64, 36}, {67, 33}};
+    static const char *const words[] = {
+        "screen_percent=50 lock_ratio=1.05 taa_age_max=8",
+        "screen_percent=67 lock_ratio=2 taa_age_max=1 taa_responsive=medium",
+        "screen_percent=77 lock_separation=0.5 taa_age_max=32 taa_space=linear",
+        "screen_percent=100 lock_separation=0 taa_age_max=8 taa_responsive=medium"};
+    uint64_t seed = 20261126;
+    for (int round = 0; round < neph_test_by_day(16, 64); round++) {
+        const uint64_t start = seed;
+        char text[1024];
+        random_settings(&seed, text, 768);
+        const size_t length = strlen(text);
+        snprintf(text + length, sizeof(text) - length, "taa=locks %s taa_motion=%s",
+                 words[round % 4], round % 3 ? "square" : "cross");
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[round / 4 % 4], (int[2]){0, 0}, start, &test);
+        const double most = round % 3 ? 1.0 : 100.0;
+        test.view.frame = (uint32_t)neph_test_random(&seed);
+        test.view.has_history = round % 8 != 7;
+        test.view.jitter_px[0] = (float)neph_test_uniform(&seed, -0.5, 0.5);
+        test.view.jitter_px[1] = (float)neph_test_uniform(&seed, -0.5, 0.5);
+        if (round % 2)
+            move_camera(&test.view, 0.02, 2.0, &seed);
+        fill_depths(&test, &seed);
+        fill_colours(&test, RT_COLOR, most, &seed);
+        fill_colours(&test, RT_TAA_BEFORE, most, &seed);
+        fill_medium(&test, &seed);
+        fill_states(&test, most, &seed);
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR) && round % 5 == 4; e += 7)
+            test_set(&test, RT_COLOR, e, (float[4]){NAN, 1.0f, INFINITY});
+        test_passes_run(&test, "locks");
+        twin_locks(&test.twin);
+        if (settings.values[RT_TAA_GUARD] != 0.0 || round % 5 != 4) {
+            compare(&test, most, start, text);
+            test_same_words(&test, RT_TAA_STATE, start);
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- its parts -------------------------------------------------------------------------------- */
+
+/* 32x16 pixels at 128 m, all of the colour `value`, no jitter. */
+static void open_flat(struct neph_vulkan *vulkan, const char *words, float value,
+                      struct test_passes *test)
+{
+    test_open(vulkan, 32, 16, 0, test,
+              "taa=locks taa_box=none taa_hdr_weight=off taa_format=float taa_age_max=8 %s", words);
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+    test_fill(test, RT_COLOR, value, value, value, 0);
+    test_fill(test, RT_TAA_STATE_BEFORE, 0, 0, 128, 0);
+}
+
+/* Lanczos is 1 at its texel and 0 at all others: at 100 % and without jitter the frame comes
+ * out. */
+static void test_a_first_frame_comes_out_as_it_is(void **state)
+{
+    struct test_passes test;
+    uint64_t seed = 3;
+    open_flat(*state, "", 0.0f, &test);
+    fill_colours(&test, RT_COLOR, 1.0, &seed);
+    run(&test);
+    for (int y = 0; y < 16; y++)
+        for (int x = 0; x < 32; x++)
+            for (int c = 0; c < 3; c++)
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, c),
+                                  pixel_value(&test, RT_COLOR, x, y, c), 0.0, 1e-6);
+    test_passes_close(&test);
+}
+
+/* Whole frames go into the mean until it has eight, and then one in nine. */
+static void test_a_history_counts_by_what_is_in_it(void **state)
+{
+    static const float frames[] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
+    struct test_passes test;
+    open_flat(*state, "", 0.0f, &test);
+    double mean = 0.0;
+    for (int n = 0; n < 12; n++) {
+        test.view.has_history = n > 0;
+        test_fill(&test, RT_COLOR, frames[n], frames[n], frames[n], 0);
+        run(&test);
+        mean += (frames[n] - mean) / (n < 8 ? n + 1 : 9);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 9, 9, 1), mean, 0.0, 1e-5);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 9, 9, 3), n < 8 ? n + 1 : 8, 0.0, 1e-5);
+        test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
+    }
+    test_passes_close(&test);
+}
+
+/* A line of one rendered pixel is locked where its ray went, at half the size in two of its four
+ * pixels' columns; an edge and a flat wall are not. A lock is whole, and loses a share of the
+ * jitter's length in each frame in which it is not made anew. */
+static void test_thin_features_are_locked(void **state)
+{
+    static const struct {
+        int first, end; /* columns of light */
+        bool is_locked;
+    } cases[] = {{7, 8, true}, {7, 16, false}, {0, 0, false}};
+    for (int i = 0; i < 3; i++) {
+        struct test_passes test;
+        open_flat(*state, "screen_percent=50 taa_jitter_length=8", 0.1f, &test);
+        for (int y = 0; y < 8; y++)
+            for (int x = cases[i].first; x < cases[i].end; x++)
+                twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){1.0f, 1.0f, 1.0f});
+        run(&test);
+        for (int y = 0; y < 16; y++)
+            for (int x = 0; x < 32; x++)
+                assert_true(pixel_value(&test, RT_TAA_STATE, x, y, 0) ==
+                            (cases[i].is_locked && x / 2 == 7 ? 1.0 : 0.0));
+        test_passes_close(&test);
+    }
+    struct test_passes test;
+    open_flat(*state, "screen_percent=50 taa_jitter_length=8", 0.1f, &test);
+    test.view.has_history = 1;
+    for (size_t e = 0; e < test_elements(&test, RT_TAA_STATE_BEFORE); e++)
+        test_set(&test, RT_TAA_STATE_BEFORE, e,
+                 (float[4]){0.5f, e % 2 ? 0.4f : 0.6f, 128.0f}); /* luma of the wall, or not */
+    run(&test);
+    neph_assert_close(pixel_value(&test, RT_TAA_STATE, 5, 5, 0), 0.5 - 1.0 / 32.0, 0.0, 1e-6);
+    assert_true(pixel_value(&test, RT_TAA_STATE, 6, 5, 0) == 0.0);
+    test_passes_close(&test);
+}
+
+/* A lock keeps its part of the history out of the box, which is that of a flat frame here. */
+static void test_a_lock_keeps_the_history(void **state)
+{
+    struct test_passes test;
+    open_flat(*state, "taa_box=min_max lock_ratio=10 taa_jitter_length=64", 1.0f, &test);
+    test.view.has_history = 1;
+    for (size_t e = 0; e < test_elements(&test, RT_TAA_BEFORE); e++) {
+        test_set(&test, RT_TAA_BEFORE, e, (float[4]){3.0f, 3.0f, 3.0f, 7.0f});
+        test_set(&test, RT_TAA_STATE_BEFORE, e,
+                 (float[4]){0.515625f, e % 2 ? 4.0f : 9.0f, 128.0f}); /* half is left */
+    }
+    run(&test);
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 5, 5, 0), 1.0 + 7.0 / 8.0, 0.0, 1e-5);
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 6, 5, 0), 1.0, 0.0, 1e-5);
+    test_passes_close(&test);
+}
+
+/* What stood nearer by more than lock_separation has left no history; at the rim of something that
+ * is still within two pixels it has. */
+static void test_what_is_uncovered_has_no_history(void **state)
+{
+    struct test_passes test;
+    open_flat(*state, "lock_separation=0.02", 1.0f, &test);
+    test.view.has_history = 1;
+    for (int y = 0; y < 16; y++)
+        for (int x = 0; x < 32; x++) {
+            const float before_m = x < 16 ? 120.0f : 126.0f; /* of 128: 6 % and 1.6 % nearer */
+            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){x == 0 ? 120.0f : 128.0f});
+            twin_put_picture(&test.twin, RT_TAA_STATE_BEFORE, x, y,
+                             (float[4]){0.0f, 0.0f, before_m});
+            twin_put_picture(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
+        }
+    run(&test);
+    for (int x = 0; x < 32; x++) /* 15 has a texel of 126 m next to it */
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, 8, 0), x < 3 || x > 14 ? 2.5 : 1.0, 0.0,
+                          1e-5);
+    test_passes_close(&test);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_pass_equals_the_twin),
+        cmocka_unit_test(test_a_first_frame_comes_out_as_it_is),
+        cmocka_unit_test(test_a_history_counts_by_what_is_in_it),
+        cmocka_unit_test(test_thin_features_are_locked),
+        cmocka_unit_test(test_a_lock_keeps_the_history),
+        cmocka_unit_test(test_what_is_uncovered_has_no_history),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

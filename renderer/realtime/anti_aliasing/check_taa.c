@@ -1,0 +1,805 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One frame of temporal anti-aliasing against its twin, closed forms and bad numbers; and the
+ * jitter that goes before it. What many frames make of it:
+ * test_realtime_taa_film.c.
+ */
+#include "renderer/realtime/anti_aliasing/check_taa.h"
+
+#include "renderer/realtime/jitter.h"
+
+/* --- jitter -------------------------------------------------------------------------------- */
+
+/* As listed in an analysis of Unreal Engine 4.26; printed with 9 digits from float32. */
+static void test_the_eight_places_are_those_of_unreal(void **state)
+{
+    static const double listed_px[8][2] = {
+        {-0.163972363, 0.284008324},   {-0.208000556, -0.360267729}, {0.172162965, 0.144461900},
+        {-0.430473328, 0.156679258},   {0.0485312343, -0.275233328}, {0.0647613853, 0.367280841},
+        {-0.147184864, -0.0535709597}, {0.366960347, -0.307915747},
+    };
+    double sum_px[2] = {0.0, 0.0};
+    for (uint32_t i = 0; i < 16; i++) {
+        double offset_px[2];
+        neph_rt_jitter(RT_JITTER_UE, 8, i, offset_px);
+        for (int axis = 0; axis < 2; axis++) {
+            neph_assert_close(offset_px[axis], listed_px[i % 8][axis], 0.0, 1e-6);
+            sum_px[axis] += offset_px[axis] / 16.0;
+        }
+    }
+    /* The picture is off by that much; given to three digits. */
+    neph_assert_close(sum_px[0], -0.037, 0.0, 5e-4);
+    neph_assert_close(sum_px[1], -0.006, 0.0, 5e-4);
+}
+
+static void test_jitter_stays_in_the_pixel_and_repeats(void **state)
+{
+    static const int kinds[] = {RT_JITTER_NONE, RT_JITTER_UE, RT_JITTER_HALTON};
+    for (int k = 0; k < 3; k++)
+        for (int length = 1; length <= 64; length++)
+            for (uint32_t i = 0; i < 64; i++) {
+                double offset_px[2], again_px[2];
+                neph_rt_jitter(kinds[k], length, i, offset_px);
+                neph_rt_jitter(kinds[k], length, i + 3 * (uint32_t)length, again_px);
+                assert_memory_equal(offset_px, again_px, sizeof(offset_px));
+                const double most_px = k == 0 ? 0.0 : 0.5;
+                assert_true(fabs(offset_px[0]) <= most_px && fabs(offset_px[1]) <= most_px);
+            }
+    double offset_px[2];
+    neph_rt_jitter(RT_JITTER_HALTON, 8, 5, offset_px); /* 6 = 110 in base 2, 20 in base 3 */
+    neph_assert_close(offset_px[0], 3.0 / 8.0 - 0.5, 0.0, 1e-15);
+    neph_assert_close(offset_px[1], 2.0 / 9.0 - 0.5, 0.0, 1e-15);
+}
+
+/* --- views, pictures, cameras ---------------------------------------------------------------- */
+
+static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
+enum { SIZES = COUNT(sizes_px) };
+
+static void run(struct test_passes *test)
+{
+    test_passes_run(test, "anti-aliasing");
+    test_take(test, RT_TAA_OUT);
+}
+
+/* --- against the twin ---------------------------------------------------------------------- */
+
+static void test_the_pass_equals_the_twin(void **state)
+{
+    uint64_t seed = 1;
+    int resting = 0; /* by the kernel that a GPU has of pictures at rest */
+    for (int round = 0; round < 120; round++) {
+        const uint64_t start = seed;
+        char text[768];
+        struct neph_settings settings = random_settings(&seed, text, sizeof(text));
+        if (round % 4 == 0)
+            settings.values[RT_SOLID_MOTION] = settings.values[RT_WIND] = 0;
+        const int size = round == 60 && neph_test_is_night() ? SIZES - 1 : round % (SIZES - 1);
+        const int origin_px[2] = {round % 3 * 4, round % 2 * 8};
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[size], origin_px, start, &test);
+        test.view.is_cut = round % 8 == 1;
+        if (round % 8 >= 6)
+            test_make_parallel(&test.view, 5.0f);
+        const double most = fill_round(&test, round, &seed);
+        test_passes_run(&test, "anti-aliasing");
+        twin_taa(&test.twin);
+        compare(&test, most, start, text);
+        resting += neph_rt_view_rests(&test.view) && test.device.on_gpu;
+        test_passes_close(&test);
+    }
+    assert_true(resting >= 8);
+}
+
+/* In all settings, with numbers that no renderer should make in both pictures. What comes out is a
+ * colour, and the twin's. Where it differs from the twin's, the brightest held number, 65504,
+ * sets the scale. */
+static void test_the_guard_keeps_bad_numbers_out(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f, -1e30f, 0.0f};
+    uint64_t seed = 20261122;
+    for (int round = 0; round < 40; round++) {
+        const uint64_t start = seed;
+        char text[768];
+        struct neph_settings settings = random_settings(&seed, text, sizeof(text));
+        settings.values[RT_TAA_GUARD] = 1;
+        struct test_passes test;
+        test_passes_open(*state, &settings, sizes_px[round % (SIZES - 1)], (int[2]){0, 0}, start,
+                         &test);
+        test.view.has_history = round % 8 != 0;
+        move_camera(&test.view, 0.02, 0.1, &seed);
+        fill_depths(&test, &seed);
+        for (int t = 0; t < 2; t++) {
+            const int target = t ? RT_COLOR : RT_TAA_BEFORE;
+            fill_colours(&test, target, 1.0, &seed);
+            const uint64_t one_in = (uint64_t[]){1, 3, 30}[neph_test_random(&seed) % 3];
+            for (size_t i = 0; i < test_elements(&test, target); i++) {
+                float colour[4];
+                test_get(&test, target, i, colour);
+                if (neph_test_random(&seed) % one_in == 0)
+                    colour[neph_test_random(&seed) % 3] = bad[neph_test_random(&seed) % 7];
+                test_set(&test, target, i, colour);
+            }
+        }
+        test_passes_run(&test, "anti-aliasing");
+        twin_taa(&test.twin);
+        compare(&test, 65504.0, start, text);
+        test_take(&test, RT_TAA_OUT);
+        for (size_t i = 0; i < test_elements(&test, RT_TAA_OUT); i++) {
+            float colour[4];
+            test_get(&test, RT_TAA_OUT, i, colour);
+            for (int c = 0; c < 3; c++)
+                if (!(colour[c] >= 0.0f && colour[c] <= 65504.0f))
+                    fail_msg("seed %llu, %s: %g", (unsigned long long)start, text,
+                             (double)colour[c]);
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- motion ---------------------------------------------------------------------------------- */
+
+/* float32 knows the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a few times that. */
+static const double motion_error_px = 1e-4;
+
+/* Where the camera before saw what is at `depth_m` behind a pixel's centre, in double. */
+static bool place_before(const struct neph_gpu_view *view, int x, int y, double depth_m,
+                         double place_px[2])
+{
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    const double right = (2.0 * (x + 0.5) / view->size_px[0] - 1.0) * now->half_width;
+    const double up = (1.0 - 2.0 * (y + 0.5) / view->size_px[1]) * now->half_height;
+    const double spread_m = now->is_parallel ? 1.0 : depth_m;
+    double across = 0.0, height = 0.0, depth = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double point = now->forward[c] + right * now->right[c] + up * now->up[c] -
+                             before->position_m[c] / spread_m;
+        across += point * before->right[c];
+        height += point * before->up[c];
+        depth += point * before->forward[c];
+    }
+    if (now->is_parallel)
+        depth = 1.0;
+    place_px[0] = view->size_px[0] * (0.5 + 0.5 * across / (depth * before->half_width));
+    place_px[1] = view->size_px[1] * (0.5 - 0.5 * height / (depth * before->half_height));
+    return depth > 0.0 && place_px[0] > 0.0 && place_px[0] < view->size_px[0] &&
+           place_px[1] > 0.0 && place_px[1] < view->size_px[1];
+}
+
+/* Too close to tell whether it is in the picture. */
+static bool is_at_a_side(const double place_px[2], const int size_px[2])
+{
+    for (int axis = 0; axis < 2; axis++)
+        if (fabs(place_px[axis]) < motion_error_px ||
+            fabs(place_px[axis] - size_px[axis]) < motion_error_px)
+            return true;
+    return false;
+}
+
+static double nearest_of_five_m(const struct test_passes *test, int x, int y)
+{
+    double nearest_m = pixel_value(test, RT_DEPTH, x, y, 0);
+    for (int i = 0; i < 4; i++)
+        nearest_m = fmin(
+            nearest_m, pixel_value(test, RT_DEPTH, x + (i % 2 ? 2 : -2), y + (i / 2 ? 2 : -2), 0));
+    return nearest_m;
+}
+
+/* The history's colours are the places of its pixels, which a bilinear filter gives back. */
+static void test_the_history_comes_from_where_things_were(void **state)
+{
+    uint64_t seed = 7;
+    static const char *const motions[] = {"taa_motion=centre", "taa_motion=cross"};
+    static const int size_px[2] = {127, 33};
+    for (int round = 0; round < 10; round++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "%s taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=bilinear taa_format=float",
+                 motions[round % 2]);
+        const struct neph_settings settings = test_settings(text);
+        struct test_passes test;
+        test_passes_open(*state, &settings, size_px, (int[2]){4, 8}, seed, &test);
+        test.view.has_history = 1;
+        if (round >= 8)
+            test_make_parallel(&test.view, 1.0f);
+        move_camera(&test.view, round < 8 ? 0.1 : 0.0,
+                    round < 4    ? 0.2
+                    : round >= 8 ? 0.5
+                                 : 0.0,
+                    &seed);
+        fill_depths(&test, &seed);
+        for (int y = 0; y < size_px[1]; y++)
+            for (int x = 0; x < size_px[0]; x++) {
+                twin_put_full(&test.twin, RT_TAA_BEFORE, x, y,
+                              (float[4]){(float)x + 0.5f, (float)y + 0.5f, 1.0f});
+                twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){0.0f, 0.0f, 2.0f});
+            }
+        run(&test);
+        int inside = 0, outside = 0;
+        for (int y = 0; y < size_px[1]; y++)
+            for (int x = 0; x < size_px[0]; x++) {
+                double place_px[2];
+                const double depth_m = round % 2 ? nearest_of_five_m(&test, x, y)
+                                                 : pixel_value(&test, RT_DEPTH, x, y, 0);
+                const bool is_in = place_before(&test.view, x, y, depth_m, place_px);
+                if (is_at_a_side(place_px, size_px))
+                    continue;
+                assert_int_equal(pixel_value(&test, RT_TAA_OUT, x, y, 2) < 1.5, is_in);
+                inside += is_in;
+                outside += !is_in;
+                for (int axis = 0; axis < 2 && is_in; axis++) {
+
+                    const double held_px = fmin(fmax(place_px[axis], 0.5), size_px[axis] - 0.5);
+                    neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, axis), held_px, 0.0,
+                                      motion_error_px);
+                }
+            }
+        assert_true(inside > 1000 && outside > 100);
+        test_passes_close(&test);
+    }
+}
+
+/* A camera that looked the other way saw nothing of this, though the division by a negative depth
+ * finds it a place in its picture. */
+static void test_nothing_comes_from_behind(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 8, 8, 0, &test, "taa_filter=off taa_box=none");
+    test.view.has_history = 1;
+    test.view.before.forward[2] = 1.0f;
+    test.view.before.right[0] = -1.0f;
+    for (size_t i = 0; i < 64; i++) {
+        test_set(&test, RT_DEPTH, i, (float[4]){i % 2 ? 5.0f : NEPH_GPU_FAR_M});
+        test_set(&test, RT_COLOR, i, (float[4]){1.0f});
+        test_set(&test, RT_TAA_BEFORE, i, (float[4]){9.0f});
+    }
+    run(&test);
+    for (int i = 0; i < 64; i++)
+        assert_true(pixel_value(&test, RT_TAA_OUT, i % 8, i / 8, 0) == 1.0);
+    test_passes_close(&test);
+}
+
+/* 256x64 pixels of 1 m each at 128 m: numbers that float32 has exactly. */
+static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
+                      struct test_passes *test)
+{
+    const struct neph_settings settings = test_settings(settings_text);
+    test_passes_open(vulkan, &settings, (int[2]){256, 64}, (int[2]){0, 0}, 0, test);
+    test->view.has_history = 1;
+    test->view.now.half_width = test->view.before.half_width = 1.0f;
+    test->view.now.half_height = test->view.before.half_height = 0.25f;
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+}
+
+/* By all filters, to the last bit; what was out of the picture is the frame's. */
+static void test_a_pan_by_whole_pixels_moves_the_history_whole(void **state)
+{
+    static const char *const filters[] = {"nearest", "bilinear", "catmull_rom"};
+    static const int pans_px[][2] = {{0, 0}, {1, 0}, {0, 1}, {-3, 2}, {7, -5}, {128, 32}};
+    uint64_t seed = 11;
+    for (int f = 0; f < 3; f++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=%s",
+                 filters[f]);
+        struct test_passes test;
+        open_wall(*state, text, &test);
+        fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        for (size_t p = 0; p < COUNT(pans_px); p++) {
+            /* the camera was left of here: things are now farther left */
+            test.view.before.position_m[0] = -(float)pans_px[p][0];
+            test.view.before.position_m[1] = (float)pans_px[p][1];
+            run(&test);
+            for (int y = 0; y < 64; y++)
+                for (int x = 0; x < 256; x++) {
+                    const int from_x = x + pans_px[p][0], from_y = y + pans_px[p][1];
+                    const bool is_in = from_x >= 0 && from_x < 256 && from_y >= 0 && from_y < 64;
+                    for (int c = 0; c < 3; c++)
+                        assert_true(
+                            pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                            (is_in ? pixel_value(&test, RT_TAA_BEFORE, from_x, from_y, c) : 0.0));
+                }
+        }
+        test_passes_close(&test);
+    }
+}
+
+/* --- the frame, resets ----------------------------------------------------------------------- */
+
+/* No history: whatever it holds, the output is the filtered frame. */
+static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
+{
+    static const struct {
+        const char *cut_reset;
+        uint32_t has_history, is_cut;
+        bool is_reset;
+    } cases[] = {{"on", 0, 0, true},  {"off", 0, 0, true},  {"on", 1, 1, true},
+                 {"on", 1, 0, false}, {"off", 1, 1, false}, {"off", 1, 0, false}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct test_passes test;
+        uint64_t seed = 3;
+        test_open(*state, 64, 36, seed, &test, "taa_filter=off taa_box=none cut_reset=%s",
+                  cases[i].cut_reset);
+        test.view.has_history = cases[i].has_history;
+        test.view.is_cut = cases[i].is_cut;
+        fill_depths(&test, &seed);
+        test_fill(&test, RT_COLOR, 1, 0.5f, 0.25f, 0);
+        test_fill(&test, RT_TAA_BEFORE, 7, 8, 9, 0);
+        run(&test);
+        for (int y = 0; y < 36; y++)
+            for (int x = 0; x < 64; x++)
+                assert_int_equal(pixel_value(&test, RT_TAA_OUT, x, y, 0) == 1.0, cases[i].is_reset);
+        test_passes_close(&test);
+    }
+}
+
+/* A lit pixel spreads by the weights exp(-2.29 d^2) of its ray's distance from the others' centres.
+ * Colours of a ramp, seen through jittered rays, come back as seen without: to 0.04 px, what nine
+ * samples of the Gaussian can do. exp(x) of a driver is off by up to 3 + 2 |x| ulps, here 25. */
+static void test_the_filter_is_about_the_unjittered_place(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 16, 16, 0, &test, "taa_format=float taa_hdr_weight=off");
+    for (uint32_t frame = 0; frame < 8; frame++) {
+        double jitter_px[2];
+        neph_rt_jitter(RT_JITTER_UE, 8, frame, jitter_px);
+        for (int axis = 0; axis < 2; axis++)
+            test.view.jitter_px[axis] = (float)jitter_px[axis];
+        for (int y = 0; y < 16; y++)
+            for (int x = 0; x < 16; x++)
+                twin_put_full(&test.twin, RT_COLOR, x, y,
+                              (float[4]){x == 8 && y == 8, (float)(x + jitter_px[0]) + 1.0f,
+                                         (float)(y + jitter_px[1]) + 1.0f});
+        run(&test);
+        double sum = 0.0;
+        for (int i = 0; i < 9; i++)
+            sum += exp(-2.29 *
+                       (pow(i % 3 - 1 + jitter_px[0], 2) + pow(i / 3 - 1 + jitter_px[1], 2)));
+        for (int y = 1; y < 15; y++)
+            for (int x = 1; x < 15; x++) {
+                const double distance = pow(8 - x + jitter_px[0], 2) + pow(8 - y + jitter_px[1], 2);
+                const bool is_near = abs(8 - x) <= 1 && abs(8 - y) <= 1;
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 0),
+                                  is_near ? exp(-2.29 * distance) / sum : 0.0, 64.0 * float_ulp,
+                                  0.0);
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 1), x + 1.0, 0.0, 0.04);
+                neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 2), y + 1.0, 0.0, 0.04);
+            }
+    }
+    test_passes_close(&test);
+}
+
+/* --- the box --------------------------------------------------------------------------------- */
+
+/* A history that is too bright is held at the box's upper side. One colour of nine is 1: at the
+ * centre, a side and a corner of the pixel's surroundings. */
+static void test_the_box_is_that_of_its_name(void **state)
+{
+    static const struct {
+        const char *settings;
+        float jitter_px[2];
+        double centre, side, corner;
+    } cases[] = {
+        {"taa_box=none", {0, 0}, 5.0, 5.0, 5.0},
+        /* mean of the plus' and the square's extremes */
+        {"taa_box=min_max", {0, 0}, 1.0, 1.0, 0.5},
+        /* 1/9 + 1.25 sqrt(1/9 - 1/81), or the filtered colour */
+        {"taa_box=variance", {0, 0}, 1.0, 0.503948212, 0.503948212},
+        {"taa_box=variance taa_sigma=2", {0, 0}, 1.0, 0.739650472, 0.739650472},
+        {"taa_box=variance taa_sigma=0", {0, 0}, 1.0, 0.111111111, 0.111111111},
+        /* rays within 1.51 px: all, unless they are shifted away; the corner is 1.41 px off */
+        {"taa_box=distance", {0, 0}, 1.0, 1.0, 1.0},
+        {"taa_box=distance", {0.2f, 0}, 1.0, 1.0, 0.0},
+        {"taa_box=distance", {-0.2f, 0}, 1.0, 1.0, 1.0},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct test_passes test;
+        test_open(*state, 8, 8, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=linear %s",
+                  cases[i].settings);
+        test.view.has_history = 1;
+        memcpy(test.view.jitter_px, cases[i].jitter_px, sizeof(cases[i].jitter_px));
+        test_fill(&test, RT_DEPTH, 1, 0, 0, 0);
+        test_fill(&test, RT_TAA_BEFORE, 5, 5, 5, 0);
+        twin_put_full(&test.twin, RT_COLOR, 4, 4, (float[4]){1.0f, 1.0f, 1.0f});
+        run(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 1), cases[i].centre, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 3, 4, 1), cases[i].side, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 3, 3, 1), cases[i].corner, 1e-6, 0.0);
+        test_passes_close(&test);
+    }
+}
+
+/* In YCoCg the box of greys is a line: a coloured history loses its colour there, not in RGB. */
+static void test_the_space_of_the_box_matters(void **state)
+{
+    static const struct {
+        const char *space;
+        double red, blue;
+    } cases[] = {{"linear", 0.9, 0.1}, {"reinhard", 0.9, 0.1}, {"ycocg", 0.5, 0.5}};
+    for (int i = 0; i < 3; i++) {
+        struct test_passes test;
+        test_open(*state, 8, 8, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                  cases[i].space);
+        test.view.has_history = 1;
+        for (size_t e = 0; e < 64; e++) {
+            const float grey = e % 2 ? 1.0f : 0.0f;
+            test_set(&test, RT_DEPTH, e, (float[4]){1.0f});
+            test_set(&test, RT_COLOR, e, (float[4]){grey, grey, grey});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){0.9f, 0.5f, 0.1f});
+        }
+        run(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 0), cases[i].red, 1e-6, 0.0);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 4, 4, 2), cases[i].blue, 1e-6, 0.0);
+        test_passes_close(&test);
+    }
+}
+
+/* Between the extremes of its surroundings, it comes back to the last bit. */
+static void test_a_history_in_the_box_is_left_alone(void **state)
+{
+    static const char *const spaces[] = {"linear", "reinhard", "ycocg"};
+    for (int s = 0; s < 3; s++) {
+        struct test_passes test;
+        uint64_t seed = 17;
+        test_open(*state, 64, 36, 0, &test,
+                  "taa_filter=off taa_alpha=0 taa_contrast=0 taa_format=float taa_space=%s",
+                  spaces[s]);
+        test.view.has_history = 1;
+        fill_colours(&test, RT_TAA_BEFORE, 1.0, &seed);
+        for (int y = 0; y < 36; y++)
+            for (int x = 0; x < 64; x++) {
+                /* each plus has all five kinds, the extremes of all three spaces */
+                const int kind = (x + 2 * y) % 5;
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
+                twin_put_full(&test.twin, RT_COLOR, x, y,
+                              (float[4]){kind == 1 || kind == 3 ? 9.0f : 0.0f,
+                                         kind == 2 || kind == 3 ? 9.0f : 0.0f,
+                                         kind == 1 || kind == 4 ? 9.0f : 0.0f});
+            }
+        run(&test);
+        for (int y = 1; y < 35; y++)
+            for (int x = 1; x < 63; x++)
+                for (int c = 0; c < 3; c++)
+                    assert_true(pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                                pixel_value(&test, RT_TAA_BEFORE, x, y, c));
+        test_passes_close(&test);
+    }
+}
+
+/* --- the blend and the format --------------------------------------------------------------- */
+
+/* What weight a frame of 1 had over a history of 0 ... read off the output. */
+static double weight_of(double out, double frame, double history)
+{
+    return (out - history) / (frame - history);
+}
+
+/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below 1
+ * % is not averaged at all. Colours are known to some
+ * ulps, the weight to that over r. */
+static void test_the_contrast_law_takes_small_differences_whole(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 64, 2, 0, &test,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float");
+    test.view.has_history = 1;
+    const float luma = 3.0f;
+    for (int x = 0; x < 64; x++) {
+        const double r = pow(10.0, -3.0 + 4.0 * x / 63.0);
+        const float above = (float)(luma * (1.0 + r)), below = (float)(luma * (1.0 - fmin(r, 0.9)));
+        for (int y = 0; y < 2; y++) {
+            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
+            twin_put_full(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
+            const float value = y ? below : above;
+            twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){value, value, value});
+        }
+    }
+    run(&test);
+    for (int x = 0; x < 64; x++)
+        for (int y = 0; y < 2; y++) {
+            const double frame = pixel_value(&test, RT_COLOR, x, y, 0);
+            const double r = fabs(frame / luma - 1.0);
+            const double alpha = weight_of(pixel_value(&test, RT_TAA_OUT, x, y, 0), frame, luma);
+            neph_assert_close(alpha, fmax(0.04, fmin(1.0, 0.01 / r)), 0.0,
+                              8.0 * float_ulp * (1.0 + r) / r);
+        }
+    test_passes_close(&test);
+}
+
+/* From taa_alpha at rest to taa_alpha_moving at taa_velocity_px and beyond. */
+static void test_the_weight_grows_with_speed(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
+              "taa_velocity_px=40",
+              &test);
+    test_fill(&test, RT_COLOR, 1, 1, 1, 0);
+    for (int speed_px = 0; speed_px <= 60; speed_px += 5) {
+        /* 3 : 4 : 5 */
+        test.view.before.position_m[0] = 0.8f * (float)speed_px;
+        test.view.before.position_m[1] = 0.6f * (float)speed_px;
+        run(&test);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 128, 20, 0),
+                          0.04 + 0.16 * fmin(speed_px / 40.0, 1.0), 1e-6, 0.0);
+    }
+    test_passes_close(&test);
+}
+
+/* --- at rest, and with the medium ----------------------------------------------------------- */
+
+/* After n frames the pixel is their mean, whatever they were: no box, no contrast law. */
+static void test_what_rests_is_the_mean_of_its_frames(void **state)
+{
+    enum { FRAMES = 12, AGE_MAX = 8 };
+    static const float frames[FRAMES] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_format=float gradient=on taa_age_max=8",
+              &test);
+    double mean = 0.0;
+    for (int n = 0; n < FRAMES; n++) {
+        test.view.has_history = n > 0;
+        test_fill(&test, RT_COLOR, frames[n], frames[n], frames[n], 0);
+        run(&test);
+        mean += (frames[n] - mean) / (n < AGE_MAX ? n + 1 : AGE_MAX + 1);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 1), mean, 0.0, 1e-5);
+        assert_true(pixel_value(&test, RT_TAA_OUT, 99, 33, 3) == (n < AGE_MAX ? n + 1 : AGE_MAX));
+        test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
+    }
+    test_passes_close(&test);
+}
+
+static void put_change(struct test_passes *test, int target, float gain, float residue)
+{
+    test_fill(test, target, gain, gain, gain, residue);
+}
+
+/* A change of the light, of the medium or behind it, and motion each bring back weight and box: at
+ * twice the limit wholly, at one and a half by half. The age begins anew by as much, and before it
+ * counts no more frames than are alike but for the limit. */
+static void test_change_and_motion_end_the_rest(void **state)
+{
+    static const struct {
+        float medium, behind, motion_px;
+        double part, age; /* what of the 19 counts: 4 frames, 7 behind, times 0.2 over the change */
+    } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.1f, 0.0f, 0.0f, 0.0, 8.0},
+                 {0.2f, 0.0f, 0.0f, 0.0, 4.0},  {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
+                 {0.4f, 0.0f, 0.0f, 1.0, 2.0},  {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
+                 {0.1f, 0.1f, 0.0f, 0.0, 8.0},  {0.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
+                 {0.0f, 0.0f, 1.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.5f, 0.5, 19.0},
+                 {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_contrast=0 taa_format=float taa_alpha=0.25 "
+              "taa_alpha_moving=0.25 gradient=on taa_age_max=64 taa_change=0.2 taa_rest_px=1",
+              &test);
+    test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, 19);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        put_change(&test, RT_CHANGE, 1.0f, cases[i].medium);
+        put_change(&test, RT_CHANGE_BEHIND, 1.0f, cases[i].behind);
+        test.view.before.position_m[0] = cases[i].motion_px;
+        run(&test);
+        const double part = cases[i].part, age = cases[i].age;
+        const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
+        /* the box of a flat frame is the frame */
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          2.0 - (1.0 - alpha) * (1.0 - part), 0.0, 1e-5);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3),
+                          (1.0 - part) * (age + 1.0) + part, 0.0, 1e-4);
+    }
+    test_passes_close(&test);
+}
+
+/* History at rest is multiplied with what the light of the pixel has been: that of the medium and
+ * that behind it by their shares. What moves is not. */
+static void test_history_takes_the_light_along(void **state)
+{
+    static const struct {
+        double share, medium, behind, motion_px, gain; /* of the pixel's light */
+    } cases[] = {{1.0, 0.98, 1.0, 0.0, 0.98},
+                 {0.0, 0.98, 1.0, 0.0, 1.0},
+                 {0.5, 0.98, 1.02, 0.0, 1.0 / (0.5 / 0.98 + 0.5 / 1.02)},
+                 {0.25, 1.05, 1.0, 0.0, 1.0 / (0.25 / 1.05 + 0.75)},
+                 {1.0, 0.98, 0.98, 1.5, 0.99},
+                 {1.0, 0.98, 0.98, 2.0, 1.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 taa_format=float "
+              "taa_alpha=0 taa_alpha_moving=0 gradient=on taa_age_max=64 taa_rest_px=1 relight=0.1",
+              &test);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
+            const float medium = (float)(2.0 * cases[i].share);
+            test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
+            test_set(&test, RT_VOLUME, e, (float[4]){medium, medium, medium, 0.5f});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 64.0f});
+        }
+        put_change(&test, RT_CHANGE, (float)cases[i].medium, 0.0f);
+        put_change(&test, RT_CHANGE_BEHIND, (float)cases[i].behind, 0.0f);
+        test.view.before.position_m[0] = (float)cases[i].motion_px;
+        run(&test);
+        const double moved = fmax(cases[i].motion_px - 1.0, 0.0);
+        const double alpha = (1.0 - moved) / 65.0;
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          cases[i].gain + alpha * (2.0 - cases[i].gain), 0.0, 1e-5);
+    }
+    test_passes_close(&test);
+}
+
+/* Without a gradient nobody knows whether something changes: nothing rests. */
+static void test_without_a_gradient_nothing_rests(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 taa_format=float "
+              "taa_alpha=0.25 taa_age_max=64",
+              &test);
+    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+        test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
+    run(&test);
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 0), 0.75, 0.0, 1e-6);
+    test_passes_close(&test);
+}
+
+/* The wind blows by 8 pixels at 128 m, where clouds before a wall at 200 m are; those at half that
+ * distance move by twice as many. What goes with them is what they hide more than half of, and the
+ * sky; not what is before them, and nothing that does not change. */
+static void test_the_history_goes_with_the_medium(void **state)
+{
+    static const struct {
+        const char *words;
+        float through, distance_m, scene_m;
+        int motion_px;
+    } cases[] = {
+        {"wind=on", 0.0f, 128.0f, 200.0f, 8},
+        {"wind=on", 0.4f, 64.0f, 128.0f, 16},
+        {"wind=on", 0.6f, 64.0f, 128.0f, 0},
+        {"wind=on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
+        {"wind=on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0},
+        {"wind=off", 0.0f, 128.0f, 200.0f, 0},
+        {"wind=on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0},
+        {"wind=on", 0.0f, 128.0f, 64.0f, 0},
+        {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.2", 0.0f, 64.0f, 128.0f, 0},
+        {"gradient=on taa_age_max=1 taa_rest_px=0 taa_change=0.01", 0.0f, 64.0f, 128.0f, 16}};
+    uint64_t seed = 3;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_box=none taa_alpha=0 taa_alpha_moving=0 taa_contrast=0 "
+                 "taa_history=nearest taa_medium=on %s",
+                 cases[i].words);
+        struct test_passes test;
+        open_wall(*state, text, &test);
+        fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        put_change(&test, RT_CHANGE, 1.0f, 0.1f);
+        for (int y = 0; y < 64; y++)
+            for (int x = 0; x < 256; x++) {
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
+                /* along the ray, which is longer towards the sides */
+                const double across = (2.0 * (x + 0.5) / 256.0 - 1.0),
+                             up = (1.0 - 2.0 * (y + 0.5) / 64.0) * 0.25;
+                const double slant = sqrt(1.0 + across * across + up * up);
+                twin_put_full(&test.twin, RT_VOLUME, x, y,
+                              (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
+                twin_put_full(&test.twin, RT_VOLUME_DISTANCE, x, y,
+                              (float[4]){(float)(slant * (double)cases[i].distance_m)});
+            }
+        test.view.wind_m[0] = 8.0f;
+        run(&test);
+        /* halves know a distance to 1 in 2048, 8 pixels to a two-hundredth */
+        for (int y = 0; y < 64; y++)
+            for (int x = 16; x < 256; x++)
+                for (int c = 0; c < 3; c++)
+                    assert_true(pixel_value(&test, RT_TAA_OUT, x, y, c) ==
+                                pixel_value(&test, RT_TAA_BEFORE, x - cases[i].motion_px, y, c));
+        test_passes_close(&test);
+    }
+}
+
+/* With alpha = 1, of a history however bright; and 65504 is the end, with or without the guard. */
+static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
+{
+    static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
+    static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
+    for (int i = 0; i < 8; i++) {
+        struct test_passes test;
+        test_open(*state, 1, 1, 0, &test,
+                  "taa_filter=off taa_box=none taa_alpha=1 taa_format=float %s", guards[i / 4]);
+        test.view.has_history = 1;
+        const float frame = frames[i % 4];
+        test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+        test_set(&test, RT_COLOR, 0, (float[4]){frame, frame, frame});
+        test_set(&test, RT_TAA_BEFORE, 0, (float[4]){6e4f, 6e4f, 6e4f});
+        run(&test);
+        assert_true(pixel_value(&test, RT_TAA_OUT, 0, 0, 0) ==
+                    (double)(frame < 65504.0f ? frame : 65504.0f));
+        test_passes_close(&test);
+    }
+}
+
+/* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
+static void test_hdr_weights_hold_bright_samples_back(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 1, 1, 0, &test,
+              "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 taa_format=float");
+    test.view.has_history = 1;
+    test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+    test_set(&test, RT_COLOR, 0, (float[4]){9.0f, 9.0f, 9.0f});
+    test_set(&test, RT_TAA_BEFORE, 0, (float[4]){1.0f, 1.0f, 1.0f});
+    run(&test);
+    const double dark = 1.0 / 8.0, bright = 1.0 / 40.0;
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 0, 0, 0),
+                      (1.0 * dark + 9.0 * bright) / (dark + bright), 1e-6, 0.0);
+    test_passes_close(&test);
+}
+
+/* Every output is one of the two halves around the exact value, the twin's choice bit by bit, and
+ * the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288) each. */
+static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
+{
+    static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};
+    struct test_passes test;
+    test_open(vulkan, 64, 64, seed, &test, "taa_filter=off");
+    for (size_t v = 0; v < COUNT(values); v++) {
+        const float value = (float)values[v];
+        test.view.frame = (uint32_t)v;
+        test_fill(&test, RT_COLOR, value, value, value, 0);
+        test_passes_run(&test, "anti-aliasing");
+        twin_taa(&test.twin);
+        test_same_words(&test, RT_TAA_OUT, v);
+        const double step = fmax(ldexp(1.0, ilogb(values[v] > 0.0 ? values[v] : 1.0) - 10),
+                                 0x1p-24);
+        double sum = 0.0;
+        for (int i = 0; i < 3 * 64 * 64; i++) {
+            const double out = pixel_value(&test, RT_TAA_OUT, i / 3 % 64, i / 192, i % 3);
+            assert_true(fabs(out - (double)value) < step);
+            sum += out;
+        }
+        neph_assert_close(sum / (3 * 64 * 64), value, 0.0, 4.0 * 0.5 * step / sqrt(3 * 64 * 64));
+    }
+    test_passes_close(&test);
+}
+
+/* By floats, and by whole numbers as a GPU does: the same choice of each number. Below 2^-14 a GPU
+ * knows a value to 2^-37. */
+static void test_rounding_by_chance_is_right_on_average(void **state)
+{
+    for (uint64_t seed = 0; seed < 2; seed++)
+        try_rounding_by_chance(*state, seed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_eight_places_are_those_of_unreal),
+        cmocka_unit_test(test_jitter_stays_in_the_pixel_and_repeats),
+        cmocka_unit_test(test_the_pass_equals_the_twin),
+        cmocka_unit_test(test_the_guard_keeps_bad_numbers_out),
+        cmocka_unit_test(test_the_history_comes_from_where_things_were),
+        cmocka_unit_test(test_nothing_comes_from_behind),
+        cmocka_unit_test(test_a_pan_by_whole_pixels_moves_the_history_whole),
+        cmocka_unit_test(test_a_cut_and_the_first_frame_take_nothing_over),
+        cmocka_unit_test(test_the_filter_is_about_the_unjittered_place),
+        cmocka_unit_test(test_the_box_is_that_of_its_name),
+        cmocka_unit_test(test_the_space_of_the_box_matters),
+        cmocka_unit_test(test_a_history_in_the_box_is_left_alone),
+        cmocka_unit_test(test_the_contrast_law_takes_small_differences_whole),
+        cmocka_unit_test(test_the_weight_grows_with_speed),
+        cmocka_unit_test(test_what_rests_is_the_mean_of_its_frames),
+        cmocka_unit_test(test_change_and_motion_end_the_rest),
+        cmocka_unit_test(test_history_takes_the_light_along),
+        cmocka_unit_test(test_without_a_gradient_nothing_rests),
+        cmocka_unit_test(test_the_history_goes_with_the_medium),
+        cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),
+        cmocka_unit_test(test_hdr_weights_hold_bright_samples_back),
+        cmocka_unit_test(test_rounding_by_chance_is_right_on_average),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}

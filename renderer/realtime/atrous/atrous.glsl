@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+//
+// One step of an edge-avoiding a-trous filter of the volume at half resolution, as in C. Schied et
+// al., "Spatiotemporal Variance-Guided Filtering", HPG 2017: 5x5 texels, ATROUS_STEP apart, by a
+// B-spline, by depth, and by the difference of luma against its deviation.
+//
+// Not as there: the deviation is that of the 3x3 around in what the step before has made, from the
+// plane through them, for there are no moments over time here; depth counts by its relative
+// difference, without its slope; there are no normals; and what is handed on to the next frame is
+// not filtered.
+//
+// Who includes this says what it reads, INPUT, and what it writes, OUTPUT.
+#ifndef RT_ATROUS_GLSL
+#define RT_ATROUS_GLSL
+
+#include "renderer/realtime/shared/pass.glsl"
+
+const float SPLINE[3] = {0.375, 0.25, 0.0625};
+
+float luma_of(vec4 volume) { return volume.r + 2.0 * volume.g + volume.b; }
+
+bool is_there(vec4 volume, ivec2 half_pixel)
+{
+    return fetch_half(RT_HISTORY_STATE, half_pixel).x > 0.0 && is_sound(volume);
+}
+
+// Deviation of the lumas around, in single steps, from the plane through them: a slope is no
+// noise. Where some do not count, from the mean of the others.
+float deviation_at(ivec2 half_pixel)
+{
+    float sum = 0.0, squares = 0.0, count = 0.0;
+    vec2 slope = vec2(0.0);
+    float lumas[9];
+    for (int i = 0; i < 9; i++) {
+        ivec2 way = ivec2(i % 3, i / 3) - 1;
+        vec4 volume = fetch_half(INPUT, half_pixel + way);
+        bool counts = is_there(volume, half_pixel + way);
+        lumas[i] = counts ? luma_of(volume) : -1.0;
+        sum += counts ? lumas[i] : 0.0;
+        slope += lumas[i] * vec2(way) / 6.0;
+        count += counts ? 1.0 : 0.0;
+    }
+    bool is_plane = count == 9.0;
+    for (int i = 0; i < 9; i++) {
+        vec2 way = vec2(i % 3, i / 3) - 1.0;
+        float off = lumas[i] - sum / count - (is_plane ? dot(slope, way) : 0.0);
+        squares += lumas[i] >= 0.0 ? off * off : 0.0;
+    }
+    return count > 0.0 ? sqrt(squares / (is_plane ? 6.0 : count)) : 0.0;
+}
+
+// exp(-x), and 1 for 0 / 0.
+float falling(float difference, float unit)
+{
+    return difference > 0.0 ? exp(-difference / max(unit, 1e-20)) : 1.0;
+}
+
+void main()
+{
+    ivec2 half_pixel;
+    if (!own_element(half_size(), half_pixel))
+        return;
+    vec4 own = fetch_half(INPUT, half_pixel);
+    if (!is_there(own, half_pixel)) {
+        put_half(OUTPUT, half_pixel, own);
+        return;
+    }
+    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x, luma = luma_of(own);
+    float luma_unit = setting(RT_ATROUS_SIGMA) * deviation_at(half_pixel);
+    float depth_unit = setting(RT_ATROUS_DEPTH) * depth_m;
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 25; i++) {
+        ivec2 way = ivec2(i % 5, i / 5) - 2, other = half_pixel + ATROUS_STEP * way;
+        vec4 volume = fetch_half(INPUT, other);
+        if (!is_there(volume, other))
+            continue;
+        float weight = SPLINE[abs(way.x)] * SPLINE[abs(way.y)] *
+                       falling(abs(luma_of(volume) - luma), luma_unit) *
+                       falling(abs(fetch_half(RT_HALF_DEPTH, other).x - depth_m), depth_unit);
+        sum += weight * volume;
+        weights += weight;
+    }
+    put_half(OUTPUT, half_pixel, sum / weights);
+}
+
+#endif

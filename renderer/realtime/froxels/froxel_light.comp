@@ -1,0 +1,156 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Light that the media scatter towards the camera in each froxel, per metre, and their extinction:
+// sun with the shadows of solids and media, lamps, their own glow. A froxel is looked at in one
+// place, that of the picture's jitter within it (but for what its ray has in closed form: optical
+// depth, and 1/d^2 of lamps), and mixed with what the same place of the world was in the picture
+// before. Where the surface that its place of the picture shows lies within the slice, it looks
+// before that: behind is another room.
+#extension GL_GOOGLE_include_directive : require
+
+// As froxels.glsl has it, which needs the view.
+float left_to_pixels_m(vec3 lamp_m);
+#define LAMP_BALL_M(lamp) left_to_pixels_m(lamp.position_m)
+
+#include "renderer/realtime/shared/rays.glsl"
+
+#include "froxels.glsl"
+
+float left_to_pixels_m(vec3 lamp_m)
+{
+    return choice(RT_LAMP_PEAKS) != 0 ? froxel_ball_m(lamp_m) : 0.0;
+}
+
+// A low-discrepancy sequence by M. Roberts (R3, 2018): whole numbers times fractions of the powers
+// of the root of x^4 = x + 1.
+vec3 froxel_jitter()
+{
+    uvec3 bits = (view_frame + 1u) * uvec3(3518319155u, 2882110345u, 2360945575u);
+    return choice(RT_FROXEL_JITTER) != 0 ? vec3(bits >> 8) * exp2(-24.0) : vec3(0.5);
+}
+
+ivec3 own_froxel(uint index)
+{
+    ivec2 place = element_at(int(index), froxel_count.x);
+    int slice = place.y / froxel_count.y;
+    return ivec3(place.x, place.y - slice * froxel_count.y, slice);
+}
+
+// What a froxel has of its ray, and the part of that within the media's hull, where it is looked
+// at.
+struct Reach {
+    float start_m, length_m;
+    Stretch inside;
+};
+
+// Its mean extinction: by the closed form where there is one, so that edges of media count.
+float mean_extinction_per_m(Mixture mixture, ViewRay ray, Reach reach)
+{
+    float marched_per_m = mixture.marched_per_m.x;
+    if (TRANSMITTANCE == MARCHED)
+        return marched_per_m;
+    vec3 start_m = view_point_m(ray, reach.start_m);
+    return marched_per_m +
+           exact_optical_depth(start_m, ray.direction, reach.length_m).x / reach.length_m;
+}
+
+// Scattered per metre, of the mixture at the froxel's point: what, constant along the reach, sends
+// on as much as all of it does.
+vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
+                     float extinction_per_m)
+{
+    vec3 light = vec3(0.0);
+    if (own(frame.scatters) != 0)
+        light = source_function(mixture, point_m) * extinction_per_m;
+    if (own(frame.emits) != 0)
+        light += mixture.glow * extinction_per_m;
+    if (LAMPS && own(frame.scatters_lamps) != 0) {
+        vec3 depth = vec3(extinction_per_m * reach.length_m);
+        light += lamps_light(mixture, ray, reach.inside.t0_m,
+                             reach.inside.t1_m - reach.inside.t0_m, depth) /
+                 froxel_reach_m(extinction_per_m, reach.length_m);
+    }
+    return light;
+}
+
+Reach reach_of(int slice, ViewRay ray, vec2 place_px)
+{
+    float slope = 1.0 / dot(ray.direction, frame.camera_forward);
+    float low_m = froxel_edge_m(slice), high_m = froxel_edge_m(slice + 1);
+    float surface_m = fetch_full(RT_STEADY_DEPTH, ivec2(place_px)).x;
+    if (choice(RT_FROXEL_HOLD) != 0 && surface_m > low_m && surface_m < high_m)
+        high_m = surface_m;
+    Stretch hull = scene_stretch(ray.origin_m, ray.direction, high_m * slope);
+    return Reach(low_m * slope, (high_m - low_m) * slope,
+                 Stretch(max(low_m * slope, hull.t0_m), min(high_m * slope, hull.t1_m)));
+}
+
+vec4 light_of(ivec3 froxel)
+{
+    vec3 place = vec3(froxel) + froxel_jitter();
+    vec2 place_px = place.xy * float(froxel_px);
+    ViewRay ray = camera_ray_at(frame_camera(), place_px);
+    Reach reach = reach_of(froxel.z, ray, place_px);
+    if (reach.inside.t1_m <= reach.inside.t0_m)
+        return vec4(0.0);
+    look_along(ray);
+    float distance_m = mix(reach.inside.t0_m, reach.inside.t1_m, place.z - float(froxel.z));
+    vec3 point_m = view_point_m(ray, distance_m);
+    Mixture mixture = mixture_at(point_m);
+    float extinction_per_m = mean_extinction_per_m(mixture, ray, reach);
+    vec3 light = scattered_per_m(mixture, ray, point_m, reach, extinction_per_m);
+    if (HAS_VEIL) // as in a step of the march
+        light = behind_veil(ray.direction, distance_m, light, vec3(extinction_per_m));
+    return vec4(light, extinction_per_m);
+}
+
+vec4 mix_at(int section, vec3 place)
+{
+    vec3 low = floor(place), part = place - low;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 8; i++) {
+        ivec3 step = ivec3(i & 1, i >> 1 & 1, i >> 2);
+        vec3 weight = mix(1.0 - part, part, vec3(step));
+        sum += weight.x * weight.y * weight.z * fetch_froxel(section, ivec3(low) + step);
+    }
+    return sum;
+}
+
+// What the place of the world at the froxel's middle was in the picture before; false: not seen.
+bool light_before(ivec3 froxel, out vec4 light)
+{
+    vec3 middle = vec3(froxel) + 0.5;
+    ViewRay ray = camera_ray_at(frame_camera(), middle.xy * float(froxel_px));
+    float depth_m = 0.5 * (froxel_edge_m(froxel.z) + froxel_edge_m(froxel.z + 1));
+    vec3 point_m = view_point_m(ray, depth_m / dot(ray.direction, frame.camera_forward));
+    vec3 seen = project(view_before, point_m - wind_m());
+    light = vec4(0.0);
+    vec3 place = vec3(seen.xy / float(froxel_px), 0.0);
+    if (!(seen.z > 0.0) || seen.z > froxel_end_m() || any(lessThan(place.xy, vec2(0.0))) ||
+        any(greaterThan(place.xy, vec2(froxel_count.xy))))
+        return false;
+    // Between the middles of slices depth counts, not their number.
+    int slice = clamp(int(froxel_place(seen.z)), 0, froxel_count.z - 1);
+    float middle_m = 0.5 * (froxel_edge_m(slice) + froxel_edge_m(slice + 1));
+    int other = clamp(seen.z < middle_m ? slice - 1 : slice + 1, 0, froxel_count.z - 1);
+    float other_m = 0.5 * (froxel_edge_m(other) + froxel_edge_m(other + 1));
+    float part = other == slice ? 0.0 : (seen.z - middle_m) / (other_m - middle_m);
+    place.z = float(slice) + part * float(other - slice);
+    place.xy -= 0.5;
+    light = mix_at(froxel_section_before(), place);
+    return true;
+}
+
+void main()
+{
+    uint thread = gl_GlobalInvocationID.x;
+    if (thread >= run.ray_count)
+        return;
+    ivec3 froxel = own_froxel(run.first_ray + thread);
+    vec4 light = light_of(froxel), before;
+    if (is_set(RT_FROXEL_HISTORY) && has_past && light_before(froxel, before) && is_sound(before))
+        light = mix(light, before, setting(RT_FROXEL_HISTORY));
+    put(RT_FROXELS, froxel_texel(froxel_section_now(), froxel), light);
+    count_cost();
+}

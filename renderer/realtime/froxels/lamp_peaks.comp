@@ -1,0 +1,76 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The peaks of lamps, which froxels leave out: what the media scatter within a ball around each
+// lamp, (1 - d^2 / R^2)^2 of it, along the pixel's own ray, seen through the froxels before it.
+#extension GL_GOOGLE_include_directive : require
+
+#include "renderer/realtime/shared/rays.glsl"
+
+#include "froxels.glsl"
+
+// The stretch of a ray that lies in the ball, behind the camera's plane and before `end_m`; places
+// as lamp_pass() has them.
+Stretch stretch_in_ball(LampPass pass, float end_m)
+{
+    float half_m = sqrt(max(pass.ball_m * pass.ball_m - pass.height_m * pass.height_m, 0.0));
+    return Stretch(max(-half_m, -pass.foot_m), min(half_m, end_m - pass.foot_m));
+}
+
+// The light of a short stretch, whose media are those of its middle; as a step of a march.
+vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
+{
+    float length_m = s1_m - s0_m;
+    Mixture mixture = mixture_at(view_point_m(ray, pass.foot_m + 0.5 * (s0_m + s1_m)));
+    float peak = max(lamp_whole(pass, s0_m, s1_m) - lamp_outside(pass, s0_m, s1_m), 0.0);
+    if (mixture.extinction_per_m == vec3(0.0) || !(peak > 0.0))
+        return vec3(0.0);
+    return lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, peak / length_m) * length_m;
+}
+
+// What is seen of one lamp's peak before `end_m`, through the media before it: the optical depth
+// before the ball is that of the froxels, within it that of the lamp's own place.
+vec3 peak_of(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
+{
+    LampPass pass = lamp_pass(lamp.position_m, ray, froxel_ball_m(lamp.position_m));
+    Stretch inside = stretch_in_ball(pass, end_m);
+    if (inside.t1_m <= inside.t0_m)
+        return vec3(0.0);
+    float angle = lamp_angle(pass, inside.t0_m, inside.t1_m);
+    float first = atan(inside.t0_m / pass.height_m);
+    uint parts = min(1u + uint(angle / LAMP_PART), LAMP_PARTS_MAX);
+    vec3 sum = vec3(0.0);
+    float s0_m = inside.t0_m;
+    for (uint i = 1; i <= parts; i++) {
+        float turned = first + angle * float(i) / float(parts);
+        float s1_m = i == parts ? inside.t1_m
+                                : clamp(pass.height_m * tan(turned), s0_m, inside.t1_m);
+        if (s1_m <= s0_m)
+            continue;
+        float middle_m = pass.foot_m + 0.5 * (s0_m + s1_m);
+        sum += part_of_peak(lamp, pass, ray, s0_m, s1_m) *
+               froxels_before(place_px, middle_m / slope, slope).a;
+        s0_m = s1_m;
+    }
+    return sum;
+}
+
+void main()
+{
+    uint thread = gl_GlobalInvocationID.x;
+    if (thread >= run.ray_count)
+        return;
+    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    vec2 place_px = vec2(pixel) + 0.5 + jitter_px;
+    ViewRay ray = camera_ray_at(frame_camera(), place_px);
+    float slope = 1.0 / dot(ray.direction, frame.camera_forward);
+    float end_m = min(fetch_full(RT_DEPTH, pixel).x, froxel_end_m()) * slope;
+    vec3 sum = vec3(0.0);
+    look_along(ray);
+    if (own(frame.scatters_lamps) != 0)
+        for (uint i = 0; i < own(frame.lamp_count); i++)
+            sum += peak_of(frame.lamps[i], ray, place_px, slope, end_m);
+    vec4 volume = fetch_full(RT_VOLUME, pixel);
+    put_full(RT_VOLUME, pixel, vec4(volume.rgb + sum, volume.a));
+    count_cost();
+}

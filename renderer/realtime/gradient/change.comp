@@ -1,0 +1,21 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// What has changed around a tile (change_around.glsl), a thread for each. On a GPU the
+// reconstruction can find it by itself (realtime/reconstruction/reconstruct.comp).
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+
+#include "change_around.glsl"
+#include "renderer/realtime/shared/pass.glsl"
+
+vec4 look_of(int target, ivec2 tile) { return fetch_tile(target, tile); }
+
+void main()
+{
+    ivec2 tile;
+    if (!own_element(tile_count(), tile))
+        return;
+    put_tile(RT_CHANGE, tile, change_of_medium(tile));
+    put_tile(RT_CHANGE_BEHIND, tile, change_behind(tile));
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+//
+// Two looks at the same light: what it has become, and what is left of the difference.
+#ifndef NEPH_REALTIME_LOOKS_GLSL
+#define NEPH_REALTIME_LOOKS_GLSL
+
+#include "renderer/realtime/shared/view.glsl"
+
+// What light that was `then` and is `now` has been multiplied with, each channel by itself, as far
+// as relight goes.
+vec3 gain_between(vec3 now, vec3 then)
+{
+    vec3 gain;
+    for (int c = 0; c < 3; c++) {
+        precise float of_channel = then[c] > 0.0 ? now[c] / then[c] : 1.0;
+        float least = 1.0 - setting(RT_RELIGHT), most = 1.0 + setting(RT_RELIGHT);
+        gain[c] = of_channel < least ? least : of_channel > most ? most : of_channel;
+    }
+    return gain;
+}
+
+// Not more than the largest half. A NaN becomes 0.
+vec4 limited(vec4 value)
+{
+    vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
+    return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
+}
+
+// What a half keeps of a value: a look that was not rounded is not the one that was kept, and what
+// rests would seem to change for ever.
+vec4 kept(vec4 value)
+{
+    vec4 seen = limited(value);
+    return from_words(uvec2(pack(seen.xy), pack(seen.zw)));
+}
+
+// The place in its tile of the texel whose ray a tile keeps in a frame.
+ivec2 kept_place() { return ivec2(view_frame & 1u, view_frame >> 1 & 1u); }
+
+float largest(vec3 value)
+{
+    float most = value.r > value.g ? value.r : value.g;
+    return most > value.b ? most : value.b;
+}
+
+// The largest difference of a channel, as a part of the brightest.
+float residue_between(vec3 now, vec3 then, vec3 gain)
+{
+    precise vec3 expected = gain * then;
+    precise vec3 difference = abs(now - expected);
+    float of_now = largest(now), of_then = largest(expected);
+    float most = of_now > of_then ? of_now : of_then;
+    precise float part = largest(difference) / most;
+    return most > 0.0 ? part : 0.0;
+}
+
+#endif

@@ -1,0 +1,156 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// The march: one ray a tile, through the half-resolution texel that the tile index chose, as far
+// as its depth; the code is that of march.comp. A work group has a square of tiles, whose rays
+// meet the same voxels and part late; what of a square is beyond the view is idle. A dithered start
+// (blue noise on the tiles) turns the bands that few steps leave into noise for the filters behind.
+//
+// The distance that goes with a ray is the mean of what it sees of the medium. A ray that sees none
+// takes its end, or the sky's depth where that is the sky: a number to reproject with, and at most
+// the largest half.
+#extension GL_GOOGLE_include_directive : require
+
+#define SEES_GRID_TEXELS
+#define KNOWS_SOLIDS
+#define MARCH_STARTS_LATE // behind froxels
+
+#include "renderer/realtime/shared/rays.glsl"
+
+#include "renderer/realtime/shared/dither.glsl"
+#include "renderer/realtime/tile_index/slots.glsl"
+
+// With a closed-form transmittance and no light of the media there is nothing to march for
+// (march.comp).
+layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
+
+struct Ray {
+    ViewRay view;
+    vec2 place_px;  // of the picture
+    float length_m; // FAR_M: to the sky
+    float place;    // in each step
+};
+
+Camera camera = frame_camera(); // read before any branch, as the view is (shared/view.glsl)
+
+// With gradient = on half-resolution texels, and not tiles, have numbers of their own, which follow
+// each other: the noise of a whole picture, and that of a texel over time, is then as blue as the
+// mask.
+float number_of(ivec2 tile, ivec2 half_pixel)
+{
+    return choice(RT_GRADIENT) == 0
+               ? dither(choice(RT_RAY_DITHER), tile, view_frame, 0u)
+               : dither(choice(RT_RAY_DITHER), half_pixel, turn_of(tile) >> 1, 0u);
+}
+
+// The tile of a ray, square by square. Within one bit by bit, x first: 8 rays that follow each
+// other, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4.
+ivec2 tile_of(int ray)
+{
+    const int side = RT_MARCH_BLOCK;
+    ivec2 squares = (tile_count() - 1) / side + 1;
+    ray = spread(ray, side * side * squares.x * squares.y);
+    ivec2 square = element_at(ray / (side * side), squares.x);
+    return side * square + ivec2(ray & 1 | ray >> 1 & 2 | ray >> 2 & 4,
+                                 ray >> 1 & 1 | ray >> 2 & 2 | ray >> 3 & 4);
+}
+
+// How many rays a square has, by its first tile.
+uint rays_of_square(ivec2 tile)
+{
+    ivec2 rest = min(tile_count() - tile, ivec2(RT_MARCH_BLOCK));
+    return uint(rest.x * rest.y);
+}
+
+Ray ray_of(ivec2 tile)
+{
+    ivec2 half_pixel = 2 * tile + slot_place(int(fetch_tile(RT_TILE, tile).x));
+    half_pixel = min(half_pixel, half_size() - 1);
+    vec2 place_px = vec2(2 * half_pixel + 1);
+    if (choice(RT_JITTERED_DEPTH) != 0)
+        place_px += jitter_px;
+    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
+    Ray ray;
+    ray.place_px = place_px;
+    ray.view = camera_ray_at(camera, place_px);
+    float cosine = dot(ray.view.direction, camera.forward);
+    ray.length_m = depth_m < FAR_M ? depth_m / cosine : FAR_M;
+    ray.place = mix(0.5, number_of(tile, half_pixel), setting(RT_RAY_DITHER_AMOUNT));
+    return ray;
+}
+
+// As view_optical_depth(), from the end of the froxels on.
+vec3 optical_depth_behind(Ray ray, Sums sums)
+{
+    ViewRay rest = ViewRay(view_point_m(ray.view, march_from_m), ray.view.direction);
+    return IS_SOLVED ? exact_optical_depth(rest.origin_m, rest.direction,
+                                           max(ray.length_m - march_from_m, 0.0))
+                     : marched_depth(sums);
+}
+
+// Where a beam is lost, on average, in a medium that is the same all along its way, as a part of
+// that: (1 / tau) - 1 / (e^tau - 1).
+float mean_place(float optical_depth)
+{
+    float of_one = phi(optical_depth);
+    float place = ((1.0 + optical_depth) * of_one - 1.0) / (optical_depth * of_one);
+    return optical_depth > 1e-3 ? place : 0.5; // the difference cancels; off by less than 1e-4
+}
+
+// That of a march as if the media were the same all along their stretch.
+float dark_distance_m(Ray ray, vec3 optical_depth)
+{
+    float depth = min(mean(optical_depth), OPAQUE);
+    Stretch stretch = scene_stretch(ray.view.origin_m, ray.view.direction, ray.length_m);
+    return depth > 0.0 ? mix(stretch.t0_m, stretch.t1_m, mean_place(depth)) : FAR_M;
+}
+
+void put_ray(ivec2 tile, vec4 value, float distance_m, float length_m)
+{
+    float end_m = min(min(length_m, setting(RT_SKY_M)), HALF_MAX);
+    put_tile(RT_RAY, tile, value);
+    put_tile(RT_RAY_DISTANCE, tile, vec4(min(distance_m, end_m)));
+}
+
+void put_dark(ivec2 tile, Ray ray)
+{
+    vec3 optical_depth = exact_optical_depth(ray.view.origin_m, ray.view.direction, ray.length_m);
+    put_ray(tile, vec4(vec3(0.0), fraction_through(optical_depth).x),
+            dark_distance_m(ray, optical_depth), ray.length_m);
+}
+
+void put_marched(ivec2 tile, Ray ray, Sums sums)
+{
+    vec3 optical_depth = choice(RT_FROXEL_VOLUME) == 0
+                             ? view_optical_depth(ray.view, ray.length_m, sums)
+                             : optical_depth_behind(ray, sums);
+    put_ray(tile, vec4(view_scattered(sums, optical_depth, ray.view, ray.place_px),
+                       fraction_through(optical_depth).x),
+            view_distance_m(sums), ray.length_m);
+}
+
+void main()
+{
+    know_solids();
+    uint thread = gl_GlobalInvocationID.x;
+    ivec2 tile = tile_of(int(run.first_ray + thread));
+    if (thread >= run.ray_count || any(greaterThanEqual(tile, tile_count())))
+        return;
+    Ray ray = ray_of(tile);
+    if (choice(RT_FROXEL_VOLUME) != 0)
+        march_from_m = setting(RT_FROXEL_END_M) / dot(ray.view.direction, camera.forward);
+    Sums sums = sums_at_start(thread);
+    if (!IS_DARK)
+        march(ray.view, ray.length_m, ray.place, sums);
+    if (run.end_step < own(frame.steps)) {
+        sums_keep(thread, sums);
+        return;
+    }
+    if (IS_DARK)
+        put_dark(tile, ray);
+    else
+        put_marched(tile, ray, sums);
+    if (!UNCOUNTED && gl_LocalInvocationIndex == 0u)
+        atomicAdd(counters.rays, rays_of_square(tile));
+    count_cost();
+}

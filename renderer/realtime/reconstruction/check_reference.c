@@ -1,0 +1,748 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Which rays and which box: float32, as in the shader. Places and values: double.
+ */
+#include "renderer/realtime/shared/check_reference.h"
+#include "renderer/realtime/tile_index/check_reference_slots.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RAYS = 9, TAPS = 4 };
+
+struct box {
+    double low[4], high[4];
+};
+
+struct ray {
+    int tile_x, tile_y;
+    float value[4];
+    float depth_m;
+    bool is_usable, is_sky, is_in_box;
+};
+
+struct history {
+    double value[4];
+    float age;
+    bool is_void, is_rejected;
+    double motion_px;
+};
+
+static float setting(const struct twin *twin, int index)
+{
+    return twin->view->settings[index];
+}
+
+static int choice(const struct twin *twin, int index)
+{
+    return (int)twin->view->settings[index];
+}
+
+static int held_int(int value, int low, int high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static bool is_sky(float depth_m)
+{
+    return depth_m >= NEPH_GPU_FAR_M;
+}
+
+/* --- geometry ------------------------------------------------------------------------------- */
+
+static double dot(const double a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* What this frame's camera sees through a place in pixels: unit direction and origin. */
+static void line_at(const struct neph_gpu_view *view, const double place_px[2], double origin_m[3],
+                    double direction[3])
+{
+    const struct neph_gpu_view_camera *camera = &view->now;
+    const double x = (2.0 * place_px[0] / view->size_px[0] - 1.0) * camera->half_width;
+    const double y = (1.0 - 2.0 * place_px[1] / view->size_px[1]) * camera->half_height;
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double across = x * camera->right[i] + y * camera->up[i];
+        origin_m[i] = camera->is_parallel ? across : 0.0;
+        direction[i] = camera->forward[i] + (camera->is_parallel ? 0.0 : across);
+        square += direction[i] * direction[i];
+    }
+    for (int i = 0; i < 3; i++)
+        direction[i] /= sqrt(square);
+}
+
+/* Where a camera sees a point [px]; returns its eye depth [m]. */
+static double project(const struct neph_gpu_view *view, const struct neph_gpu_view_camera *camera,
+                      const double point_m[3], double place_px[2])
+{
+    double from_m[3];
+    for (int i = 0; i < 3; i++)
+        from_m[i] = point_m[i] - camera->position_m[i];
+    const double depth_m = dot(from_m, camera->forward);
+    const double spread_m = camera->is_parallel ? 1.0 : depth_m;
+    const double x = dot(from_m, camera->right) / (spread_m * camera->half_width);
+    const double y = dot(from_m, camera->up) / (spread_m * camera->half_height);
+    place_px[0] = (0.5 + 0.5 * x) * view->size_px[0];
+    place_px[1] = (0.5 - 0.5 * y) * view->size_px[1];
+    return depth_m;
+}
+
+static double known_distance_m(float distance_m)
+{
+    return isfinite(distance_m) && distance_m > 0.0f ? fmin(distance_m, NEPH_GPU_FAR_M)
+                                                     : NEPH_GPU_FAR_M;
+}
+
+/* --- rays ------------------------------------------------------------------------------------ */
+
+/* In the article's order: centre, right, left, down, up, and the corners. */
+static const int around[RAYS][2] = {{0, 0}, {1, 0},  {-1, 0}, {0, 1},  {0, -1},
+                                    {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
+
+/* Tile of a neighbour along one axis. */
+static int neighbour(const struct twin *twin, int axis, int tile, int offset)
+{
+    const struct neph_gpu_view *view = twin->view;
+    int last = (int)view->tile_count[axis] - 1;
+    if (choice(twin, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
+        last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
+    return held_int(tile + offset, 0, last);
+}
+
+/* Texel along one axis of a 2x2 gather about the tile's upper left corner (0) or lower right one
+ * (1). */
+static int gathered(const struct twin *twin, int axis, int tile, int offset, int corner)
+{
+    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_target *full = &view->targets[RT_DEPTH];
+    const struct neph_gpu_target *quarter = &view->targets[RT_TILE];
+    const uint32_t size = axis == 0 ? full->width : full->height;
+    const int size_quarter = (int)(axis == 0 ? quarter->width : quarter->height);
+    const double place = (4.0 * (tile + corner) + view->origin_px[axis]) / size * size_quarter;
+    /* Halves are where the gather changes its mind; in these sizes they are hit exactly or missed
+     * by more than 1e-5. */
+    const int beyond = (int)floor(place + 0.5 + 1e-9);
+    return held_int(beyond - corner + offset, 0, size_quarter - 1);
+}
+
+static float ray_depth_m(const struct twin *twin, int tile_x, int tile_y, int i,
+                         const struct ray *ray)
+{
+    const int *offset = around[i];
+    float tile[4];
+    if (choice(twin, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
+        const int corner = offset[0] + offset[1] > 0;
+        twin_fetch(twin, RT_TILE, gathered(twin, 0, tile_x, offset[0], corner),
+                   gathered(twin, 1, tile_y, offset[1], corner), tile);
+    } else {
+        twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    }
+    return TWIN_TILE_UNIT_M * tile[1];
+}
+
+/* The half-resolution texel that a tile's ray goes through, and its depth [m]. */
+static float marched_depth_m(const struct twin *twin, const struct ray *ray, int half_pixel[2])
+{
+    float tile[4], depth[4];
+    twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    const int *offset = twin_slot_place(twin->view, (int)tile[0]);
+    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0, (int)twin->view->half_size_px[0] - 1);
+    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0, (int)twin->view->half_size_px[1] - 1);
+    twin_fetch_half(twin, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
+    return depth[0];
+}
+
+static void load_rays(const struct twin *twin, int tile_x, int tile_y, struct ray rays[RAYS])
+{
+    for (int i = 0; i < RAYS; i++) {
+        struct ray *ray = &rays[i];
+        ray->tile_x = i == 0 ? tile_x : neighbour(twin, 0, tile_x, around[i][0]);
+        ray->tile_y = i == 0 ? tile_y : neighbour(twin, 1, tile_y, around[i][1]);
+        twin_fetch_tile(twin, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
+        ray->depth_m = ray_depth_m(twin, tile_x, tile_y, i, ray);
+        ray->is_usable = choice(twin, RT_VALIDITY) == 0 || twin_is_sound(ray->value);
+        ray->is_sky = is_sky(marched_depth_m(twin, ray, (int[2]){0, 0}));
+    }
+}
+
+/* The ray nearest in depth of those from `asked` on; NULL if none can be used. */
+static const struct ray *nearest_ray(const struct twin *twin, const struct ray rays[RAYS],
+                                     int asked, float own_m)
+{
+    const bool is_limited = choice(twin, RT_CLAMP_PIXEL_DEPTH) != 0;
+    float least_m = is_limited ? NEPH_GPU_FAR_M : setting(twin, RT_SKY_M);
+    const struct ray *first = NULL, *nearest = NULL;
+    for (int i = asked; i < RAYS; i++) {
+        if (!rays[i].is_usable)
+            continue;
+        if (!first)
+            first = &rays[i];
+        if (fabsf(own_m - rays[i].depth_m) < least_m) {
+            nearest = &rays[i];
+            least_m = fabsf(own_m - rays[i].depth_m);
+        }
+    }
+    return nearest ? nearest : first;
+}
+
+/* --- the box --------------------------------------------------------------------------------- */
+
+static void extend(struct box *box, const double value[4])
+{
+    for (int c = 0; c < 4; c++) {
+        box->low[c] = value[c] < box->low[c] ? value[c] : box->low[c];
+        box->high[c] = value[c] > box->high[c] ? value[c] : box->high[c];
+    }
+}
+
+static double held(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static double luminance(const double color[3])
+{
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+}
+
+static void to_space(int space, const double value[4], double seen[4])
+{
+    const double r = value[0], g = value[1], b = value[2];
+    memcpy(seen, value, 4 * sizeof(*seen));
+    if (space == RT_SPACE_REINHARD)
+        for (int c = 0; c < 3; c++)
+            seen[c] = value[c] / (1.0 + luminance(value));
+    if (space == RT_SPACE_CHANNELS)
+        for (int c = 0; c < 3; c++)
+            seen[c] = value[c] / (1.0 + value[c]);
+    if (space == RT_SPACE_YCOCG) {
+        seen[0] = r / 4 + g / 2 + b / 4;
+        seen[1] = r / 2 - b / 2;
+        seen[2] = -r / 4 + g / 2 - b / 4;
+    }
+}
+
+static void from_space(int space, const double seen[4], double brightest, double value[4])
+{
+    memcpy(value, seen, 4 * sizeof(*value));
+    if (space == RT_SPACE_REINHARD)
+        for (int c = 0; c < 3; c++)
+            value[c] = seen[c] / fmax(1.0 - luminance(seen), 1.0 / (1.0 + brightest));
+    if (space == RT_SPACE_CHANNELS)
+        for (int c = 0; c < 3; c++)
+            value[c] = seen[c] / fmax(1.0 - seen[c], 0x1p-24);
+    if (space == RT_SPACE_YCOCG) {
+        value[0] = fmax(seen[0] + seen[1] - seen[2], 0.0);
+        value[1] = fmax(seen[0] + seen[2], 0.0);
+        value[2] = fmax(seen[0] - seen[1] - seen[2], 0.0);
+    }
+}
+
+static bool is_alike(const struct twin *twin, float transmittance, float other)
+{
+    const float opacity = 1.0f - fmaxf(transmittance, other);
+    const bool of_opacity = choice(twin, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const float unit = of_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
+    return fabsf(transmittance - other) < setting(twin, RT_BOX_TRANSMITTANCE) * unit;
+}
+
+static void choose_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
+                        float own_m, bool own_is_sky)
+{
+    int count = 0;
+    for (int i = 0; i < RAYS; i++) {
+        struct ray *ray = &rays[i];
+        const bool belongs = fabsf(own_m - ray->depth_m) <
+                                 setting(twin, RT_BOX_DEPTH) * ray->depth_m ||
+                             is_alike(twin, ray->value[3], nearest->value[3]);
+        const bool is_asked = (i > 0 || choice(twin, RT_BOX_CENTRE) != 0) &&
+                              (!choice(twin, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
+        ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
+        count += ray->is_in_box;
+    }
+    for (int i = 0; i < RAYS && count < choice(twin, RT_BOX_LEAST); i++)
+        rays[i].is_in_box = rays[i].is_usable;
+}
+
+static void ray_in_space(const struct ray *ray, int space, double seen[4])
+{
+    const double value[4] = {ray->value[0], ray->value[1], ray->value[2], ray->value[3]};
+    to_space(space, value, seen);
+}
+
+static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int space,
+                               double sigmas)
+{
+    double seen[RAYS][4], low[4], high[4];
+    int count = 0;
+    for (int i = 0; i < RAYS; i++)
+        if (rays[i].is_in_box)
+            ray_in_space(&rays[i], space, seen[count++]);
+    for (int c = 0; c < 4; c++) {
+        double mean = 0.0, variance = 0.0;
+        for (int i = 0; i < count; i++)
+            mean += seen[i][c] / count;
+        for (int i = 0; i < count; i++)
+            variance += (seen[i][c] - mean) * (seen[i][c] - mean) / count;
+        low[c] = mean - sigmas * sqrt(variance);
+        high[c] = mean + sigmas * sqrt(variance);
+    }
+    extend(box, low);
+    extend(box, high);
+}
+
+/* The colour to the surface of a box that it is not in, on the way to its middle. */
+static void clip(const struct box *box, const double seen[4], double limited[4])
+{
+    double part = 1.0;
+    for (int c = 0; c < 3; c++) {
+        const double reach = (box->high[c] - box->low[c]) / 2;
+        const double away = fabs(seen[c] - (box->high[c] + box->low[c]) / 2);
+        part = away > reach ? fmin(part, reach / away) : part;
+    }
+    for (int c = 0; c < 3; c++) {
+        const double middle = (box->high[c] + box->low[c]) / 2;
+        limited[c] = middle + part * (seen[c] - middle);
+    }
+}
+
+static void hold_among_rays(const struct twin *twin, struct ray rays[RAYS],
+                            const struct ray *nearest, float own_m, bool own_is_sky,
+                            double value[4])
+{
+    if (choice(twin, RT_BOX) == RT_BOX_NONE)
+        return;
+    const int space = choice(twin, RT_BOX_SPACE);
+    struct box box;
+    double seen[4], limited[4];
+    ray_in_space(nearest, space, box.low);
+    memcpy(box.high, box.low, sizeof(box.high));
+    choose_rays(twin, rays, nearest, own_m, own_is_sky);
+    if (choice(twin, RT_BOX) == RT_BOX_VARIANCE)
+        extend_by_variance(&box, rays, space, setting(twin, RT_BOX_SIGMA));
+    for (int i = 0; i < RAYS && choice(twin, RT_BOX) == RT_BOX_MIN_MAX; i++) {
+        ray_in_space(&rays[i], space, seen);
+        if (rays[i].is_in_box)
+            extend(&box, seen);
+    }
+    to_space(space, value, seen);
+    for (int c = 0; c < 4; c++)
+        limited[c] = held(seen[c], box.low[c], box.high[c]);
+    value[3] = limited[3];
+    if (!memcmp(limited, seen, 3 * sizeof(*seen)))
+        return;
+    if (choice(twin, RT_BOX_HOLD) == RT_HOLD_CLIP)
+        clip(&box, seen, limited);
+    const double first[3] = {nearest->value[0], nearest->value[1], nearest->value[2]};
+    from_space(space, limited, fmax(luminance(value), luminance(first)), value);
+}
+
+/* --- history --------------------------------------------------------------------------------- */
+
+static struct history history_at(const struct twin *twin, int x, int y)
+{
+    float value[4], state[4];
+    twin_fetch_half(twin, RT_HISTORY_BEFORE, x, y, value);
+    twin_fetch_half(twin, RT_HISTORY_STATE_BEFORE, x, y, state);
+    const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
+    struct history history = {.age = has_age ? state[0] : 0.0f};
+    history.is_void = choice(twin, RT_VALIDITY) != 0 && !(has_age && twin_is_sound(value));
+    for (int c = 0; c < 4; c++)
+        history.value[c] = value[c];
+    return history;
+}
+
+/* Weights of the taps -1 .. 2 for a place 0 .. 1. */
+static void tap_weights(int kind, double place, double weights[TAPS])
+{
+    memset(weights, 0, TAPS * sizeof(*weights));
+    const double square = place * place, cube = square * place;
+    switch (kind) {
+    case RT_FILTER_NEAREST:
+        weights[place < 0.5 ? 1 : 2] = 1.0;
+        break;
+    case RT_FILTER_BILINEAR:
+        weights[1] = 1.0 - place;
+        weights[2] = place;
+        break;
+    default:
+        weights[0] = -0.5 * place + square - 0.5 * cube;
+        weights[1] = 1.0 - 2.5 * square + 1.5 * cube;
+        weights[2] = 0.5 * place + 2.0 * square - 1.5 * cube;
+        weights[3] = -0.5 * square + 0.5 * cube;
+    }
+}
+
+static bool has_void_tap(const struct twin *twin, const int base[2])
+{
+    bool found = false;
+    for (int i = 0; i < TAPS * TAPS; i++)
+        found = found || history_at(twin, base[0] + i % TAPS - 1, base[1] + i / TAPS - 1).is_void;
+    return found;
+}
+
+static struct history history_about(const struct twin *twin, const double place_px[2])
+{
+    const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
+    const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
+    int kind = choice(twin, RT_HISTORY_FILTER);
+    if (kind == RT_FILTER_CATMULL_ROM && has_void_tap(twin, base))
+        kind = RT_FILTER_BILINEAR;
+    double weights[2][TAPS], sum[4] = {0}, total = 0.0, heaviest = 0.0;
+    for (int axis = 0; axis < 2; axis++)
+        tap_weights(kind, place[axis] - base[axis], weights[axis]);
+    struct history history = {.is_void = true};
+    struct box range = {{INFINITY, INFINITY, INFINITY, INFINITY},
+                        {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < TAPS * TAPS; i++) {
+        const int x = i % TAPS, y = i / TAPS;
+        const double weight = weights[0][x] * weights[1][y];
+        const struct history tap = history_at(twin, base[0] + x - 1, base[1] + y - 1);
+        if (weight == 0.0 || tap.is_void)
+            continue;
+        history.is_void = false;
+        total += weight;
+        for (int c = 0; c < 4; c++)
+            sum[c] += weight * tap.value[c];
+        if (weight > heaviest)
+            history.age = tap.age;
+        heaviest = fmax(heaviest, weight);
+        if (x % 3 != 0 && y % 3 != 0)
+            extend(&range, tap.value);
+    }
+    for (int c = 0; c < 4 && !history.is_void; c++)
+        history.value[c] = held(sum[c] / total, range.low[c], range.high[c]);
+    return history;
+}
+
+static double followed_jitter_px(const struct twin *twin, const float jitter_px[2], int axis)
+{
+    const bool is_followed = choice(twin, RT_REPROJECT_JITTER) && choice(twin, RT_JITTERED_DEPTH);
+    return is_followed ? jitter_px[axis] : 0.0;
+}
+
+static bool find_before(const struct twin *twin, const double place_px[2], double distance_m,
+                        double before_px[2])
+{
+    const struct neph_gpu_view *view = twin->view;
+    double origin_m[3], direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
+    line_at(view, place_px, origin_m, direction);
+    if (choice(twin, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
+        distance_m /= dot(direction, view->now.forward);
+    if (view->now.is_parallel) /* all distances move alike */
+        distance_m = 0.0;
+    for (int i = 0; i < 3; i++) {
+        point_m[i] = origin_m[i] + distance_m * direction[i];
+        moved_m[i] = point_m[i] - (choice(twin, RT_WIND) ? view->wind_m[i] : 0.0);
+    }
+    project(view, &view->now, point_m, now_px);
+    const double depth_m = project(view, &view->before, moved_m, seen_px);
+    bool is_seen = view->now.is_parallel || depth_m > 0.0;
+    for (int axis = 0; axis < 2; axis++) {
+        /* exactly the place at rest */
+        before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
+                          followed_jitter_px(twin, view->jitter_before_px, axis);
+        is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
+    }
+    return is_seen;
+}
+
+static bool is_same_depth(const struct twin *twin, double expected_m, double before_m)
+{
+    const double difference_m = fabs(expected_m - before_m);
+    const double relative = setting(twin, RT_REJECT_DEPTH);
+    const double metres = setting(twin, RT_REJECT_SCENE_M);
+    if (relative > 0.0 && difference_m >= relative * expected_m)
+        return false;
+    return !(metres > 0.0 && difference_m >= metres &&
+             fmin(expected_m, before_m) < setting(twin, RT_REJECT_WITHIN_M));
+}
+
+static bool is_same_scene(const struct twin *twin, const double place_px[2],
+                          const double before_px[2], float depth_m)
+{
+    const struct neph_gpu_view *view = twin->view;
+    double expected_m = setting(twin, RT_SKY_M);
+    if (!is_sky(depth_m)) {
+        double origin_m[3], direction[3], point_m[3], unused_px[2];
+        line_at(view, place_px, origin_m, direction);
+        const double length_m = depth_m / dot(direction, view->now.forward);
+        for (int i = 0; i < 3; i++)
+            point_m[i] = origin_m[i] + length_m * direction[i];
+        expected_m = project(view, &view->before, point_m, unused_px);
+    }
+    const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
+    const double way_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
+    const bool is_around = choice(twin, RT_REJECT_AROUND) == RT_AROUND_ON ||
+                           (choice(twin, RT_REJECT_AROUND) == RT_AROUND_MOVED && way_px >= 0.125);
+    bool found = false;
+    for (int i = 0; i < 9; i++) {
+        if (i != 4 && !is_around)
+            continue;
+        float before[4];
+        twin_fetch_half(twin, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
+        const double before_m = is_sky(before[0]) ? setting(twin, RT_SKY_M) : before[0];
+        found = found || is_same_depth(twin, expected_m, before_m);
+    }
+    return found && expected_m > 0.0;
+}
+
+static float nearest_in_tile_m(const struct twin *twin, int target, int x, int y)
+{
+    float nearest_m = NEPH_GPU_FAR_M;
+    for (int i = 0; i < 4; i++) {
+        float depth[4];
+        twin_fetch_half(twin, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
+        nearest_m = fminf(nearest_m, depth[0]);
+    }
+    return is_sky(nearest_m) ? setting(twin, RT_SKY_M) : nearest_m;
+}
+
+static bool is_rejected(const struct twin *twin, int x, int y, const double place_px[2],
+                        const double before_px[2], float depth_m)
+{
+    const float most_m = setting(twin, RT_REJECT_NEAREST_M);
+    const bool looks = setting(twin, RT_REJECT_DEPTH) > 0.0f ||
+                       setting(twin, RT_REJECT_SCENE_M) > 0.0f;
+    if (looks && !is_same_scene(twin, place_px, before_px, depth_m))
+        return true;
+    const float now_m = nearest_in_tile_m(twin, RT_HALF_DEPTH, x, y);
+    const float before_m = nearest_in_tile_m(
+        twin, RT_HALF_DEPTH_BEFORE, (int)floor(before_px[0] / 2), (int)floor(before_px[1] / 2));
+    return most_m > 0.0f && fabsf(now_m - before_m) > most_m;
+}
+
+static struct history history_of(const struct twin *twin, int x, int y, float depth_m,
+                                 float distance_m)
+{
+    const struct neph_gpu_view *view = twin->view;
+    const struct history none = {.is_void = true};
+    const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
+    double place_px[2], before_px[2];
+    for (int axis = 0; axis < 2; axis++)
+        place_px[axis] = centre_px[axis] + followed_jitter_px(twin, view->jitter_px, axis);
+    if (choice(twin, RT_VALIDITY) && !view->has_history)
+        return none;
+    if (choice(twin, RT_CUT_RESET) && view->is_cut)
+        return none;
+    if (known_distance_m(distance_m) < setting(twin, RT_REPROJECT_LEAST_M))
+        return none;
+    if (!find_before(twin, place_px, known_distance_m(distance_m), before_px))
+        return none;
+    if (is_rejected(twin, x, y, place_px, before_px, depth_m))
+        return (struct history){.is_void = true, .is_rejected = true};
+    struct history history = history_about(twin, before_px);
+    history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
+    return history;
+}
+
+/* --- the result ------------------------------------------------------------------------------ */
+
+static double blend(double a, double b, double weight_of_b)
+{
+    return weight_of_b == 0.0 ? a : weight_of_b == 1.0 ? b : a + weight_of_b * (b - a);
+}
+
+static double beyond(double value, double least)
+{
+    return least > 0.0 ? held(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+/* What a ray sees now against the history of the texel it went through. */
+static double change_at_ray(const struct twin *twin, const struct ray *ray)
+{
+    float distance[4];
+    int at[2];
+    twin_fetch_tile(twin, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
+    const float depth_m = marched_depth_m(twin, ray, at);
+    const struct history then = history_of(twin, at[0], at[1], depth_m, distance[0]);
+    if (then.is_void)
+        return 1.0;
+    const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
+    const double before = luminance(then.value), most = fmax(now, before);
+    return fmax(most > 0.0 ? fabs(now - before) / most : 0.0, fabs(ray->value[3] - then.value[3]));
+}
+
+/* At the half-resolution texel (x, y). */
+static double box_share(const struct twin *twin, int x, int y, double motion_px,
+                        const struct ray *nearest)
+{
+    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    float found[4];
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
+    const double change = choice(twin, RT_GRADIENT) ? found[3] : change_at_ray(twin, nearest);
+    return fmax(moved, beyond(change, setting(twin, RT_BOX_CHANGE)));
+}
+
+/* In float32: ages are kept in halves and compared as they are. */
+static float age_after_change(const struct twin *twin, int x, int y, bool is_fresh, float age)
+{
+    const float least = setting(twin, RT_BOX_CHANGE);
+    float found[4];
+    if (!choice(twin, RT_GRADIENT))
+        return age;
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
+    const float change = found[3];
+    const float changed = least > 0.0f ? fminf(fmaxf(change / least - 1.0f, 0.0f), 1.0f) : 1.0f;
+    age *= 1.0f - changed;
+    if (change > 0.0f)
+        age = fminf(age, least / change);
+    return fmaxf(age, is_fresh ? 0.0f : 1.0f);
+}
+
+/* What rests has the light of this frame. */
+static void relight(const struct twin *twin, int x, int y, double motion_px, double value[4])
+{
+    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    float change[4];
+    if (!choice(twin, RT_GRADIENT) || setting(twin, RT_RELIGHT) == 0.0f)
+        return;
+    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, change);
+    for (int c = 0; c < 3; c++)
+        value[c] *= (1.0 - moved) * change[c] + moved;
+}
+
+static double kept(const struct twin *twin, int format_setting, double value)
+{
+    const bool is_limited = choice(twin, RT_VALIDITY) &&
+                            choice(twin, format_setting) == RT_FORMAT_HALF;
+    return is_limited && value > TWIN_HALF_MAX ? TWIN_HALF_MAX : value;
+}
+
+static void put_result(const struct twin *twin, int x, int y, const double value[4], float age,
+                       double distance_m)
+{
+    float rounded[4];
+    for (int c = 0; c < 4; c++)
+        rounded[c] = (float)kept(twin, RT_COLOR_FORMAT, value[c]);
+    twin_put_half(twin, RT_HISTORY, x, y, rounded);
+    const float state[4] = {age, (float)kept(twin, RT_DEPTH_FORMAT, distance_m)};
+    twin_put_half(twin, RT_HISTORY_STATE, x, y, state);
+}
+
+/* A ray's place from the texel's own, in tiles along one axis. */
+static double way(int half_pixel, int ray_tile_offset)
+{
+    return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
+}
+
+static double ray_weight(const struct twin *twin, int kind, const struct ray *ray,
+                         const double ways[2], float own_m)
+{
+    if (kind == RT_FALLBACK_BILINEAR)
+        return fmax(1.0 - fabs(ways[0]), 0.0) * fmax(1.0 - fabs(ways[1]), 0.0);
+    const double difference_m = fabsf(own_m - ray->depth_m);
+    return exp(-ways[0] * ways[0] - ways[1] * ways[1]) /
+           (difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M));
+}
+
+static void stand_in(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
+                     const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
+{
+    const struct ray *taken = nearest, *around_it = nearest_ray(twin, rays, 1, own_m);
+    if (kind == RT_FALLBACK_AROUND && around_it)
+        taken = around_it;
+    if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
+        taken = &rays[0];
+    double sum[4] = {0.0}, total = 0.0;
+    const bool is_mean = kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL;
+    for (int i = 0; i < RAYS && is_mean; i++) {
+        const double ways[2] = {way(x, around[i][0]), way(y, around[i][1])};
+        const double weight = ray_weight(twin, kind, &rays[i], ways, own_m);
+        const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != own_is_sky;
+        if (!rays[i].is_usable || is_foreign || weight == 0.0)
+            continue;
+        total += weight;
+        for (int c = 0; c < 4; c++)
+            sum[c] += weight * rays[i].value[c];
+    }
+    for (int c = 0; c < 4; c++)
+        value[c] = total > 0.0 ? sum[c] / total : taken->value[c];
+}
+
+/* Weight of a fresh ray. */
+static double fresh_weight(const struct twin *twin, double age, double part)
+{
+    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
+    const double of_history = 1.0 - 1.0 / fmin(age, age_max);
+    return age_max > 0.0 ? 1.0 - part * setting(twin, RT_HISTORY_FADE) * of_history
+                         : setting(twin, RT_FRESH_WEIGHT);
+}
+
+static void blend_fresh(const struct twin *twin, const double history[4], const double ray[4],
+                        double weight, double value[4])
+{
+    const int space = choice(twin, RT_FRESH_SPACE);
+    const bool is_direct = space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0;
+    double seen[2][4], mixed[4];
+    to_space(is_direct ? RT_SPACE_LINEAR : space, history, seen[0]);
+    to_space(is_direct ? RT_SPACE_LINEAR : space, ray, seen[1]);
+    for (int c = 0; c < 4; c++)
+        mixed[c] = blend(seen[0][c], seen[1][c], weight);
+    from_space(is_direct ? RT_SPACE_LINEAR : space, mixed, fmax(luminance(history), luminance(ray)),
+               value);
+}
+
+static void reconstruct(const struct twin *twin, int x, int y)
+{
+    struct ray rays[RAYS];
+    float depth[4], tile[4], distance[4];
+    load_rays(twin, x / 2, y / 2, rays);
+    twin_fetch_half(twin, RT_HALF_DEPTH, x, y, depth);
+    float own_m = is_sky(depth[0]) ? setting(twin, RT_SKY_M) : depth[0];
+    if (choice(twin, RT_CLAMP_PIXEL_DEPTH))
+        own_m = twin_stored_depth_m(twin->view, depth[0]);
+    const struct ray *nearest = nearest_ray(twin, rays, 0, own_m);
+    if (!nearest) {
+        put_result(twin, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_GPU_FAR_M);
+        return;
+    }
+    const bool of_tile = choice(twin, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
+    const struct ray *seen = of_tile ? &rays[0] : nearest;
+    twin_fetch_tile(twin, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
+    twin_fetch_tile(twin, RT_TILE, x / 2, y / 2, tile);
+    const bool is_fresh = rays[0].is_usable && (int)tile[0] == twin_slot_of(twin->view, x, y);
+    struct history history = history_of(twin, x, y, depth[0], distance[0]);
+    double part = 1.0;
+    if (!history.is_void) {
+        relight(twin, x, y, history.motion_px, history.value);
+        double boxed[4];
+        memcpy(boxed, history.value, sizeof(boxed));
+        hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);
+        const double share = box_share(twin, x, y, history.motion_px, nearest);
+        if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
+            part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
+        for (int c = 0; c < 4; c++)
+            history.value[c] = blend(history.value[c], boxed[c], share);
+        history.age = age_after_change(twin, x, y, is_fresh, history.age);
+    }
+
+    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
+    double age = history.is_void ? 1.0 : history.age, value[4], own[4];
+    for (int c = 0; c < 4; c++)
+        own[c] = is_fresh ? rays[0].value[c] : nearest->value[c];
+    memcpy(value, own, sizeof(value));
+    if (history.is_void && !is_fresh) {
+        const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
+        stand_in(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+    } else if (is_fresh && !history.is_void) {
+        age = fmin(age + 1.0, 255.0);
+        blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);
+    } else if (!history.is_void) {
+        if (age_max > 0.0 && part < 1.0)
+            age = fmax(part * fmin(age, age_max), 1.0);
+        for (int c = 0; c < 4; c++)
+            value[c] = blend(history.value[c], own[c],
+                             1.0 - (double)setting(twin, RT_HISTORY_WEIGHT));
+    }
+    put_result(twin, x, y, value, (float)age, known_distance_m(distance[0]));
+}
+
+void twin_reconstruct(const struct twin *twin)
+{
+    for (int y = 0; y < (int)twin->view->half_size_px[1]; y++)
+        for (int x = 0; x < (int)twin->view->half_size_px[0]; x++)
+            reconstruct(twin, x, y);
+}

@@ -1,0 +1,80 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// What a game's other passes would hand over: the depth of each pixel and what is seen there behind
+// all media, by one ray through the scene's solids. The depth that the split of the frame starts
+// from comes from a ray of its own when the picture's rays are jittered: a depth map that moves
+// with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
+// rest.
+//
+// Few solids are a loop that is unrolled (known_solids.glsl), and threads without a pixel do the
+// work of the last one.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+
+#define SEES_GRID_TEXELS
+#define KNOWS_SOLIDS
+
+#include "renderer/realtime/shared/rays.glsl"
+
+struct SightLine {
+    ViewRay ray;
+    Hit hit;
+};
+
+SightLine sight_line(Camera camera, vec2 place_px)
+{
+    return SightLine(camera_ray_at(camera, place_px), Hit(FAR_M, NO_SOLID));
+}
+
+// As scene_hit() takes the nearest.
+void meet(Solid solid, uint s, inout SightLine line)
+{
+    float t0_m, t1_m;
+    bool meets = solid_interval(solid, line.ray.origin_m, line.ray.direction, t0_m, t1_m);
+    float t_m = t0_m > 0.0 ? t0_m : t1_m;
+    if (meets && t_m > 0.0 && t_m < line.hit.t_m)
+        line.hit = Hit(t_m, s);
+}
+
+// Few solids on a GPU are read once for both rays.
+void meet_solids(inout SightLine picture, inout SightLine steady)
+{
+    if (!ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
+        [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
+            meet(solids[s], s, picture);
+            if (choice(RT_JITTERED_DEPTH) == 0)
+                meet(solids[s], s, steady);
+        }
+    } else {
+        picture.hit = scene_hit(picture.ray.origin_m, picture.ray.direction);
+        if (choice(RT_JITTERED_DEPTH) == 0)
+            steady.hit = scene_hit(steady.ray.origin_m, steady.ray.direction);
+    }
+}
+
+void main()
+{
+    know_solids();
+    uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
+    int ray = int(run.first_ray + thread);
+    if (KNOWN_SOLIDS != 0u)
+        ray = spread(ray, view_size().x * view_size().y);
+    ivec2 pixel = element_at(ray, view_size().x);
+    Camera camera = frame_camera();
+    vec3 background = frame.background;
+    SightLine picture = sight_line(camera, vec2(pixel) + 0.5 + jitter_px);
+    SightLine steady = sight_line(camera, vec2(pixel) + 0.5);
+    meet_solids(picture, steady);
+    if (choice(RT_JITTERED_DEPTH) != 0)
+        steady = picture;
+    if (gl_GlobalInvocationID.x >= run.ray_count)
+        return;
+    bool is_sky = picture.hit.solid == NO_SOLID;
+    put_full(RT_DEPTH, pixel, vec4(hit_eye_depth_m(picture.hit, picture.ray)));
+    put_full(RT_BEHIND, pixel,
+             vec4(is_sky && !HAS_VEIL ? background : radiance_behind(picture.hit, picture.ray),
+                  0.0));
+    put_full(RT_STEADY_DEPTH, pixel, vec4(hit_eye_depth_m(steady.hit, steady.ray)));
+    count_cost();
+}

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: MIT
+//
+// What the passes of the real-time renderer share: the view, the targets they hand to each other,
+// and how these keep their numbers.
+//
+// Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
+// arithmetic and explicit comparisons, so that the twin in C makes the same ones bit by bit: min,
+// max and clamp are free to do anything with a NaN. Filtering is written out too: a sampler's
+// weights have 8 bits.
+#ifndef NEPH_REALTIME_GLSL
+#define NEPH_REALTIME_GLSL
+
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+#include "renderer/shaders/halves.glsl"
+#include "renderer/shaders/numbers.glsl"
+#include "choices.glsl"
+#include "names.h"
+
+#ifndef REALTIME_BINDING
+#define REALTIME_BINDING 0
+#define VIEW_BLOCK uniform
+#define KNOWN_TARGETS RT_TARGET_COUNT
+#define SEES_TEXELS
+#else // behind the scene's buffers in passes that look at the scene
+#define VIEW_BLOCK readonly buffer
+#define KNOWN_TARGETS RT_RAY_TARGET_COUNT
+#endif
+
+// The camera of one frame; positions are relative to this frame's camera.
+struct ViewCamera {
+    vec3 right;
+    float half_width; // of the picture; tangents of a perspective camera's angles, else metres
+    vec3 up;
+    float half_height;
+    vec3 forward;
+    uint is_parallel; // 1: an orthographic camera
+    vec3 position_m; // 0 for this frame's; where the last frame's stood for that one
+    float padding_2;
+};
+
+// Solids that move as one: about a pivot, which has moved itself, they have turned since the frame
+// before. Places are relative to this frame's camera.
+struct Mover {
+    vec3 pivot_m;
+    uint first; // of the scene's solids
+    vec3 pivot_before_m;
+    uint end;
+    uint axis; // 0 x, 1 y, 2 z
+    float cosine, sine; // of the angle back to the frame before
+    uint padding;
+};
+
+// Elements row by row, row 0 on top.
+struct Target {
+    uint format; // RT_R16F, ..
+    uint width, height;
+    uint padding;
+};
+
+// A view is a rectangle of its targets: pixel (0, 0) of the view is texel `origin` of the
+// full-resolution targets, origin / 2 of the half, origin / 4 of the quarter (`origin` is a
+// multiple of 4).
+layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
+    ViewCamera now, before;
+    Target targets[RT_TARGET_COUNT];
+    float settings[RT_SETTING_COUNT]; // as in the table of options; choices as whole numbers
+    uint seed;
+    uint frame;       // of the sequence that the pipeline has seen, from 0: phase and dither
+    uint has_history; // 0 in the first frame, after a resize, and after a cut if cut_reset
+    uint is_cut;      // the camera jumped since the frame before
+    uint origin_px[2];
+    uint size_px[2];      // of the view, full resolution
+    uint half_size_px[2]; // rounded up
+    uint tile_count[2];   // quarter resolution, rounded up
+    float jitter_px[2]; // of this frame's rays, added to the pixel's centre; x right, y down
+    float wind_m[3];    // displacement of the medium since the frame before
+    uint resting;       // no override in this frame (override_rest)
+    float jitter_before_px[2]; // jitter_px of the frame before
+    uint mover_count;
+    Mover movers[RT_MOVERS_MAX];
+    uint picture_px[2]; // what the view becomes: size_px, or more with screen_percent
+    float rendered_per_px[2]; // size_px over picture_px
+    float exposure; // of the camera, by which colours are multiplied before they are kept
+    float exposure_before;
+    // 1: the sun flashes with the period of two looks at the medium, or at what is behind it, which
+    // see no difference (renderer/realtime/suns.h): all of it has changed.
+    uint strobes_medium;
+    uint strobes_behind;
+} view;
+
+// Ranks of the blue noise masks: 64x64, then 64x64x32 (renderer/blue_noise.h).
+layout(std430, binding = REALTIME_BINDING + 1) readonly buffer NoiseRanks {
+    uint noise_ranks[];
+};
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
+    uint words[];
+} targets[KNOWN_TARGETS];
+
+// The same words by twos and by fours, for elements of as many: one access each. lavapipe, which
+// makes one of each word and thread, has twos as one long number. A target is seen through one of
+// the four alone.
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetPairs {
+    uvec2 words[];
+} target_pairs[KNOWN_TARGETS];
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetLongs {
+    uint64_t words[];
+} target_longs[KNOWN_TARGETS];
+
+layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
+    uvec4 words[];
+} target_fours[KNOWN_TARGETS];
+
+#ifdef SEES_TEXELS
+// And once more, to be read by a CPU (neph_buffer_see_texels()).
+layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
+uniform readonly uimageBuffer target_texels[KNOWN_TARGETS];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui)
+uniform readonly uimageBuffer target_texel_pairs[KNOWN_TARGETS];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rgba32ui)
+uniform readonly uimageBuffer target_texel_fours[KNOWN_TARGETS];
+#endif
+
+// lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
+// keeps in registers what it finds without an index, and wants its loops known.
+layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
+
+// Numbers of the view that alone decide a branch, as own() of frame.glsl has those of the frame:
+// lavapipe would compile a kernel anew, for milliseconds in each picture, that branches by them.
+uint of_thread(uint number)
+{
+    return ON_GPU ? number : number | gl_LocalInvocationIndex & 0x80000000u;
+}
+
+float of_thread(float number) { return uintBitsToFloat(of_thread(floatBitsToUint(number))); }
+
+vec3 of_thread(vec3 v) { return vec3(of_thread(v.x), of_thread(v.y), of_thread(v.z)); }
+
+ViewCamera of_thread(ViewCamera camera)
+{
+    camera.is_parallel = of_thread(camera.is_parallel);
+    camera.position_m = of_thread(camera.position_m);
+    return camera;
+}
+
+// The view once more, read at the start of main(): there lavapipe knows that all threads are at
+// work, and reads for all at once. Behind a return or a branch it reads for one after the other.
+ViewCamera view_now = of_thread(view.now), view_before = of_thread(view.before);
+float settings[RT_SETTING_COUNT] = view.settings;
+ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
+ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
+ivec2 picture_px = ivec2(view.picture_px[0], view.picture_px[1]);
+vec2 rendered_per_px = vec2(view.rendered_per_px[0], view.rendered_per_px[1]);
+float exposure = view.exposure, exposure_before = view.exposure_before;
+ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
+ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
+vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
+vec2 jitter_before_px = vec2(view.jitter_before_px[0], view.jitter_before_px[1]);
+vec3 moved_by_wind_m = of_thread(vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]));
+uint view_seed = view.seed, view_frame = of_thread(view.frame);
+bool has_past = of_thread(view.has_history) != 0u, is_cut = of_thread(view.is_cut) != 0u;
+// Texels in a row of the targets of each resolution.
+int full_row = int(view.targets[RT_DEPTH].width);
+int picture_row = int(view.targets[RT_TAA_OUT].width);
+int half_row = int(view.targets[RT_HALF_DEPTH].width);
+int quarter_row = int(view.targets[RT_TILE].width);
+int froxel_row = int(view.targets[RT_FROXELS].width);
+
+#define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
+// A choice by an index that is no constant, which only formats need. It names these three and not
+// all settings: a kernel is made anew for each setting that its shader names.
+int format_choice(int index)
+{
+    return index == RT_DEPTH_FORMAT ? choice(RT_DEPTH_FORMAT)
+         : index == RT_COLOR_FORMAT ? choice(RT_COLOR_FORMAT)
+         : index == RT_TAA_FORMAT   ? choice(RT_TAA_FORMAT)
+                                    : int(settings[index]);
+}
+float setting(int index) { return of_thread(settings[index]); } // of one that is a number
+// Whether a number is other than 0, where that is "never" or "off".
+#define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
+
+ivec2 view_origin() { return origin_px; }
+ivec2 view_size() { return size_px; }
+ivec2 picture_size() { return picture_px; }
+ivec2 half_size() { return half_size_px; }
+ivec2 tile_count() { return tiles; }
+vec3 wind_m() { return moved_by_wind_m; }
+
+// --- targets --------------------------------------------------------------------------------
+
+// The largest half. It is also where what is kept in one ends before it becomes infinite.
+const float HALF_MAX = 65504.0;
+
+struct TargetRow {
+    int resolution, setting, half_format, float_format;
+};
+
+const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
+
+int format_of(int target)
+{
+    TargetRow row = TARGETS[target];
+    bool is_half = row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF;
+    return is_half ? row.half_format : row.float_format;
+}
+
+layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
+// What a picture at rest spares is most of the search for its history: where that is known no
+// instruction of it is there, and lavapipe does not run it for nothing.
+layout(constant_id = RT_RESTS_CONSTANT) const uint RESTS = 0;
+const bool ALL_REST = (RESTS & RT_RESTS_ALL) != 0u, AIR_RESTS = (RESTS & RT_RESTS_AIR) != 0u;
+
+// By the driver's own conversions where they are known to be right (renderer/halves.h).
+vec4 unpack(uvec2 words)
+{
+    if ((NATIVE_HALVES & NEPH_HALVES_READ) != 0u)
+        return vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
+    return from_words(words);
+}
+
+uint pack(vec2 value)
+{
+    return (NATIVE_HALVES & NEPH_HALVES_WRITTEN) != 0u
+               ? packHalf2x16(value)
+               : to_word(value);
+}
+
+int width_of(int target)
+{
+    int resolution = TARGETS[target].resolution;
+    if (resolution == RT_FROXEL)
+        return froxel_row;
+    if (resolution == RT_PICTURE)
+        return picture_row;
+    return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
+}
+
+// A texel has as many words as a format that is known.
+const bool READS_TEXELS = SPECIALISED && !ON_GPU;
+
+uint word(int target, uint index)
+{
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texels[target], int(index)).x;
+#endif
+    return targets[target].words[index];
+}
+
+uvec2 word_pair(int target, uint index)
+{
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texel_pairs[target], int(index)).xy;
+#endif
+    if (ON_GPU)
+        return target_pairs[target].words[index];
+    return unpackUint2x32(target_longs[target].words[index]);
+}
+
+uvec4 word_four(int target, uint index)
+{
+#ifdef SEES_TEXELS
+    if (READS_TEXELS)
+        return imageLoad(target_texel_fours[target], int(index));
+#endif
+    return target_fours[target].words[index];
+}
+
+void put_word_pair(int target, uint index, uvec2 pair)
+{
+    if (ON_GPU)
+        target_pairs[target].words[index] = pair;
+    else
+        target_longs[target].words[index] = packUint2x32(pair);
+}
+
+// The words of an element that is kept in halves: one, or two.
+uvec2 half_words(int target, uint index, int format)
+{
+    if (format == RT_RGBA16F)
+        return word_pair(target, index);
+    uint word = word(target, index);
+    return uvec2(format == RT_R16F ? word & 0xffffu : word, 0u);
+}
+
+// Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
+vec4 fetch(int target, ivec2 texel)
+{
+    uint index = uint(texel.y * width_of(target) + texel.x);
+    int format = format_of(target);
+    switch (format) {
+    case RT_R32F:
+        return vec4(uintBitsToFloat(word(target, index)), 0.0, 0.0, 0.0);
+    case RT_RG32F:
+        return vec4(uintBitsToFloat(word_pair(target, index)), 0.0, 0.0);
+    case RT_RGBA32F:
+        return uintBitsToFloat(word_four(target, index));
+    default:
+        return unpack(half_words(target, index, format));
+    }
+}
+
+void put(int target, ivec2 texel, vec4 value)
+{
+    uint index = uint(texel.y * width_of(target) + texel.x);
+    switch (format_of(target)) {
+    case RT_R16F:
+        targets[target].words[index] = pack(vec2(value.x, 0.0));
+        break;
+    case RT_R32F:
+        targets[target].words[index] = floatBitsToUint(value.x);
+        break;
+    case RT_RG16F:
+        targets[target].words[index] = pack(value.xy);
+        break;
+    case RT_RG32F:
+        put_word_pair(target, index, floatBitsToUint(value.xy));
+        break;
+    case RT_RGBA16F:
+        put_word_pair(target, index, uvec2(pack(value.xy), pack(value.zw)));
+        break;
+    default:
+        target_fours[target].words[index] = floatBitsToUint(value);
+    }
+}
+
+// Column and row of an element of an image that is `width` wide. lavapipe divides whole numbers for
+// one thread after the other; a quotient of floats is off by at most one row up to 2^20 of them.
+ivec2 element_at(int index, int width)
+{
+    int row = int(float(index) / float(width));
+    int column = index - row * width;
+    if (column < 0)
+        return ivec2(column + width, row - 1);
+    return column < width ? ivec2(column, row) : ivec2(column - width, row + 1);
+}
+
+// Elements by their place in the view: pixels, half-resolution texels or tiles, held at its sides.
+vec4 fetch_full(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));
+}
+
+vec4 fetch_picture(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() + clamp(pixel, ivec2(0), picture_size() - 1));
+}
+
+vec4 fetch_half(int target, ivec2 pixel)
+{
+    return fetch(target, view_origin() / 2 + clamp(pixel, ivec2(0), half_size() - 1));
+}
+
+vec4 fetch_tile(int target, ivec2 tile)
+{
+    return fetch(target, view_origin() / 4 + clamp(tile, ivec2(0), tile_count() - 1));
+}
+
+void put_full(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
+
+void put_picture(int target, ivec2 pixel, vec4 value) { put(target, view_origin() + pixel, value); }
+
+void put_half(int target, ivec2 pixel, vec4 value)
+{
+    put(target, view_origin() / 2 + pixel, value);
+}
+
+void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
+
+// The first and the last of four taps in a row that have a weight: one tap where the camera rests.
+int first_tap(vec4 weights)
+{
+    return ON_GPU || weights.x != 0.0 ? 0 : weights.y != 0.0 ? 1 : 2;
+}
+
+int last_tap(vec4 weights)
+{
+    return ON_GPU || weights.w != 0.0 ? 3 : weights.z != 0.0 ? 2 : 1;
+}
+
+// --- numbers that may be bad -------------------------------------------------------------------
+
+// Bits, because a compiler may assume that there is no NaN.
+bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
+
+// In-scattered radiance and transmittance that can be: finite and not negative. All at once, for
+// with a way out between them a GPU would wait for one value after the other.
+bool is_sound(vec4 value)
+{
+    uvec4 magnitudes = floatBitsToUint(value) & 0x7fffffffu;
+    bool are_finite = all(lessThan(magnitudes, uvec4(0x7f800000u)));
+    bool are_positive = all(greaterThanEqual(value, vec4(0.0)));
+    return are_finite && are_positive;
+}
+
+// A volume over the radiance of what is behind it. `precise`, because a fused multiply-add would
+// round once where march.comp rounds twice.
+vec3 over(vec4 volume, vec3 behind)
+{
+    precise vec3 transmitted = volume.w * behind;
+    precise vec3 radiance = volume.xyz + transmitted;
+    return radiance;
+}
+
+// --- rays -----------------------------------------------------------------------------------
+
+struct ViewLine {
+    vec3 origin_m; // 0 of a perspective camera
+    vec3 direction; // unit
+};
+
+// What this frame's camera sees through a place of the view in pixels, (0, 0) its upper left
+// corner. Without jitter.
+ViewLine view_line_at(ViewCamera camera, vec2 place_px)
+{
+    float x = (2.0 * place_px.x / float(size_px.x) - 1.0) * camera.half_width;
+    float y = (1.0 - 2.0 * place_px.y / float(size_px.y)) * camera.half_height;
+    if (camera.is_parallel != 0u)
+        return ViewLine(x * camera.right + y * camera.up, camera.forward);
+    return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
+}
+
+// Whether this frame's camera stands where that of the frame before stood, and sees as that did.
+bool camera_rests()
+{
+    if (ALL_REST)
+        return true;
+    return view_before.position_m == vec3(0.0) && view_now.forward == view_before.forward &&
+           view_now.right == view_before.right && view_now.up == view_before.up &&
+           view_now.half_width == view_before.half_width &&
+           view_now.half_height == view_before.half_height;
+}
+
+bool air_rests() { return AIR_RESTS || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
+
+// What the width of the picture grows with: the depth, or nothing.
+float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }
+
+// Where a point (relative to this frame's camera) is in a camera's picture: xy in pixels, z its eye
+// depth [m], which is not above 0 when the point is not in front of it.
+vec3 project(ViewCamera camera, vec3 point_m)
+{
+    vec3 from_m = point_m - camera.position_m;
+    float depth_m = dot(from_m, camera.forward);
+    float spread_m = view_spread(camera, depth_m);
+    float x = dot(from_m, camera.right) / (spread_m * camera.half_width);
+    float y = dot(from_m, camera.up) / (spread_m * camera.half_height);
+    return vec3((0.5 + 0.5 * x) * float(size_px.x), (0.5 - 0.5 * y) * float(size_px.y),
+                depth_m);
+}
+
+#endif

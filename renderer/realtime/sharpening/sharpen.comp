@@ -1,0 +1,36 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// Sharpening of the finished picture, against the blur of anti-aliasing: a pixel moves away from
+// the mean of its four neighbours by sharpen_amount times its distance from it, and stays within
+// the least and the largest of the five. So no edge rings, a constant stays what it is, and no
+// radiance becomes negative (unsharp masking held as in AMD's Robust Contrast Adaptive Sharpening).
+#extension GL_GOOGLE_include_directive : require
+
+#include "renderer/realtime/shared/pass.glsl"
+
+const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
+
+vec3 picture_at(ivec2 pixel)
+{
+    return choice(RT_TAA) != RT_TAA_OFF ? fetch_picture(RT_TAA_OUT, pixel).rgb
+                                        : fetch_full(RT_COLOR, pixel).rgb;
+}
+
+void main()
+{
+    ivec2 pixel;
+    if (!own_element(picture_size(), pixel))
+        return;
+    vec3 own = picture_at(pixel), least = own, largest = own, sum = vec3(0.0);
+    for (int i = 0; i < 4; i++) {
+        vec3 neighbour = picture_at(pixel + CROSS[i]);
+        least = mix(least, neighbour, lessThan(neighbour, least));
+        largest = mix(largest, neighbour, greaterThan(neighbour, largest));
+        sum += neighbour;
+    }
+    precise vec3 sharper = own + setting(RT_SHARPEN_AMOUNT) * (own - 0.25 * sum);
+    sharper = mix(sharper, least, lessThan(sharper, least));
+    sharper = mix(sharper, largest, greaterThan(sharper, largest));
+    put_picture(RT_SHARPENED, pixel, vec4(sharper, 0.0));
+}

@@ -1,0 +1,59 @@
+#version 450
+// SPDX-License-Identifier: MIT
+//
+// How far what a pixel's ray meets has come by itself since the frame before: motion vectors of
+// solids, in metres of the world, since only who reads them knows what the camera did. The rays are
+// those of the picture, jitter and all (realtime/scene_rays/scene_rays.comp).
+#extension GL_GOOGLE_include_directive : require
+
+#define KNOWS_SOLIDS
+
+#include "renderer/shaders/march_run.glsl"
+#include "renderer/shaders/scene.glsl"
+
+#define REALTIME_BINDING 11 // as in realtime/shared/rays.glsl, of which nothing else is needed
+#include "renderer/realtime/shared/view.glsl"
+
+// About the mover's axis, back to the frame before.
+vec3 turned_back(Mover mover, vec3 v)
+{
+    float c = mover.cosine, s = mover.sine;
+    if (mover.axis == 0u)
+        return vec3(v.x, c * v.y - s * v.z, s * v.y + c * v.z);
+    if (mover.axis == 1u)
+        return vec3(c * v.x + s * v.z, v.y, c * v.z - s * v.x);
+    return vec3(c * v.x - s * v.y, s * v.x + c * v.y, v.z);
+}
+
+// A mover at rest gives 0 and no rounding: both differences are of equal numbers.
+vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
+{
+    vec3 way_m = vec3(0.0);
+    is_mover = 0.0;
+    for (uint m = 0; m < view.mover_count; m++) {
+        Mover mover = view.movers[m];
+        if (solid < mover.first || solid >= mover.end)
+            continue;
+        precise vec3 arm_m = point_m - mover.pivot_m;
+        precise vec3 own_m = arm_m - turned_back(mover, arm_m);
+        is_mover = 1.0;
+        way_m = own_m + (mover.pivot_m - mover.pivot_before_m);
+    }
+    return way_m;
+}
+
+void main()
+{
+    know_solids();
+    uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
+    ivec2 pixel = element_at(int(run.first_ray + thread), view_size().x);
+    ViewRay ray = camera_ray_at(frame_camera(), vec2(pixel) + 0.5 + jitter_px);
+    Hit hit = scene_hit(ray.origin_m, ray.direction);
+    vec3 way_m = vec3(0.0);
+    float is_mover = 0.0;
+    if (hit.solid != NO_SOLID)
+        way_m = moved_m(hit.solid, view_point_m(ray, hit.t_m), is_mover);
+    if (gl_GlobalInvocationID.x >= run.ray_count)
+        return;
+    put_full(RT_MOVED, pixel, vec4(way_m, is_mover));
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/passes.h"
+
+static const uint32_t code[] = {
+#include "realtime/tile_index/tile_index.comp.inc"
+};
+
+const struct neph_rt_pass neph_rt_tile_index = {
+    .name = "tile index",
+    .note = "which of its 2x2 half-resolution texels a tile marches",
+    .shader = {"tile_index", code, sizeof(code)},
+    .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+    .resolution = RT_QUARTER,
+    .block = {RT_COLOUR_BLOCK, RT_COLOUR_BLOCK},
+    .in_colours = &(const struct neph_rt_condition){RT_OVERRIDE, RT_OVERRIDE_SEQUENTIAL},
+    .reads = NEPH_RT_BIT(RT_STEADY_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_TILE),
+    .spared = {{{{RT_DEPTH_MAP_PASS, RT_DEPTH_MAP_PASS_TILE_INDEX}}, NEPH_RT_BIT(RT_STEADY_DEPTH)}},
+    .writes = NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_TILE),
+};

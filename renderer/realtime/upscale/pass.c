@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/passes.h"
+
+static const uint32_t code[] = {
+#include "realtime/upscale/upscale.comp.inc"
+};
+
+const struct neph_rt_pass neph_rt_upscale = {
+    .name = "upscale",
+    .note = "the volume at full resolution, guided by depth",
+    .shader = {"upscale", code, sizeof(code)},
+    .condition = {RT_SPLIT, RT_SPLIT_FOUR},
+    .resolution = RT_FULL,
+    .in_quads = true,
+    .reads = NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HISTORY) |
+             NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE) |
+             NEPH_RT_BIT(RT_BEHIND),
+    .spared = {{{{RT_ATROUS, 0}}, NEPH_RT_BIT(RT_HISTORY)},
+               {{{RT_ATROUS, 1}}, NEPH_RT_BIT(RT_HISTORY_BEFORE)},
+               {{{RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},
+                NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_COLOR)},
+               {{{RT_STEADY, RT_STEADY_AUTO},
+                 {RT_STEADY, RT_STEADY_UNASKED},
+                 {RT_STEADY, RT_STEADY_KNOWN}},
+                NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE)}},
+    .writes = NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) | NEPH_RT_BIT(RT_COLOR),
+    .picture = RT_COLOR,
+};
