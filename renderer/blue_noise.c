@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* `b2sum -l 256 renderer/blue_noise.png` */
-static const char file_hash[] = "";
+static const char file_hash[] = "89d0eb841695cd5cea1180e2485775683c02b7eee81f60b4f86b429d87299895";
 
 static enum neph_status check_file(const char *path, struct neph_diag *diag)
 {
@@ -47,8 +47,8 @@ enum neph_status neph_blue_noise_load(const char *path, uint32_t seed,
         const uint32_t from = slice == 0 ? 0 : 1 + (slice - 1 + (shift >> 12)) % FRAMES;
         for (uint32_t y = 0; y < SIDE; y++)
             for (uint32_t x = 0; x < SIDE; x++) {
-                const uint32_t row = from * SIDE + (y + (shift >> 6)) % SIDE;
-                *ranks++ = rgb[3 * (row * SIDE + (x + shift) % SIDE)] >> 4;
+                const uint32_t row = from / 3 * SIDE + (y + (shift >> 6)) % SIDE;
+                *ranks++ = rgb[3 * (row * SIDE + (x + shift) % SIDE) + from % 3] >> 4;
             }
     }
     free(rgb);

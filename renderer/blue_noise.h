@@ -5,8 +5,9 @@
  *
  * A mask is a stack of slices, one a frame, each a torus of 64x64 pixels that holds every rank
  * 0 .. 4095 once. Any threshold of it is a blue-noise set of pixels. The spatial mask has one slice,
- * the spatiotemporal mask 32, after which the first follows again. In the file the slices stand one
- * below another, the spatial mask on top; a rank is a grey value of 12 bits.
+ * the spatiotemporal mask 32, after which the first follows again. In the file the first
+ * three slices are R, G and B of the uppermost 64x64 pixels, the spatial mask is R; the next three
+ * slices stand below, and so on. A rank is a value of 12 bits.
  *
  * Method: void and cluster (R. Ulichney, "The void-and-cluster method for dither array
  * generation", Proc. SPIE 1913, 1993), over all voxels of the stack at once. The energy of a voxel

@@ -2,7 +2,7 @@
 #include "renderer/realtime/noise.h"
 
 #include "renderer/blue_noise.h"
-#include "renderer/shaders/realtime_names.h"
+#include "renderer/realtime/shared/names.h"
 
 enum { GRADIENT_FRAMES = 64 }; /* of realtime/shared/dither.glsl */
 
