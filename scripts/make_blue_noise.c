@@ -18,6 +18,7 @@ enum {
     SIDE = NEPH_BLUE_NOISE_SIDE_PX,
     PIXELS = NEPH_BLUE_NOISE_PIXELS,
     FRAMES = NEPH_BLUE_NOISE_FRAMES,
+    HEIGHT = NEPH_BLUE_NOISE_SLICES / 3 * SIDE, /* of the file: a slice is one of R, G, B */
     TIE_BITS = 12, /* far voxels have equal energies: random bits decide between them */
 };
 
@@ -134,17 +135,18 @@ static void order_voxels(struct field *field)
     }
 }
 
-/* Grey pixels of the mask; a rank is a place among the voxels of the same slice. */
-static void make_mask(struct field *field, int frames, uint16_t *rgb)
+/* The mask in the slices of the file from `first` on; a rank is a place among the voxels of the same
+ * slice. */
+static void make_mask(struct field *field, int frames, int first, uint16_t *rgb)
 {
     int counts[FRAMES] = {0};
     *field = (struct field){.frames = frames, .size = frames * PIXELS};
     start(field);
     order_voxels(field);
     for (int i = 0; i < field->size; i++) {
-        const int rank = counts[field->order[i] / PIXELS]++;
-        for (int c = 0; c < 3; c++)
-            rgb[3 * field->order[i] + c] = (uint16_t)rank;
+        const int slice = field->order[i] / PIXELS, pixel = field->order[i] % PIXELS;
+        const int place = first + slice;
+        rgb[3 * (place / 3 * PIXELS + pixel) + place % 3] = (uint16_t)counts[slice]++;
     }
 }
 
@@ -155,8 +157,8 @@ static enum neph_status compare(const char *path, const uint16_t *rgb, struct ne
     const enum neph_status status = neph_png_read_rgb16(path, &width_px, &height_px, &codes, diag);
     if (status)
         return status;
-    const bool is_of_size = width_px == SIDE && height_px == NEPH_BLUE_NOISE_SLICES * SIDE;
-    for (int i = 0; i < 3 * NEPH_BLUE_NOISE_COUNT && is_of_size; i++)
+    const bool is_of_size = width_px == SIDE && height_px == HEIGHT;
+    for (int i = 0; i < NEPH_BLUE_NOISE_COUNT && is_of_size; i++)
         differing += codes[i] >> 4 != rgb[i];
     free(codes);
     if (!is_of_size || differing > 0)
@@ -168,18 +170,17 @@ static enum neph_status compare(const char *path, const uint16_t *rgb, struct ne
 int main(int argc, char **argv)
 {
     static struct field field;
-    static uint16_t rgb[3 * NEPH_BLUE_NOISE_COUNT];
+    static uint16_t rgb[NEPH_BLUE_NOISE_COUNT];
     struct neph_diag diag = {0};
     if (argc != 2) {
         fprintf(stderr, "usage: make_blue_noise FILE\n");
         return neph_status_exit_code(NEPH_ERR_USAGE);
     }
-    make_mask(&field, 1, rgb);
-    make_mask(&field, FRAMES, rgb + 3 * PIXELS);
+    make_mask(&field, 1, 0, rgb);
+    make_mask(&field, FRAMES, 1, rgb);
     const enum neph_status status = neph_path_exists(argv[1])
                                         ? compare(argv[1], rgb, &diag)
-                                        : neph_png_write_rgb16(argv[1], SIDE,
-                                                               NEPH_BLUE_NOISE_SLICES * SIDE, 12,
+                                        : neph_png_write_rgb16(argv[1], SIDE, HEIGHT, 12,
                                                                NEPH_PNG_SRGB, rgb, &diag);
     if (status)
         fprintf(stderr, "make_blue_noise: %s\n", diag.message);
