@@ -299,7 +299,7 @@ class Realtime(neph_case.NephCase):
         self.neph(*command, "-p", "off", **data)
         noise = "renderer/blue_noise.png"
         self.neph(*command, code=66, said=[f"{self.folder}/{noise}", "set NEPH_DATA_DIR"], **data)
-        whole = (ROOT / noise).read_bytes()
+        whole = (neph_case.ROOT / noise).read_bytes()
         for damaged in (whole[:-1], whole[:1000] + b"?" + whole[1001:], b""):
             (self.folder / "renderer").mkdir(exist_ok=True)
             (self.folder / noise).write_bytes(damaged)
