@@ -281,7 +281,7 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
         [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
         [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = neph_rt_passes[index];
-    if (!record->name)
+    if (!record)
         return false;
     const struct neph_option *setting = &neph_rt_options[record->condition.setting];
     *pass = (struct neph_engine_pass){
