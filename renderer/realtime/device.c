@@ -149,6 +149,14 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
     }
 }
 
+const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
+                                                   const struct neph_rt_pass *pass)
+{
+    return device->has_no_variants
+               ? &pass->shader
+               : neph_rt_shader_for(pass, device->on_gpu ? NEPH_RT_GPU : NEPH_RT_CPU);
+}
+
 /* What a shader knows of a setting (realtime/shared/choices.glsl). */
 static uint32_t digit_of(int setting, float value)
 {
@@ -197,9 +205,10 @@ void neph_rt_device_show(struct neph_rt_device *device)
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch)
 {
-    params->name = pass->shader.name;
-    params->code = pass->shader.code;
-    params->code_bytes = pass->shader.code_bytes;
+    const struct neph_rt_shader *shader = neph_rt_device_shader(device, pass);
+    params->name = shader->name;
+    params->code = shader->code;
+    params->code_bytes = shader->code_bytes;
     params->buffer_count = first + 2;
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
     if (first == 0) { /* no scene before the view */
@@ -223,7 +232,8 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
                                    struct neph_diag *diag)
 {
     const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t count = neph_rt_thread_count(device->view, pass, device->on_gpu);
+    const uint64_t count = neph_rt_thread_count(device->view, pass,
+                                                neph_rt_device_shader(device, pass));
     enum neph_status status = NEPH_OK;
     for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
         const uint64_t groups = (count - first + local_size - 1) / local_size;
@@ -286,7 +296,8 @@ enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct 
     struct neph_dispatch dispatch = {.group_count = 0};
     const struct neph_kernel *kernel;
     enum neph_status status = bind_pass(device, pass, &dispatch, &kernel, diag);
-    const uint32_t colours = neph_rt_colour_count(device->view, pass, device->on_gpu);
+    const uint32_t colours = neph_rt_colour_count(device->view, pass,
+                                                  neph_rt_device_shader(device, pass));
     for (uint32_t colour = 0; colour < colours && !status; colour++)
         status = add_colour(device, pass, kernel, &dispatch, colour, submission, diag);
     return status;

@@ -28,6 +28,7 @@ struct neph_rt_device {
                          lavapipe) for each set of them. Same bits. */
     bool is_dark; /* rays see transmittance alone, and have no noise (ray_march/ray_march.comp) */
     bool on_gpu;  /* compile for one. Same bits, but for what is rounded freely. */
+    bool has_no_variants;   /* run the readable shader of each pass, for tests and comparisons */
     uint32_t native_halves; /* NEPH_HALVES_READ, ..: what the driver may do itself; 0 on a CPU, so
                                that nobody has to be asked there. Same bits. */
     struct neph_buffer readback; /* as large as the largest target */
@@ -49,6 +50,10 @@ void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ra
  * after an error. */
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag);
+
+/* The shader of a pass on this device. */
+const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
+                                                   const struct neph_rt_pass *pass);
 
 /* How many words a target has; 0 where it has no memory. */
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target);

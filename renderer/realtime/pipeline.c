@@ -208,7 +208,8 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const bool is_cpu = realtime->vulkan->description.is_cpu;
+    const enum neph_rt_device_kind kind = is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
@@ -216,8 +217,9 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
+        const struct neph_rt_shader *shader = neph_rt_shader_for(pass, kind);
         status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
-                                     neph_rt_thread_count(view, pass, on_gpu), &realtime->cuts[i],
+                                     neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
                                      diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
             most_rays = realtime->cuts[i].rays_max;

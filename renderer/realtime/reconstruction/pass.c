@@ -9,10 +9,11 @@ const struct neph_rt_pass neph_rt_reconstruct = {
     .name = "reconstruction",
     .note = "rays and the reprojected history at half resolution",
     .shader = {"reconstruct", code, sizeof(code)},
+    .variants = {[NEPH_RT_GPU] = {"reconstruct", code, sizeof(code),
+                                  .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT}}},
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_HALF,
     .unread_resolution = RT_QUARTER,
-    .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT},
     .reads = NEPH_RT_BIT(RT_TILE) | NEPH_RT_BIT(RT_RAY) | NEPH_RT_BIT(RT_RAY_DISTANCE) |
              NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH_BEFORE) |
              NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE_BEFORE) |
