@@ -17,8 +17,8 @@ struct error {
 static struct error march_error(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 const struct neph_march_params *params)
 {
-    struct neph_ray_light *exact = test_exact(&test->scene, WIDTH_PX, HEIGHT_PX);
-    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
+    OWNED(memory) struct neph_ray_light *exact = test_exact(&test->scene, WIDTH_PX, HEIGHT_PX);
+    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
     const float *radiance = neph_image_channel(frame, "G");
     double sum = 0.0, off = 0.0, squares = 0.0;
     for (int p = 0; p < PIXELS; p++) {
@@ -27,8 +27,6 @@ static struct error march_error(struct neph_vulkan *vulkan, const struct test_sc
         off += error;
         squares += error * error;
     }
-    neph_image_destroy(frame);
-    free(exact);
     return (struct error){off / sum, sqrt(squares / PIXELS) / (sum / PIXELS)};
 }
 
@@ -198,19 +196,19 @@ static void test_the_tracer_is_the_exact_transport(void **state)
         double exact = 0.0;
         for (int p = 0; p < PIXELS; p++)
             exact += test_exact_ray(&test.scene, WIDTH_PX, HEIGHT_PX, p).radiance.g;
-        struct neph_image *frame = trace(*state, &test, 128);
+        OWNED(image) struct neph_image *frame = trace(*state, &test, 128);
         const struct sum sum = sum_of(frame, 1);
         print_message("sum off by %+.1e, standard error %.1e\n", sum.light / exact - 1.0,
                       sqrt(sum.variance) / exact);
         neph_assert_close(sum.light, exact, 0.0, 4.0 * sqrt(sum.variance));
         assert_true(sqrt(sum.variance) < 0.01 * exact);
-        neph_image_destroy(frame);
     }
 }
 
 static void is_the_oracle(struct neph_vulkan *vulkan, const struct test_scene *test, int samples)
 {
-    struct neph_image *frame = trace(vulkan, test, samples);
+    OWNED(image) struct neph_image *frame = trace(vulkan, test, samples);
+    OWNED(image)
     struct neph_image *truth = test_oracle(&test->scene, WIDTH_PX, HEIGHT_PX, 7, samples);
     for (int channel = 0; channel < 3; channel++) {
         const struct sum a = sum_of(frame, channel), b = sum_of(truth, channel);
@@ -218,8 +216,6 @@ static void is_the_oracle(struct neph_vulkan *vulkan, const struct test_scene *t
                       sqrt(a.variance + b.variance) / b.light);
         neph_assert_close(a.light, b.light, 0.0, 4.0 * sqrt(a.variance + b.variance));
     }
-    neph_image_destroy(frame);
-    neph_image_destroy(truth);
 }
 
 static void test_of_all_orders_it_is_the_oracle(void **state)
@@ -257,7 +253,7 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
                                                   .seed = (uint64_t)l,
                                                   .samples = neph_test_by_day(1024, 4096),
                                                   .time_limit_s = INFINITY};
-        struct neph_image *frame = test_trace(*state, scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_trace(*state, scene, &params, NULL);
         const float *radiance = neph_image_channel(frame, "G"),
                     *variance = neph_image_channel(frame, "variance.G");
         double worst = 0.0;
@@ -274,7 +270,6 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
         }
         print_message("%s: worst z-score %.1f\n", near_lamps[l].name, worst);
         assert_true(worst < 5.0);
-        neph_image_destroy(frame);
     }
     print_message("variance of %d z-scores: %.3f\n", pixels, squares / pixels);
     /* 4.5 standard errors of it, sqrt(2 / n). */

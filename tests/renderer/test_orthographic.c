@@ -112,7 +112,7 @@ static struct difference compare(const struct test_scene *test, struct neph_imag
 static void test_march_is_exact_transport(void **state)
 {
     for (size_t s = 0; s < COUNT(scenes); s += (size_t)neph_test_by_day(3, 1)) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         struct neph_march_params params = {.width_px = WIDTH, .height_px = HEIGHT, .steps = 64};
         init(&test, scenes[s].height_m);
         scenes[s].build(&test);
@@ -127,7 +127,6 @@ static void test_march_is_exact_transport(void **state)
                       fine.transmittance, coarse.volume, fine.volume, order);
         assert_true(fine.transmittance < 3e-6 && fine.volume < 5e-3);
         assert_true(fine.volume < 2e-6 || order > scenes[s].order_min);
-        scene_teardown(&test);
     }
 }
 
@@ -144,7 +143,7 @@ static void test_solids(void **state)
     test.key.look_at_m = (struct neph_vec3){0.0, 1.0, -14.0};
     add_company(&test);
     test.scene.scattering = NEPH_SCATTERING_NONE;
-    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const float *green = neph_image_channel(frame, "G"), *z_m = neph_image_channel(frame, "Z");
     for (int p = 0; p < PIXELS; p++) {
         const struct neph_ray_light light = test_exact_ray(&test.scene, WIDTH, HEIGHT, p);
@@ -156,7 +155,6 @@ static void test_solids(void **state)
     }
     print_message("solids: %d of %d pixels agree\n", agreeing, PIXELS);
     assert_true(agreeing >= PIXELS - 1);
-    neph_image_destroy(frame);
 }
 
 /* --- every pixel is a perspective camera's ------------------------------------------------- */
@@ -226,7 +224,7 @@ static struct neph_image *march_alone(struct neph_vulkan *vulkan, const struct t
 static void test_every_pixel_is_a_perspective_cameras(void **state)
 {
     for (size_t l = 0; l < COUNT(lights); l += (size_t)neph_test_by_day(3, 1)) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         const struct neph_march_params params = {.width_px = 6,
                                                  .height_px = 4,
                                                  .steps = 48,
@@ -238,20 +236,17 @@ static void test_every_pixel_is_a_perspective_cameras(void **state)
         test.scene.scattering = lights[l].lighting == NEPH_MARCH_SINGLE ? NEPH_SCATTERING_SINGLE
                                                                         : NEPH_SCATTERING_MULTIPLE;
         test.scene.octaves = (struct neph_octaves){4, 0.5, 0.5, 0.5};
-        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         for (int p = 0; p < 24; p++) {
-            struct neph_image *alone = march_alone(*state, &test, &params, p);
+            OWNED(image) struct neph_image *alone = march_alone(*state, &test, &params, p);
             for (int c = 0; c < frame->channel_count; c++)
                 neph_assert_close((double)frame->channels[c].samples[p],
                                   (double)alone->channels[c].samples[0], lights[l].relative, 1e-6);
             least = fmin(least, (double)frame->channels[0].samples[p]);
             most = fmax(most, (double)frame->channels[0].samples[p]);
-            neph_image_destroy(alone);
         }
         print_message("%s: %g to %g\n", lights[l].name, least, most);
         assert_true(most > 1.05 * least); /* pixels that see different things */
-        neph_image_destroy(frame);
-        scene_teardown(&test);
     }
 }
 
@@ -306,7 +301,7 @@ static void judge(const char *name, const struct neph_image *frame, const float 
 /* Free paths of each sort: by bisection, through voxels, of layers. */
 static void test_tracer_is_exact_transport(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     float truth[PIXELS];
     init(&test, 7.0);
     scene_voxels(&test);
@@ -314,10 +309,8 @@ static void test_tracer_is_exact_transport(void **state)
     scene_blob(&test);
     for (int p = 0; p < PIXELS; p++)
         truth[p] = (float)test_exact_ray(&test.scene, WIDTH, HEIGHT, p).radiance.g;
-    struct neph_image *frame = trace(*state, &test, 256);
+    OWNED(image) struct neph_image *frame = trace(*state, &test, 256);
     judge("blob, grid and fog", frame, truth, NULL, 2.0 / 32.0);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
 }
 
 static void scene_all(struct test_scene *test)
@@ -345,17 +338,15 @@ static void test_tracer_is_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();
     for (size_t t = 0; t < sizeof(traced) / sizeof(traced[0]); t++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         init(&test, traced[t].height_m);
         traced[t].build(&test);
         test.scene.scattering = traced[t].scattering;
+        OWNED(image)
         struct neph_image *truth = test_oracle(&test.scene, WIDTH, HEIGHT, 5, traced[t].samples);
-        struct neph_image *frame = trace(*state, &test, traced[t].samples);
+        OWNED(image) struct neph_image *frame = trace(*state, &test, traced[t].samples);
         judge(traced[t].name, frame, neph_image_channel(truth, "G"),
               neph_image_channel(truth, "variance.G"), 0.3);
-        neph_image_destroy(frame);
-        neph_image_destroy(truth);
-        scene_teardown(&test);
     }
 }
 
@@ -366,7 +357,7 @@ enum { FILM_WIDTH = 64, FILM_HEIGHT = 36, FILM_FRAMES = 12 };
 static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct test_scene *test,
                                      const struct neph_settings *settings)
 {
-    struct neph_scene *still = NULL;
+    OWNED(scene) struct neph_scene *still = NULL;
     struct neph_diag diag = {0};
     const struct neph_march_params params = {
         .width_px = FILM_WIDTH,
@@ -378,7 +369,6 @@ static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct te
         .sun_steps = (int)settings->values[RT_SUN_STEPS]};
     neph_assert_ok(neph_scene_at(&test->scene, params.frame, &still, &diag), &diag);
     struct neph_image *image = test_march(vulkan, still, &params, NULL);
-    neph_scene_destroy(still);
     return image;
 }
 
@@ -388,8 +378,9 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
 {
     const struct neph_settings settings = test_settings(assignments);
     const struct neph_realtime_params params = {FILM_WIDTH, FILM_HEIGHT, &settings, 7, NULL};
+    OWNED(image)
     struct neph_image *film = test_film(vulkan, &test->scene, &params, FILM_FRAMES, NULL);
-    struct neph_image *truth = film_truth(vulkan, test, &settings);
+    OWNED(image) struct neph_image *truth = film_truth(vulkan, test, &settings);
     const float *found = neph_image_channel(film, "volume.G");
     const float *expected = neph_image_channel(truth, "volume.G");
     double most = 0.0, worst = 0.0;
@@ -397,8 +388,6 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
         most = fmax(most, (double)expected[i]);
         worst = fmax(worst, fabs((double)found[i] - (double)expected[i]));
     }
-    neph_image_destroy(film);
-    neph_image_destroy(truth);
     return worst / most;
 }
 

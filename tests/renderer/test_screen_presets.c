@@ -57,10 +57,9 @@ enum { FROZEN_COUNT = COUNT(frozen) };
 
 static void assert_text(const struct neph_settings *settings, const char *expected)
 {
-    char *text = neph_options_text(neph_screen_options, settings);
+    OWNED(memory) char *text = neph_options_text(neph_screen_options, settings);
     assert_non_null(text);
     assert_string_equal(text, expected);
-    free(text);
 }
 
 static void test_presets_are_what_they_were(void **state)

@@ -174,12 +174,11 @@ static void test_single_scattering_is_exact_transport(void **state)
         single_scenes[s].build(&test);
         const struct neph_tracer_params params = params_of(
             single_scenes[s].width_px, single_scenes[s].height_px, single_scenes[s].samples);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         struct verdict verdict = compare(&test, frame, exact_single, NULL);
         verdict.exact_error = fmax(0.0, verdict.exact_error - single_scenes[s].unseen);
         judge(single_scenes[s].name, verdict,
               2.0 / (single_scenes[s].samples / NEPH_TRACER_BATCH_SAMPLES));
-        neph_image_destroy(frame);
     }
 }
 
@@ -282,14 +281,12 @@ static void test_clouds_in_single_scattering(void **state)
                                                             scene_coloured_grid};
     static const char *const names[] = {"grid", "shell and Gaussian", "coloured grid"};
     for (size_t s = 0; s < COUNT(builders); s++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         test_scene_init(&test);
         builders[s](&test);
         const struct neph_tracer_params params = params_of(24, 14, 256);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         judge(names[s], compare(&test, frame, exact_single, NULL), 2.0 / 64.0);
-        neph_image_destroy(frame);
-        scene_teardown(&test);
     }
 }
 
@@ -320,9 +317,8 @@ static void test_against_the_light(void **state)
                                                   cases[i].ball_depth / (2.5066282746310002 * 4.0));
         ball->gaussian = (struct neph_gaussian){{0.0, 1.6, -24.0}, 4.0};
         const struct neph_tracer_params params = params_of(16, 9, 1024);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         judge(cases[i].name, compare(&test, frame, exact_single, NULL), 2.0 / 128.0);
-        neph_image_destroy(frame);
     }
 }
 
@@ -333,7 +329,7 @@ static void test_against_the_light(void **state)
 static void test_a_grid_beneath_dark_fog(void **state)
 {
     enum { SAMPLES = 512 };
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_grid(&test);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -344,12 +340,10 @@ static void test_a_grid_beneath_dark_fog(void **state)
     fog->bounds = (struct neph_bounds){{-200, 5, -200}, {200, 6, 200}};
     struct neph_tracer_params params = params_of(16, 9, SAMPLES);
     params.sun_nodes = 0;
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     struct verdict verdict = compare(&test, frame, exact_single, NULL);
     verdict.exact_error = fmax(0.0, verdict.exact_error - 7.0 / SAMPLES);
     judge("grid beneath dark fog", verdict, 2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
 }
 
 /* Fog 2^30 m beneath a grid, where a float32 knows a ray's way to 128 m: 13 mean free paths of the
@@ -360,7 +354,7 @@ static void test_a_grid_far_from_the_fog_below(void **state)
 {
     enum { SAMPLES = 512 };
     const double far_m = 0x1p30, width_m = 1e8, thick_m = 1e6;
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     test.key.look_at_m = (struct neph_vec3){0.0, -1e3, 0.0};
     test.scene.camera_up = (struct neph_vec3){0.0, 0.0, -1.0};
@@ -378,11 +372,9 @@ static void test_a_grid_far_from_the_fog_below(void **state)
                                        {1e6, -far_m - thick_m, 1e6}};
     struct neph_tracer_params params = params_of(16, 9, SAMPLES);
     params.sun_nodes = 0;
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     judge("grid far from fog", compare(&test, frame, exact_single, NULL),
           2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
 }
 
 /* All that is known of light scattered once where the sun stands straight ahead: from everywhere on
@@ -405,7 +397,7 @@ static void test_procedural_clouds_against_the_light(void **state)
     neph_test_waits_for_the_night();
     const double optical_depth = 16.0,
                  skewness = 9.0; /* of a path at most; free flights': hundreds */
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
     struct neph_medium *media = test.scene.media;
@@ -424,11 +416,9 @@ static void test_procedural_clouds_against_the_light(void **state)
     media[0].extinction_per_m *= optical_depth / thin;
     media[1].layers[0].extinction_per_m *= optical_depth / thin;
     const struct neph_tracer_params params = params_of(7, 4, 256);
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     judge_skewed("Horizon in fog, 16", compare(&test, frame, lit_from_behind, &optical_depth),
                  skewness, params.samples);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
 }
 
 /* A sun in the plane of a box's face: whether a place on the face lies in the box is a matter of
@@ -490,19 +480,17 @@ static int judge_pair(const char *name, const struct neph_image *a, const struct
 /* Media that only attenuate. */
 static void test_without_scattering_the_rest_is_exact(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_gaussian(&test);
     test.scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.0};
     test_add_box(&test, (struct neph_vec3){-9.0, -1.0, -9.0}, (struct neph_vec3){9.0, 0.5, 9.0});
     test.scene.scattering = NEPH_SCATTERING_NONE;
     const struct neph_tracer_params params = params_of(32, 18, 8);
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     const struct verdict v = compare(&test, frame, exact_single, NULL);
     judge("no scattering", v, 0.0);
     assert_int_equal(v.count, 0);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
 }
 
 /* Kernels know which kinds of media there are, and leave out what the others would need: each shape
@@ -513,7 +501,7 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
     static const double falloffs_per_m[] = {0.0, 0.3};
     for (size_t s = 0; s < (size_t)neph_test_by_day(1, COUNT(shapes)); s++)
         for (size_t f = 0; f < COUNT(falloffs_per_m); f++) {
-            struct test_scene test;
+            OWNED(media) struct test_scene test;
             char name[64];
             test_scene_init(&test);
             shapes[s](&test);
@@ -521,11 +509,9 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
             add_bank(&test, falloffs_per_m[f]);
             test.scene.scattering = NEPH_SCATTERING_NONE;
             const struct neph_tracer_params params = params_of(32, 18, 8);
-            struct neph_image *frame = render(*state, &test, &params, NULL);
+            OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
             snprintf(name, sizeof(name), "shape %zu in fog %zu", s, f);
             judge(name, compare(&test, frame, exact_single, NULL), 0.0);
-            neph_image_destroy(frame);
-            scene_teardown(&test);
         }
 }
 
@@ -534,11 +520,9 @@ static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
                             const struct test_scene *test, int samples)
 {
     const struct neph_tracer_params params = params_of(16, 9, samples);
-    struct neph_image *frame = render(vulkan, test, &params, NULL);
-    struct neph_image *truth = test_oracle(&test->scene, 16, 9, 5, samples);
+    OWNED(image) struct neph_image *frame = render(vulkan, test, &params, NULL);
+    OWNED(image) struct neph_image *truth = test_oracle(&test->scene, 16, 9, 5, samples);
     judge_pair(name, frame, truth, 0.3);
-    neph_image_destroy(frame);
-    neph_image_destroy(truth);
 }
 
 /* The surroundings' light as well, as in the furnace, which shares the kernels. */
@@ -546,25 +530,23 @@ static void test_clouds_are_those_of_the_oracle(void **state)
 {
     const bool is_night = neph_test_is_night(); /* by day the spikes stand for other grids */
     for (size_t s = is_night ? 0 : 2; s < COUNT(clouds); s += is_night ? 1 : 2) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         test_scene_init(&test);
         clouds[s].build(&test);
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         test.scene.environment_light = true;
         judge_by_oracle(*state, clouds[s].name, &test, s >= FIRST_SLOW ? 128 : 256);
-        scene_teardown(&test);
     }
 }
 
 static void test_a_grid_in_fog_is_that_of_the_oracle(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_grid(&test);
     add_bank(&test, 0.3);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     judge_by_oracle(*state, "grid in fog", &test, 128);
-    scene_teardown(&test);
 }
 
 /* Light scattered once, the guess of its place among all that there is: colour, fog, a solid that
@@ -572,14 +554,13 @@ static void test_a_grid_in_fog_is_that_of_the_oracle(void **state)
 static void test_guessed_clouds_are_those_of_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
     test.scene.media[0].extinction_per_m *= 3.0;
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.05, 0.5, -1.0});
     test.scene.environment_light = true;
     judge_by_oracle(*state, "Horizon, single", &test, 128);
-    scene_teardown(&test);
 }
 
 /* Single nodes in a void: nearly every node is far above the density around it. 16 nodes have 17
@@ -602,13 +583,12 @@ static void scene_spikes(struct test_scene *test)
  * where one does not, light gets through. */
 static void test_spikes_are_those_of_the_oracle(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_spikes(&test);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     test.scene.environment_light = true;
     judge_by_oracle(*state, "spikes", &test, 1024);
-    scene_teardown(&test);
 }
 
 /* Light is not seen at once in a breath of cloud: that is no error of 0. */
@@ -640,19 +620,17 @@ static void test_level_rays_stay_in_their_cells(void **state)
     static const double leanings[] = {0.0, 1e-23, -1e-23, -6.123e-17};
     double sums[4] = {0.0};
     for (int i = 0; i < 4; i++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         test_scene_init(&test);
         scene_spikes(&test);
         test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
         test.scene.environment_light = true;
         test.scene.sun.direction = (struct neph_vec3){leanings[i], 1.0, 0.0};
         const struct neph_tracer_params params = params_of(16, 9, 64);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const float *green = neph_image_channel(frame, "G");
         for (size_t p = 0; p < neph_image_pixel_count(frame); p++)
             sums[i] += (double)green[p];
-        neph_image_destroy(frame);
-        scene_teardown(&test);
         neph_assert_close(sums[i], sums[0], 1e-5, 0.0);
     }
 }
@@ -681,19 +659,17 @@ static void heat(struct test_scene *test)
 static void test_clouds_in_the_white_furnace(void **state)
 {
     for (size_t s = 0; s < COUNT(clouds); s++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         if (s > 0 && s < FIRST_SLOW && !neph_test_is_night())
             continue; /* kernels of their own, of what "all media" has among its own */
         test_scene_init(&test);
         clouds[s].build(&test);
         heat(&test);
         const struct neph_tracer_params params = params_of(16, 9, 128);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
         judge(clouds[s].name, v, 0.3);
         assert_true(v.count == 0 || s >= FIRST_OF_CHANCE);
-        neph_image_destroy(frame);
-        scene_teardown(&test);
     }
 }
 
@@ -748,14 +724,12 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
         const struct neph_tracer_params params = params_of(slab_width_px, 1, slabs[s].samples);
         struct test_scene test;
         slab_scene(&test, &slabs[s].slab, false, slab_fov_rad);
-        struct neph_slab *slab = solve_slab(&test, &slabs[s].slab);
+        OWNED(slab) struct neph_slab *slab = solve_slab(&test, &slabs[s].slab);
         for (int below = 0; below < 2; below++) { /* its mirror image: the same cosines */
             slab_scene(&test, &slabs[s].slab, below, slab_fov_rad);
-            struct neph_image *frame = render(*state, &test, &params, NULL);
+            OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
             judge(slabs[s].name, compare(&test, frame, slab_truth, slab), 0.1);
-            neph_image_destroy(frame);
         }
-        neph_slab_destroy(slab);
     }
 }
 
@@ -775,9 +749,8 @@ static void test_the_half_space_is_chandrasekhars(void **state)
     const struct neph_tracer_params params = params_of(32, 18, 256);
     struct test_scene test;
     slab_scene(&test, &slab, false, slab_fov_rad);
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     judge("half-space", compare(&test, frame, half_space, NULL), 0.1);
-    neph_image_destroy(frame);
 }
 
 /* --- the white furnace -------------------------------------------------------------------- */
@@ -796,11 +769,10 @@ static void test_white_furnace(void **state)
         test_add_sphere(&test, (struct neph_vec3){1.0, 2.0, -9.0}, 1.5);
         heat(&test);
         const struct neph_tracer_params params = params_of(32, 18, 64);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
         judge("furnace", v, 0.0);
         assert_int_equal(v.count, 0);
-        neph_image_destroy(frame);
     }
 }
 
@@ -823,13 +795,12 @@ static void test_emission_that_is_seen(void **state)
             test.scene.scattering = NEPH_SCATTERING_NONE;
         }
         const struct neph_tracer_params params = params_of(32, 18, 256);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, exact_single, NULL);
         print_message("emission: sum off by %+.1e +- %.1e\n", v.bias, v.bias_error);
         assert_true(fabs(v.bias) < 4.0 * v.bias_error && v.bias_error < 5e-3);
         for (size_t i = 0; is_dark && i < neph_image_pixel_count(frame); i++)
             assert_true(neph_image_channel(frame, "order1.G")[i] == 0.0f);
-        neph_image_destroy(frame);
     }
 }
 
@@ -876,10 +847,9 @@ static void test_bright_media_in_dark_ones(void **state)
         const struct neph_tracer_params params = params_of(6, 4, 256);
         if (kind == 2)
             test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         test.scene.scattering = kind == 0 ? NEPH_SCATTERING_NONE : NEPH_SCATTERING_SINGLE;
         hold_error("dark", frame, &test);
-        neph_image_destroy(frame);
     }
 }
 
@@ -888,8 +858,8 @@ static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *
                            int seen_least)
 {
     const struct neph_tracer_params params = params_of(4, 3, 256);
-    struct neph_image *frame = render(vulkan, test, &params, NULL);
-    struct neph_image *truth = test_oracle(&test->scene, 4, 3, 5, 256);
+    OWNED(image) struct neph_image *frame = render(vulkan, test, &params, NULL);
+    OWNED(image) struct neph_image *truth = test_oracle(&test->scene, 4, 3, 5, 256);
     const struct test_rgb found_in = test_layer(frame, NULL), truth_in = test_layer(truth, NULL);
     const struct test_rgb found_variance = test_layer(frame, "variance"),
                           truth_variance = test_layer(truth, "variance");
@@ -906,15 +876,13 @@ static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *
                          expected);
         }
     assert_true(seen >= seen_least);
-    neph_image_destroy(frame);
-    neph_image_destroy(truth);
 }
 
 /* In Horizon layers, whose depths the device has to guess: a glow that is thin, against the oracle.
  * The frame's corners do not meet it. */
 static void test_a_glow_in_dark_clouds(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
     test.scene.scattering = NEPH_SCATTERING_NONE;
@@ -926,14 +894,13 @@ static void test_a_glow_in_dark_clouds(void **state)
     test.scene.media[test.scene.medium_count - 1].emission_w_per_m2_sr = (struct neph_rgb){1, 20,
                                                                                            400};
     hold_to_oracle(*state, &test, 18);
-    scene_teardown(&test);
 }
 
 /* A sun below a fog without ground: no sunlight arrives, the tables that guesses make of it are
  * dark, and the fog's own light is all there is. The wall ends the rays, and so the guesses. */
 static void test_a_guess_without_sunlight(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     scene_horizon(&test);
     test.key.look_at_m = (struct neph_vec3){0.0, 2.4, -10.0};
@@ -942,7 +909,6 @@ static void test_a_guess_without_sunlight(void **state)
     fog->albedo = make_grey(0.5);
     fog->emission_w_per_m2_sr = (struct neph_rgb){4, 2, 1};
     hold_to_oracle(*state, &test, 36);
-    scene_teardown(&test);
 }
 
 /* What a path gains at its collisions and what is left of it add up to the surround's light, but
@@ -962,13 +928,12 @@ static void test_kirchhoff_furnace(void **state)
         test.scene.media[0].albedo = (struct neph_rgb){0.5, 0.9, 0.0};
         test.scene.media[0].emission_w_per_m2_sr = white;
         const struct neph_tracer_params params = params_of(32, 18, 64);
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         const struct verdict v = compare(&test, frame, one, NULL);
         print_message("furnace: sum off by %+.1e +- %.1e\n", v.bias, v.bias_error);
         assert_true(fabs(v.bias) < 4.0 * v.bias_error && v.bias_error < 1e-3);
         for (size_t i = 0; i < neph_image_pixel_count(frame); i++)
             neph_assert_close((double)neph_image_channel(frame, "B")[i], 1.0, 0.0, 0.05);
-        neph_image_destroy(frame);
     }
 }
 
@@ -1005,7 +970,7 @@ static void dispatches_change_no_bit(void **state, void (*build)(struct test_sce
     static const struct {
         uint32_t turns, part_pixels;
     } cuts[] = {{0, 0}, {1, 0}, {7, 50}, {100, 9}};
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     build(&test);
     struct neph_image *first = NULL;
     struct neph_tracer_stats of_first;
@@ -1027,7 +992,6 @@ static void dispatches_change_no_bit(void **state, void (*build)(struct test_sce
         }
     }
     neph_image_destroy(first);
-    scene_teardown(&test);
 }
 
 static void test_dispatches_change_no_bit(void **state)
@@ -1043,12 +1007,10 @@ static void test_seeds_are_independent(void **state)
     struct test_scene test;
     build_multiple(&test);
     struct neph_tracer_params params = params_of(24, 14, 128);
-    struct neph_image *a = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *a = render(*state, &test, &params, NULL);
     params.seed++;
-    struct neph_image *b = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *b = render(*state, &test, &params, NULL);
     assert_true(judge_pair("two seeds", a, b, 0.1) > 300);
-    neph_image_destroy(a);
-    neph_image_destroy(b);
 }
 
 /* --- checkpoints, targets, limits --------------------------------------------------------- */
@@ -1070,18 +1032,19 @@ static void test_a_rest_at_a_checkpoint_changes_no_bit(void **state)
     build_multiple(&test);
     char folder[] = "/tmp/neph-test-XXXXXX";
     assert_non_null(mkdtemp(folder));
-    char *path = neph_path_join(folder, "sums");
+    OWNED(memory) char *path = neph_path_join(folder, "sums");
     struct neph_tracer_params params = params_of(24, 16, 32);
     struct neph_tracer_stats straight_stats, rested_stats;
-    struct neph_image *straight = render(*state, &test, &params, &straight_stats);
+    OWNED(image) struct neph_image *straight = render(*state, &test, &params, &straight_stats);
     params.checkpoint = path;
     params.samples = 8;
     neph_image_destroy(render(*state, &test, &params, NULL));
     params.samples = 32;
-    struct neph_image *rested = render(*state, &test, &params, &rested_stats);
+    OWNED(image) struct neph_image *rested = render(*state, &test, &params, &rested_stats);
     assert_true(test_same_bits(straight, rested));
     assert_int_equal(straight_stats.collisions, rested_stats.collisions);
     assert_int_equal(rested_stats.samples, 32);
+    OWNED(image)
     struct neph_image *again = render(*state, &test, &params, NULL); /* nothing is left to do */
     assert_true(test_same_bits(straight, again));
 
@@ -1092,10 +1055,6 @@ static void test_a_rest_at_a_checkpoint_changes_no_bit(void **state)
     neph_assert_ok(neph_file_write(path, "neph-checkpoint 1 ", 18, &diag), &diag);
     refuses(*state, &test, &params, NEPH_ERR_INPUT, "");
     neph_assert_ok(neph_dir_remove(folder, &diag), &diag);
-    free(path);
-    neph_image_destroy(straight);
-    neph_image_destroy(rested);
-    neph_image_destroy(again);
 }
 
 static void test_targets_and_time_limits_stop(void **state)
@@ -1124,17 +1083,16 @@ static void test_all_sizes(void **state)
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
         const struct neph_tracer_params params = params_of(sizes[i][0], sizes[i][1], 2);
         struct neph_tracer_stats stats;
-        struct neph_image *frame = render(*state, &test, &params, &stats);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, &stats);
         assert_int_equal(frame->width_px, sizes[i][0]);
         assert_int_equal(frame->height_px, sizes[i][1]);
         assert_int_equal(stats.samples, NEPH_TRACER_BATCH_SAMPLES);
-        neph_image_destroy(frame);
     }
 }
 
 static void test_refusals(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     build_multiple(&test);
     const struct neph_tracer_params good = params_of(4, 4, 8);
     struct neph_tracer_params bad[] = {good, good, good, good, good};
@@ -1159,7 +1117,6 @@ static void test_refusals(void **state)
     test_add_medium(&test, 0.1, 0.1, 0.0)->extinction_color.r = 2.0;
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     refuses(*state, &test, &good, NEPH_ERR_UNSUPPORTED, "coloured");
-    scene_teardown(&test);
 }
 
 /* Last, because the flag stays up. */
