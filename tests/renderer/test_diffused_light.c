@@ -107,8 +107,7 @@ static void test_cells_balance(void **state)
     for (size_t r = 0; r < sizeof(rooms) / sizeof(rooms[0]); r++) {
         struct test_scene test;
         uint32_t size[3], at[3];
-        test_scene_init(&test);
-        rooms[r].build(&test);
+        test_scene_build(&test, rooms[r].build);
         make_sunlit(&test);
         OWNED(memory)
         struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 24, size);
@@ -408,8 +407,7 @@ static void test_a_row_comes_to_rest(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     const size_t count = (size_t)CELLS * CELLS * CELLS;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     params.diffusion.cycles = 1;
     alone.diffusion.cycles = PICTURES;
@@ -454,8 +452,7 @@ static void test_solids_that_move_are_seen(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     const size_t count = (size_t)CELLS * CELLS * CELLS;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     test.scene.sun.direction = (struct neph_vec3){0.0, 1.0, 0.0};
     test_add_box(&test, (struct neph_vec3){90.0, 20.0, -19.0},
@@ -487,8 +484,7 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     struct neph_march_params params = params_of(16);
     neph_assert_ok(neph_march_check(&test.scene, &params, &diag), &diag);

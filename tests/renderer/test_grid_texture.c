@@ -127,8 +127,7 @@ static void test_values_are_within_weights_and_texels(void **state)
     struct neph_vulkan *vulkan = *state;
     struct point points[POINTS];
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     choose_points(&test, points);
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++) {
         const struct neph_shortcuts shortcuts = {.grid_texture = true,
@@ -167,8 +166,7 @@ static void test_a_march_changes_by_the_values_alone(void **state)
 {
     OWNED(media) struct test_scene test;
     struct neph_march_stats plain_stats, texture_stats;
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
     OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
     params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
@@ -200,8 +198,7 @@ static void test_clear_air_adds_nothing(void **state)
 {
     OWNED(media) struct test_scene test;
     struct neph_march_stats passed_stats, plain_stats;
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
     neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
     OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
@@ -303,8 +300,7 @@ static void test_closed_forms_alone_are_refused(void **state)
 {
     OWNED(media) struct test_scene test;
     struct neph_diag diag = {0};
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
     params.shortcuts.grid_texture = true;
     params.transmittance = NEPH_MARCH_EXACT;
@@ -330,8 +326,7 @@ static void test_a_format_that_the_device_lacks_is_named(void **state)
     OWNED(media) struct test_scene test;
     struct neph_march *march = NULL;
     struct neph_diag diag = {0};
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     const PFN_vkGetPhysicalDeviceFormatProperties known = vkGetPhysicalDeviceFormatProperties;
     struct neph_march_params params = marched;
     params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
@@ -363,8 +358,7 @@ static struct neph_image *first_frame(struct neph_vulkan *vulkan, const struct n
 static void test_textures_in_real_time(void **state)
 {
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    add_grids(&test);
+    test_scene_build(&test, add_grids);
     OWNED(image) struct neph_image *exact = first_frame(*state, &test.scene, "exact");
     OWNED(image) struct neph_image *texture = first_frame(*state, &test.scene, "texture");
     const double off = test_largest_difference(exact, texture, NULL);

@@ -164,8 +164,7 @@ static void test_transmittance_is_the_closed_form(void **state)
     const size_t count = sizeof(transmittance_scenes) / sizeof(transmittance_scenes[0]);
     for (size_t s = 0; s < count; s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        transmittance_scenes[s].build(&test);
+        test_scene_build(&test, transmittance_scenes[s].build);
         OWNED(image) struct neph_image *frame = render(*state, &test, &exact_48, NULL);
         const struct worst worst = compare_transmittance(&test, frame, 1e-5, 1e-6);
         print_message("%-20s T off by %.1e of itself (T > 0.01), %.1e absolute\n",
@@ -180,15 +179,13 @@ static void test_marched_transmittance(void **state)
     params.transmittance = NEPH_MARCH_MARCHED;
     struct test_scene test;
 
-    test_scene_init(&test);
-    scene_cube(&test);
+    test_scene_build(&test, scene_cube);
     params.steps = 2;
     struct neph_image *frame = render(*state, &test, &params, NULL);
     compare_transmittance(&test, frame, 1e-5, 1e-6);
     neph_image_destroy(frame);
 
-    test_scene_init(&test);
-    scene_fog_two_layers(&test);
+    test_scene_build(&test, scene_fog_two_layers);
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 8192;
@@ -246,8 +243,7 @@ static void test_volume_converges_at_second_order(void **state)
     static const int counts[] = {64, 256};
     for (size_t s = 0; s < sizeof(smooth_scenes) / sizeof(smooth_scenes[0]); s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        smooth_scenes[s].build(&test);
+        test_scene_build(&test, smooth_scenes[s].build);
         struct neph_march_params params = exact_48;
         params.width_px = 8;
         params.height_px = 6;
@@ -276,8 +272,7 @@ static void test_volume_converges_at_second_order(void **state)
 static void test_volume_has_no_floor_but_float32(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_up(&test);
+    test_scene_build(&test, scene_fog_up);
     struct neph_march_params params = exact_48;
     params.width_px = 8;
     params.height_px = 6;
@@ -310,8 +305,7 @@ static void test_emission_converges_at_second_order(void **state)
     for (size_t s = 0; s < COUNT(builders); s++)
         for (int m = 0; m < 2; m++) {
             struct test_scene test;
-            test_scene_init(&test);
-            builders[s](&test);
+            test_scene_build(&test, builders[s]);
             make_glow(&test);
             struct neph_march_params params = exact_48;
             params.width_px = 8;
@@ -337,8 +331,7 @@ static void test_emission_converges_at_second_order(void **state)
 static void test_an_even_medium_that_glows(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_homogeneous(&test);
+    test_scene_build(&test, scene_homogeneous);
     make_glow(&test);
     test.scene.sun.present = false;
     test.scene.scattering = NEPH_SCATTERING_NONE;
@@ -420,8 +413,7 @@ static double agreeing_fraction(const struct neph_image *frame, const struct tes
 static void test_many_solids(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_up(&test);
+    test_scene_build(&test, scene_fog_up);
     struct neph_march_params params = exact_48; /* the limit is one of a pixel */
     params.width_px = 12;
     params.height_px = 9;
@@ -451,8 +443,7 @@ static void test_many_solids(void **state)
 static void test_solids_are_lit_through_the_media(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
+    test_scene_build(&test, scene_fenced_yard);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     struct neph_march_params params = exact_48;
     params.width_px = 96;
@@ -467,8 +458,7 @@ static void test_solids_are_lit_through_the_media(void **state)
 static void test_shadows_in_the_air(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
+    test_scene_build(&test, scene_fenced_yard);
     struct neph_march_params params = exact_48;
     params.width_px = 24;
     params.height_px = 18;
@@ -559,8 +549,7 @@ static void test_distance_of_what_is_seen(void **state)
 static void test_same_inputs_give_the_same_bits(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
+    test_scene_build(&test, scene_fenced_yard);
     OWNED(image) struct neph_image *first = render(*state, &test, &exact_48, NULL);
     struct neph_image *again = render(*state, &test, &exact_48, NULL);
     assert_true(test_same_bits(first, again));
@@ -582,8 +571,7 @@ static void test_all_sizes(void **state)
     static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {63, 1}, {65, 3}, {4096, 2}, {3, 4096}};
     for (size_t s = 0; s < sizeof(sizes) / sizeof(sizes[0]); s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        scene_fog_up(&test);
+        test_scene_build(&test, scene_fog_up);
         struct neph_march_params params = exact_48;
         params.width_px = sizes[s][0];
         params.height_px = sizes[s][1];
@@ -598,8 +586,7 @@ static void test_all_sizes(void **state)
 static void test_a_frame_of_many_dispatches(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_down(&test);
+    test_scene_build(&test, scene_fog_down);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     struct neph_march_params params = exact_48;
     params.width_px = 1021;
@@ -625,8 +612,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
          .sun_steps = 65536},
     };
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         struct neph_image *frame = NULL;
         struct neph_diag diag = {0};
@@ -647,8 +633,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
 static void test_says_what_it_cannot(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     char reason[256] = "";
     assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -791,8 +776,7 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
 static void test_interruption_is_heard(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     struct test_scene with;
     put_in_company(&test, &with);
     signal(SIGINT, SIG_DFL); /* a background shell ignores it */

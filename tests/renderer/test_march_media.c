@@ -77,8 +77,7 @@ static void test_media_converge(void **state)
     for (size_t i = 0; i < COUNT(cases); i++) {
         OWNED(media) struct test_scene test;
         struct neph_march_params params = params_32;
-        test_scene_init(&test);
-        cases[i].build(&test);
+        test_scene_build(&test, cases[i].build);
         params.steps = cases[i].steps;
         const struct difference coarse = compare(*state, &test, &params);
         params.steps *= 4;
@@ -94,8 +93,7 @@ static void test_media_converge(void **state)
 static void test_all_at_once_and_coloured(void **state)
 {
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    scene_blob(&test);
+    test_scene_build(&test, scene_blob);
     scene_voxels(&test);
     /* Bounded: fixed steps over kilometres of fog would step across the blob. */
     test_add_medium(&test, 0.01, 0.02, 0.0)->bounds = (struct neph_bounds){{-20, -9, -30},

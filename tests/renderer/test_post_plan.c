@@ -234,9 +234,9 @@ static void test_the_second_upscale_comes_after_the_first(void **state)
         in[0][i] = in[1][i] = in[2][i] = (float)i;
     OWNED(image) struct neph_image *first = made_by(*state, NULL, "upscale=bilinear", image, once);
     OWNED(image)
-    struct neph_image *both =
-        made_by(*state, NULL, "upscale=bilinear secondary_upscale=nearest secondary_percent=25",
-                image, out);
+    struct neph_image *both = made_by(
+        *state, NULL, "upscale=bilinear secondary_upscale=nearest secondary_percent=25", image,
+        out);
     assert_int_equal(both->width_px, 32);
     assert_int_equal(both->height_px, 24);
     for (int y = 0; y < 24; y++)

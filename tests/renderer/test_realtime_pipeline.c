@@ -491,8 +491,7 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
     if (strcmp(pass->name, "march") != 0)
         return;
     OWNED(memory)
-    uint32_t *rays = test_words(device, RT_RAY),
-             *distances = test_words(device, RT_RAY_DISTANCE);
+    uint32_t *rays = test_words(device, RT_RAY), *distances = test_words(device, RT_RAY_DISTANCE);
     const struct neph_gpu_target *shape = &device->view->targets[RT_RAY];
     for (size_t i = 0; i < (size_t)shape->width * shape->height; i++) {
         float ray[4], distance[4];

@@ -75,8 +75,7 @@ static void assert_same_with(struct neph_vulkan *vulkan, const struct neph_scene
 static void test_values_of_what_is_off_do_not_count(void **state)
 {
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    add_two_grids(&test);
+    test_scene_build(&test, add_two_grids);
     assert_same_with(*state, &test.scene, marched,
                      (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0});
 }
@@ -101,12 +100,10 @@ static void check_skip(struct neph_vulkan *vulkan, const struct neph_scene *scen
 static void test_skipping_keeps_the_bits(void **state)
 {
     OWNED(media) struct test_scene two, test;
-    test_scene_init(&two);
-    add_two_grids(&two);
+    test_scene_build(&two, add_two_grids);
     add_ground(&two);
     check_skip(*state, &two.scene, marched, "sparse grids");
-    test_scene_init(&test);
-    add_sparse_grid(&test);
+    test_scene_build(&test, add_sparse_grid);
     add_ground(&test);
     struct neph_march_params params = marched;
     params.transmittance = params.sun = NEPH_MARCH_EXACT;
@@ -118,8 +115,7 @@ static void test_skipping_keeps_the_bits(void **state)
 static void test_skipping_in_fog_keeps_the_bits(void **state)
 {
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    add_sparse_grid(&test);
+    test_scene_build(&test, add_sparse_grid);
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.7, 0.4};
     add_fog(&test);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -197,8 +193,7 @@ static void check_cache(struct neph_vulkan *vulkan, const struct neph_scene *sce
 static void test_the_sun_cache_is_of_second_order(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     check_cache(*state, &test.scene);
 }
 
@@ -207,8 +202,7 @@ static void test_the_sun_cache_is_of_second_order(void **state)
 static void test_the_sun_cache_has_colours(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.1};
     add_fog(&test);
     check_cache(*state, &test.scene);
@@ -234,8 +228,7 @@ static void test_the_sun_cache_has_a_depth_a_channel(void **state)
 {
     enum { NODES = 9 * 9 * 9 };
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     assert_int_equal(cache_bytes(*state, &test.scene), NODES * sizeof(float));
     test.scene.vertical_fov_rad = 0.0;
     test.scene.orthographic_height_m = 10.0;
@@ -265,8 +258,7 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
     OWNED(march) struct neph_march *march = NULL;
     struct neph_diag diag = {0};
     uint64_t evaluations;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
@@ -289,8 +281,7 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
     struct test_scene test;
     OWNED(march) struct neph_march *march = NULL;
     struct neph_diag diag = {0};
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
@@ -418,8 +409,7 @@ static void test_steps_grow_by_depth(void **state)
 static void test_steps_in_thin_media_do_not_grow(void **state)
 {
     OWNED(media) struct test_scene test;
-    test_scene_init(&test);
-    add_sparse_grid(&test);
+    test_scene_build(&test, add_sparse_grid);
     struct neph_march_params params = marched;
     params.shortcuts.depth_growth = 1e-6;
     struct neph_march_stats plain, thin;
@@ -450,8 +440,7 @@ static void test_what_is_of_no_use_is_refused(void **state)
         {{.sun_cache = true, .sun_cache_voxels = 64}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
     };
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_march_params params = marched;
         struct neph_diag diag = {0};
@@ -469,8 +458,7 @@ static void test_skipping_refuses_media_that_part(void **state)
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
     const struct neph_vec3 by_m = {0.25, 0.0, 0.5};
-    test_scene_init(&test);
-    add_two_grids(&test);
+    test_scene_build(&test, add_two_grids);
     struct neph_march_params params = marched;
     params.shortcuts.skip = true;
     neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
@@ -508,8 +496,7 @@ static void test_shortcuts_in_real_time(void **state)
                               "sun_cache_voxels=32";
     OWNED(media) struct test_scene test;
     struct neph_realtime_stats stats[2];
-    test_scene_init(&test);
-    add_sparse_grid(&test);
+    test_scene_build(&test, add_sparse_grid);
     OWNED(image) struct neph_image *slow = second_frame(*state, &test.scene, plain, &stats[0]);
     OWNED(image) struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
     assert_false(test_same_bits(slow, fast));

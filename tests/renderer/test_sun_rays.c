@@ -108,8 +108,7 @@ static void test_through_voxels(void **state)
     };
     uint64_t random = 7;
     struct test_scene test;
-    test_scene_init(&test);
-    add_ground(&test);
+    test_scene_build(&test, add_ground);
     OWNED(grid)
     struct neph_grid *grid = random_lattice((const int[3]){12, 11, 10},
                                             (struct neph_vec3){-3.0, 1.0, -15.0},
@@ -131,8 +130,7 @@ static void test_through_voxels(void **state)
 static void test_in_an_even_medium(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_ground(&test);
+    test_scene_build(&test, add_ground);
     const struct neph_bounds box = {{-500.0, -2.0, -500.0}, {500.0, 12.0, 500.0}};
     test_add(&test, make_homogeneous(0.05, box));
     struct neph_march_params params = marched;

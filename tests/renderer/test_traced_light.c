@@ -118,8 +118,7 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
         struct test_scene test;
         if (f != by_day && !neph_test_is_night())
             continue;
-        test_scene_init(&test);
-        furnaces[f].build(&test);
+        test_scene_build(&test, furnaces[f].build);
         if (params->light.similar > 0.0)
             test.scene.media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
         for (int m = 0; m < test.scene.medium_count; m++)
@@ -568,8 +567,7 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     struct neph_march_params params = params_of(1);
     for (size_t i = 0; i < COUNT(bad); i++) {
