@@ -649,7 +649,7 @@ static void test_clouds_in_the_white_furnace(void **state)
     }
 }
 
-/* --- multiple scattering: slabs ----------------------------------------------------------- */
+/* --- multiple scattering: a half-space ----------------------------------------------------- */
 
 /* Chandrasekhar's half-space, and how deep a slab has to be to stand for it: albedo 0.9 and an
  * optical depth of 40 let e^-(0.5 * 40) through. */
