@@ -466,15 +466,13 @@ static void test_the_map_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
-    OWNED(march) struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
     struct neph_march_stats first, rest, stats;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
     struct neph_march_params params = mapped(64, 1);
     params.shortcuts.shadow.extent_m = 60.0;
     params.shortcuts.shadow.frames = PICTURES;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     neph_image_destroy(test_march_next(march, &test.scene, &first));
     neph_image_destroy(test_march_next(march, &test.scene, &rest));
     assert_int_equal(first.closed_forms - rest.closed_forms, 64 * 64);

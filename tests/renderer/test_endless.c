@@ -153,13 +153,8 @@ static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copie
     const double middle_m = 0.5 * period_m - 0.5 * period_m / NODES;
     test.key.position_m = (struct neph_vec3){middle_m, 1000.0, 0.0};
     test.key.look_at_m = (struct neph_vec3){middle_m, 0.0, 0.0};
-    const struct neph_tracer_params params = {.width_px = ACROSS,
-                                              .height_px = DEEP,
-                                              .seed = 11,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
-    struct neph_image *image = test_trace(vulkan, scene, &params, NULL);
-    return image;
+    const struct neph_tracer_params params = test_samples(ACROSS, DEEP, 11, samples);
+    return test_trace(vulkan, scene, &params, NULL);
 }
 
 static double half_mean(const struct neph_image *image, int half)

@@ -144,11 +144,10 @@ static void test_the_march_in_flight(void **state)
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 4, .sun_steps = 1};
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
-    OWNED(march) struct neph_march *march = NULL;
     OWNED(image) struct neph_image *alone = NULL, *after = NULL;
     struct neph_diag diag = {0};
     double gpu_s;
-    neph_assert_ok(neph_march_create(*state, scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, scene, &params);
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &alone, NULL, &diag), &diag);
     for (int frame = 0; frame < FRAMES; frame++)
         neph_assert_ok(neph_march_frame(march, scene, frame, NULL, NULL, NULL, &diag), &diag);

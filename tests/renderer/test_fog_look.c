@@ -79,9 +79,7 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
     assert_non_null(probes);
     for (int i = 0; i < count; i++)
         probes[i] = probe_of(&questions[i]);
-    struct answer *answers = test_probe(vulkan, &params, NULL, probes, sizeof(*probes),
-                                        sizeof(*answers), count);
-    return answers;
+    return test_probe(vulkan, &params, NULL, probes, sizeof(*probes), sizeof(struct answer), count);
 }
 
 static struct neph_fog_look_light twin_of(const struct question *question)
@@ -272,8 +270,7 @@ static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_
                                   bool sun_is_clear)
 {
     OWNED(fog_looks) struct neph_fog_looks *looks = looks_at(vulkan, scene, sun_is_clear);
-    struct neph_image *image = next_picture(looks, scene);
-    return image;
+    return next_picture(looks, scene);
 }
 
 /* Fog that absorbs and glows, over ground and a ball. */

@@ -162,11 +162,7 @@ static void test_what_knows_no_lamps_says_so(void **state)
 static struct neph_image *trace(struct neph_vulkan *vulkan, const struct test_scene *test,
                                 int samples)
 {
-    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
-                                              .height_px = HEIGHT_PX,
-                                              .seed = 7,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
+    const struct neph_tracer_params params = test_samples(WIDTH_PX, HEIGHT_PX, 7, samples);
     return test_trace(vulkan, &test->scene, &params, NULL);
 }
 
@@ -205,29 +201,8 @@ static void test_the_tracer_is_the_exact_transport(void **state)
     }
 }
 
-static void is_the_oracle(struct neph_vulkan *vulkan, const struct test_scene *test, int samples)
-{
-    OWNED(image) struct neph_image *frame = trace(vulkan, test, samples);
-    OWNED(image)
-    struct neph_image *truth = test_oracle(&test->scene, WIDTH_PX, HEIGHT_PX, 7, samples);
-    for (int channel = 0; channel < 3; channel++) {
-        const struct sum a = sum_of(frame, channel), b = sum_of(truth, channel);
-        print_message("sum off by %+.1e, standard error %.1e\n", a.light / b.light - 1.0,
-                      sqrt(a.variance + b.variance) / b.light);
-        neph_assert_close(a.light, b.light, 0.0, 4.0 * sqrt(a.variance + b.variance));
-    }
-}
-
+/* Of all orders, light of sun and sky among it. */
 static void test_of_all_orders_it_is_the_oracle(void **state)
-{
-    neph_test_waits_for_the_night();
-    struct test_scene test;
-    lamp_stage(&test)->scene.scattering = NEPH_SCATTERING_MULTIPLE;
-    is_the_oracle(*state, &test, 1024);
-}
-
-/* Light from sun and sky among it. */
-static void test_beside_sun_and_sky_it_is_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();
     struct test_scene test;
@@ -235,7 +210,14 @@ static void test_beside_sun_and_sky_it_is_the_oracle(void **state)
     test.scene.sun.present = true;
     test.scene.environment_light = true;
     test.scene.background_w_per_m2_sr = make_grey(0.1);
-    is_the_oracle(*state, &test, 512);
+    OWNED(image) struct neph_image *frame = trace(*state, &test, 512);
+    OWNED(image) struct neph_image *truth = test_oracle(&test.scene, WIDTH_PX, HEIGHT_PX, 7, 512);
+    for (int channel = 0; channel < 3; channel++) {
+        const struct sum a = sum_of(frame, channel), b = sum_of(truth, channel);
+        print_message("sum off by %+.1e, standard error %.1e\n", a.light / b.light - 1.0,
+                      sqrt(a.variance + b.variance) / b.light);
+        neph_assert_close(a.light, b.light, 0.0, 4.0 * sqrt(a.variance + b.variance));
+    }
 }
 
 /* Each pixel of each stage, and their scatter. A z-score beyond 5 comes once in 1,000 runs of some
@@ -248,11 +230,8 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
     for (int l = 0; l < NEAR_LAMPS; l++) {
         struct test_scene test;
         const struct neph_scene *scene = near_lamp_stage(&test, &near_lamps[l]);
-        const struct neph_tracer_params params = {.width_px = 15,
-                                                  .height_px = 9,
-                                                  .seed = (uint64_t)l,
-                                                  .samples = neph_test_by_day(1024, 4096),
-                                                  .time_limit_s = INFINITY};
+        const struct neph_tracer_params params = test_samples(15, 9, (uint64_t)l,
+                                                              neph_test_by_day(1024, 4096));
         OWNED(image) struct neph_image *frame = test_trace(*state, scene, &params, NULL);
         const float *radiance = neph_image_channel(frame, "G"),
                     *variance = neph_image_channel(frame, "variance.G");
@@ -288,7 +267,6 @@ int main(void)
         cmocka_unit_test(test_the_tracer_is_the_exact_transport),
         cmocka_unit_test(test_the_tracer_finds_lights_near_rays),
         cmocka_unit_test(test_of_all_orders_it_is_the_oracle),
-        cmocka_unit_test(test_beside_sun_and_sky_it_is_the_oracle),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -3,7 +3,7 @@
  * The march averaged over pixels: where its rays are, that the mean is the mean, and what an edge
  * that crosses pixels comes to.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/march_average.h"
 
@@ -12,10 +12,7 @@ static struct neph_march *open_march(struct neph_vulkan *vulkan, const struct ne
 {
     const struct neph_march_params params = {
         .width_px = width_px, .height_px = height_px, .steps = 8, .sun_steps = 1};
-    struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_create(vulkan, scene, &params, &march, &diag), &diag);
-    return march;
+    return test_march_open(vulkan, scene, &params);
 }
 
 static struct neph_image *average(struct neph_march *march, const struct neph_scene *scene,
@@ -88,10 +85,7 @@ static void test_one_ray_has_the_bits_of_the_frame(void **state)
     OWNED(march) struct neph_march *march = open_march(*state, &test.scene, 24, 18);
     OWNED(image) struct neph_image *one = average(march, &test.scene, 1, NULL);
     OWNED(image) struct neph_image *frame = through(march, &test.scene, centre_px);
-    assert_int_equal(one->channel_count, frame->channel_count);
-    for (int c = 0; c < one->channel_count; c++)
-        assert_memory_equal(one->channels[c].samples, frame->channels[c].samples,
-                            neph_image_pixel_count(one) * sizeof(float));
+    assert_same_bits(one, frame);
 }
 
 /* To the rounding of the sum's last step; depths and distances are those of the centre. */

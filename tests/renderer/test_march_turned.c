@@ -18,9 +18,8 @@ static void test_turned_boxes_are_those_of_the_truth(void **state)
                                              .steps = 64,
                                              .transmittance = NEPH_MARCH_EXACT,
                                              .sun = NEPH_MARCH_EXACT};
-    struct neph_diag diag = {0};
-    OWNED(scene) struct neph_scene *scene = test_load("catalog/turned_solids"), *still = NULL;
-    neph_assert_ok(neph_scene_at(scene, 0, &still, &diag), &diag);
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/turned_solids");
+    OWNED(scene) struct neph_scene *still = test_still(scene, 0);
     OWNED(image) struct neph_image *image = test_march(*state, still, &params, NULL);
     const struct neph_camera camera = neph_scene_camera(still, 0);
     const float *depth_m = neph_image_channel(image, "Z"), *red = neph_image_channel(image, "R");

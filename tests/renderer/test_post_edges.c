@@ -243,8 +243,7 @@ static struct neph_image *run(struct neph_vulkan *vulkan, const char *text,
     for (int i = 0; i < picture->width * picture->height; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)picture->rgb[i][c];
-    struct neph_image *made = post_made(vulkan, text, image, out);
-    return made;
+    return post_made(vulkan, text, image, out);
 }
 
 static void test_fxaa_is_its_algorithm(void **state)

@@ -310,13 +310,11 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
                          void *context)
 {
     struct watch *watch = context;
-    struct neph_diag diag = {0};
     if (strcmp(pass->name, "motion") != 0)
         return;
     watch->pictures++;
     OWNED(memory) uint32_t *words = test_words(device, RT_MOVED);
-    OWNED(scene) struct neph_scene *still = NULL;
-    neph_assert_ok(neph_scene_at(watch->scene, watch->frame, &still, &diag), &diag);
+    OWNED(scene) struct neph_scene *still = test_still(watch->scene, watch->frame);
     const struct neph_camera camera = neph_scene_camera(still, watch->frame);
     for (int y = 0; y < HEIGHT_PX; y++)
         for (int x = 0; x < WIDTH_PX; x++) {
@@ -370,12 +368,10 @@ static void test_movers_that_rest_are_none(void **state)
 {
     enum { RESTING = 8, PICTURES = 12 };
     struct movers stage;
-    OWNED(scene) struct neph_scene *still = NULL;
-    struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("ours", "");
     const int motion = neph_rt_pass_index("motion");
     scene_movers(&stage);
-    neph_assert_ok(neph_scene_at(&stage.test.scene, RESTING, &still, &diag), &diag);
+    OWNED(scene) struct neph_scene *still = test_still(&stage.test.scene, RESTING);
     OWNED(realtime)
     struct neph_realtime *resting = open_realtime(*state, &stage.test.scene, &settings);
     OWNED(realtime) struct neph_realtime *bare = open_realtime(*state, still, &settings);
@@ -419,13 +415,11 @@ static void test_anti_aliasing_follows_solids(void **state)
     static const char *const words[] = {"taa_box=none solid_motion=off",
                                         "taa_box=none solid_motion=on"};
     struct movers stage;
-    OWNED(scene) struct neph_scene *still = NULL;
-    struct neph_diag diag = {0};
     double errors[2];
     scene_movers(&stage);
     for (int i = 0; i < 2; i++)
         stage.keys[i][1].turn_rad = 0.0; /* what turns has another light */
-    neph_assert_ok(neph_scene_at(&stage.test.scene, 7.0, &still, &diag), &diag);
+    OWNED(scene) struct neph_scene *still = test_still(&stage.test.scene, 7.0);
     OWNED(image) struct neph_image *truth = eighth_frame(*state, still, words[1]);
     for (int follows = 0; follows < 2; follows++) {
         OWNED(image)

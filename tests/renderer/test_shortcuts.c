@@ -160,8 +160,7 @@ static double cache_error(struct neph_vulkan *vulkan, const struct neph_scene *s
     OWNED(image) struct neph_image *with = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.sun_cache = false;
     OWNED(image) struct neph_image *without = test_march(vulkan, scene, &params, NULL);
-    const double error = test_largest_difference(with, without, "volume");
-    return error;
+    return test_largest_difference(with, without, "volume");
 }
 
 /* Between nodes a distance h apart a depth is off by h^2 / 8 times the sum of its second
@@ -255,14 +254,12 @@ static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *sc
 static void test_the_sun_cache_follows_sun_and_cloud(void **state)
 {
     struct test_scene test;
-    OWNED(march) struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
     uint64_t evaluations;
     test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     check_refill(*state, &test.scene, march, &evaluations);
     /* Six of each node but those from which the sun ray leaves the bounds at once. */
     assert_true(evaluations > 6 * 31 * 31 * 31 * 9 / 10 && evaluations <= 6 * 32 * 32 * 32);
@@ -279,15 +276,13 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
-    OWNED(march) struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
     test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
     OWNED(image) struct neph_image *before = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.sun_cache_frames = PICTURES;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     struct neph_march_stats whole, rest, stats;
     OWNED(image) struct neph_image *first = test_march_next(march, &test.scene, &whole);
     OWNED(image) struct neph_image *still = test_march_next(march, &test.scene, &rest);
@@ -348,8 +343,7 @@ static double growth_difference(struct neph_vulkan *vulkan, const struct neph_sc
     OWNED(image) struct neph_image *equal = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.step_growth = growth;
     OWNED(image) struct neph_image *grown = test_march(vulkan, scene, &params, NULL);
-    const double difference = test_largest_difference(equal, grown, layer);
-    return difference;
+    return test_largest_difference(equal, grown, layer);
 }
 
 /* Steps of any length add up to the stretch, and both kinds converge to the same. */
@@ -454,14 +448,13 @@ static void test_what_is_of_no_use_is_refused(void **state)
 static void test_skipping_refuses_media_that_part(void **state)
 {
     OWNED(media) struct test_scene test;
-    OWNED(march) struct neph_march *march = NULL;
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
     const struct neph_vec3 by_m = {0.25, 0.0, 0.5};
     test_scene_build(&test, add_two_grids);
     struct neph_march_params params = marched;
     params.shortcuts.skip = true;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     for (int m = 0; m < 2; m++)
         neph_medium_drift(&test.scene.media[m], by_m);
     OWNED(image) struct neph_image *together = test_march_next(march, &test.scene, NULL);

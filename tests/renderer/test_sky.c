@@ -40,15 +40,6 @@ static struct neph_scene *look(const struct neph_scene *earth, double sun_deg, d
     return made;
 }
 
-static struct neph_sky *make_sky(const struct neph_scene *scene,
-                                 const struct neph_sky_params *params)
-{
-    struct neph_sky *sky = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_sky_create(scene, params, &sky, &diag), &diag);
-    return sky;
-}
-
 /* --- harmonics -------------------------------------------------------------------------------- */
 
 /* Over a product rule that is exact for their products: z by Gauss (here by many midpoints, to
@@ -149,7 +140,7 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
     params.steps = steps;
     params.sun_altitudes = 128;
     params.sun_cosines = 512;
-    OWNED(sky) struct neph_sky *sky = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *sky = test_sky(scene, &params);
     double worst = 0.0;
     *transmittance = 0.0;
     for (int i = 0; i < 6 * 7; i++) {
@@ -232,7 +223,7 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
                                                                .view_cosines = cosines},
                                     &slab, &diag),
                    &diag);
-    OWNED(sky) struct neph_sky *sky = make_sky(&scene, &params);
+    OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
     double worst = 0.0;
     for (int i = 0; i < 12; i++) {
         const double azimuth_rad = 0.3 + 0.8 * (i / 3), y = cosines[i % 3], x = sqrt(1.0 - y * y);
@@ -306,7 +297,7 @@ static void test_sweigarts_rayleigh_sky(void **state)
         scene.solids = &ground;
         scene.solid_count = 1;
         scene.scattering = NEPH_SCATTERING_MULTIPLE;
-        OWNED(sky) struct neph_sky *sky = make_sky(&scene, &params);
+        OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
         for (int i = 0; i < 3; i++) {
             const double y = sweigart_cosines[i], x = sqrt(1.0 - y * y);
             const double below = neph_sky_see(sky, (struct neph_vec3){0, 1e-3, 0},
@@ -335,7 +326,7 @@ static void test_all_orders_of_the_earth(void **state)
     OWNED(scene) struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_MULTIPLE);
     OWNED(image) struct neph_image *frame = test_oracle(scene, WIDTH, HEIGHT, 3, samples);
     const struct test_rgb rgb = test_layer(frame, NULL), variance = test_layer(frame, "variance");
-    OWNED(sky) struct neph_sky *sky = make_sky(scene, &usual);
+    OWNED(sky) struct neph_sky *sky = test_sky(scene, &usual);
     double seen = 0.0, truth = 0.0, noise2 = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
@@ -385,7 +376,7 @@ static void test_solids_behind_air(void **state)
     for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
         struct neph_solid solids[5];
         OWNED(scene) struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
-        OWNED(sky) struct neph_sky *sky = make_sky(scene, &usual);
+        OWNED(sky) struct neph_sky *sky = test_sky(scene, &usual);
         int hits = 0, close = 0;
         double worst = 0.0;
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -457,11 +448,11 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
     params.field.orders = 2;
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     double worst[TABLES] = {0.0, 0.0};
-    OWNED(sky) struct neph_sky *walk = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *walk = test_sky(scene, &params);
     for (int n = 0; n < TABLES; n++) {
         struct neph_diag diag = {0};
         params.view = (struct neph_sky_view_params){true, n ? 47 : 24, n ? 39 : 20};
-        OWNED(sky) struct neph_sky *table = make_sky(scene, &params);
+        OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
         neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
             const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
@@ -491,9 +482,9 @@ static void test_view_table_sees_the_ground_near(void **state)
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_vec3 sun = scene->sun.direction;
     const double across = hypot(sun.x, sun.z);
-    OWNED(sky) struct neph_sky *walk = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *walk = test_sky(scene, &params);
     params.view = (struct neph_sky_view_params){true, 48, 48};
-    OWNED(sky) struct neph_sky *table = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
     double worst = 0.0;
     neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
     for (int i = 0; i < 80; i++) {
@@ -530,8 +521,8 @@ static void test_splitting_a_medium_changes_nothing(void **state)
         mixed.media[i] = split.media[(2 * i + 1) % 5];
     struct neph_sky_params params = usual;
     params.field.orders = 2;
-    struct neph_sky *skies[3] = {make_sky(whole, &params), make_sky(&split, &params),
-                                 make_sky(&mixed, &params)};
+    struct neph_sky *skies[3] = {test_sky(whole, &params), test_sky(&split, &params),
+                                 test_sky(&mixed, &params)};
     uint64_t seed = 77;
     for (int n = 0; n < 40; n++) {
         const struct neph_vec3 eye_m = {0.0, pow(10.0, neph_test_uniform(&seed, 0.0, 5.0)), 0.0};
@@ -592,7 +583,7 @@ static void test_device_is_the_twin(void **state)
         const struct test_rgb rgb = test_layer(image, NULL), volume = test_layer(image, "volume"),
                               through = test_layer(image, "transmittance");
         const float *depth = neph_image_channel(image, "Z");
-        OWNED(sky) struct neph_sky *sky = make_sky(scene, &params);
+        OWNED(sky) struct neph_sky *sky = test_sky(scene, &params);
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         double worst = 0.0;
         neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);

@@ -212,11 +212,7 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
 static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint64_t seed,
                       struct texel texels[TEXELS])
 {
-    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
-                                              .height_px = HEIGHT_PX,
-                                              .seed = seed,
-                                              .samples = 256,
-                                              .time_limit_s = INFINITY};
+    const struct neph_tracer_params params = test_samples(WIDTH_PX, HEIGHT_PX, seed, 256);
     OWNED(image) struct neph_image *frame = test_trace(vulkan, scene, &params, NULL);
     double light[TEXELS] = {0.0};
     const float *all = neph_image_channel(frame, "volume.G");
@@ -400,7 +396,6 @@ static void test_paths_that_end_ahead(void **state)
     const struct neph_slab_params slab = {16.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 0.7, 0,
                                           NULL, 24};
     struct test_scene test;
-    struct neph_march *row = NULL;
     struct neph_diag diag = {0};
     struct neph_march_params params = params_of(1);
     double sum = 0.0, squares = 0.0, spread[2];
@@ -415,7 +410,7 @@ static void test_paths_that_end_ahead(void **state)
                                                  .blur_texels = 1.0,
                                                  .looks_ahead = true,
                                                  .ends_ahead = ends};
-        neph_assert_ok(neph_march_create(*state, &test.scene, &params, &row, &diag), &diag);
+        OWNED(march) struct neph_march *row = test_march_open(*state, &test.scene, &params);
         for (int i = 0; i < 12; i++) {
             const struct neph_march_moment moment = {.continues = i > 0};
             OWNED(image) struct neph_image *frame = NULL;
@@ -430,7 +425,6 @@ static void test_paths_that_end_ahead(void **state)
             }
         }
         spread[ends] = sqrt(squares - sum * sum);
-        neph_march_destroy(row);
     }
     print_message("ended ahead: %+.1f %%, rms %.1f %%; taken back: rms %.1f %%\n",
                   100.0 * (sum - 1.0), 100.0 * spread[1], 100.0 * spread[0]);

@@ -56,12 +56,8 @@ static void build(struct test_scene *test, void (*scene_of)(struct test_scene *)
 static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
                                  int sun_nodes, uint64_t seed, int samples)
 {
-    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
-                                              .height_px = HEIGHT_PX,
-                                              .seed = seed,
-                                              .sun_nodes = sun_nodes,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
+    struct neph_tracer_params params = test_samples(WIDTH_PX, HEIGHT_PX, seed, samples);
+    params.sun_nodes = sun_nodes;
     struct neph_image *frame = test_trace(vulkan, &test->scene, &params, NULL);
     for (int c = 0; c < frame->channel_count; c++)
         for (int i = 0; i < PIXELS; i++)
@@ -120,9 +116,8 @@ static bool has_table(struct neph_vulkan *vulkan, const struct test_scene *test,
 {
     OWNED(image) struct neph_image *rays = render(vulkan, test, 0, 1, 8);
     OWNED(image) struct neph_image *table = render(vulkan, test, nodes, 1, 8);
-    const bool differ = memcmp(rays->channels[0].samples, table->channels[0].samples,
-                               PIXELS * sizeof(float)) != 0;
-    return differ;
+    return memcmp(rays->channels[0].samples, table->channels[0].samples, PIXELS * sizeof(float)) !=
+           0;
 }
 
 static void judge_tables(struct neph_vulkan *vulkan, void (*scene_of)(struct test_scene *),
