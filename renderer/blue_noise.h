@@ -19,8 +19,9 @@
  *   0                                   for all others,
  *
  * with all distances on the torus (Ulichney has a sigma of 1.5). For one slice that is Ulichney's
- * method. One thing is ours: the rank of a voxel is its place among the voxels of its slice, not among all,
- * so that every frame has exactly the same histogram: the mean of a whole tile does not flicker.
+ * method. One thing is ours: the rank of a voxel is its place among the voxels of its slice, not
+ * among all, so that every frame has exactly the same histogram: the mean of a whole tile does not
+ * flicker.
  */
 #ifndef NEPH_RENDERER_BLUE_NOISE_H
 #define NEPH_RENDERER_BLUE_NOISE_H

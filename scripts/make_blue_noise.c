@@ -81,7 +81,7 @@ static void set_voxel(struct field *field, int voxel, bool on)
                                                        field->frame_kernel[abs(other - slice)];
 }
 
-/* The tightest cluster of the voxels that are on (largest energy), or the largest void of the voxels
+/* The tightest cluster of the voxels that are on (largest energy), or the largest void of those
  * that are off (smallest energy); the first of equals. */
 static int search(const struct field *field, bool on)
 {
