@@ -154,7 +154,7 @@ const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *
 {
     return device->has_no_variants
                ? &pass->shader
-               : neph_rt_shader_for(pass, device->on_gpu ? NEPH_RT_GPU : NEPH_RT_CPU);
+               : neph_rt_shader_for(device->view, pass, device->on_gpu ? NEPH_RT_GPU : NEPH_RT_CPU);
 }
 
 /* What a shader knows of a setting (realtime/shared/choices.glsl). */
@@ -188,7 +188,7 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     const float *values = device->view->settings;
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
-    params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
+    params->constants[RT_GPU_ACCESS_CONSTANT] = device->on_gpu;
     params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;

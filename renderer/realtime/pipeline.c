@@ -216,7 +216,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
-        const struct neph_rt_shader *shader = neph_rt_shader_for(pass, kind);
+        const struct neph_rt_shader *shader = neph_rt_shader_for(view, pass, kind);
         status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
                                      neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
                                      diag);

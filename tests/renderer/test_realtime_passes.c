@@ -88,7 +88,7 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
 /* With settings that are read and not known, on a CPU and, of passes without rays, on a GPU. */
 static struct module reflect(const struct neph_rt_pass *pass)
 {
-    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_ON_GPU_CONSTANT] = 1};
+    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_GPU_ACCESS_CONSTANT] = 1};
     struct module sum = {.reads = 0};
     reflect_with(pass, neph_rt_shader_for(pass, NEPH_RT_CPU), NULL, 0, &sum);
     if (!pass->rays)

@@ -296,7 +296,7 @@ bool own_tile(out ivec2 tile)
 
 void main()
 {
-    bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && of_thread(view.resting) == 0u;
+    bool may_override = choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && force_nonuniform(view.resting) == 0u;
     if (ON_GPU && is_sequential()) {
         choose_block(may_override);
         return;
