@@ -67,11 +67,17 @@ struct neph_realtime {
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES];    /* before them */
     neph_realtime_observer *observer;
     void *observer_context;
+    struct neph_realtime_test_hooks hooks;
 };
 
 static int choice_of(const struct neph_realtime *realtime, int setting)
 {
     return (int)realtime->settings.values[setting];
+}
+
+static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
 }
 
 /* --- passes with rays ------------------------------------------------------------------------ */
@@ -207,8 +213,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const bool is_cpu = realtime->vulkan->description.is_cpu;
-    const enum neph_rt_device_kind kind = is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+    const enum neph_rt_device_kind kind = kind_of(realtime->vulkan);
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
@@ -245,14 +250,10 @@ static int composition_of(const struct neph_realtime *realtime, const struct nep
 {
     const bool on_gpu = !realtime->vulkan->description.is_cpu;
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
-    int composition = choice_of(realtime, RT_COMPOSITION);
-    if (composition == RT_COMPOSITION_AUTO)
-        composition = on_gpu ? RT_COMPOSITION_TAA : RT_COMPOSITION_UPSCALE;
-    if ((composition == RT_COMPOSITION_TAA &&
-         (!has_taa(realtime) || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
-        (composition == RT_COMPOSITION_UPSCALE && has_froxels))
-        composition = RT_COMPOSITION_PASS;
-    return composition;
+    const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
+    if (on_gpu)
+        return has_plain_taa ? RT_COMPOSITION_TAA : RT_COMPOSITION_PASS;
+    return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
 
 /* What the scene and the settings say together. */
@@ -267,17 +268,9 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
-        choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
-        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
-        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
-        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-    if (on_gpu && choice_of(realtime, RT_CHANGE_PASS) == RT_CHANGE_PASS_AUTO &&
-        choice_of(realtime, RT_GRADIENT) != 0)
-        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan));
 }
 
 /* On a GPU, where that takes no seconds. */
@@ -473,6 +466,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 {
     realtime->observer = observer;
     realtime->observer_context = context;
+}
+
+void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
+                                  struct neph_realtime_test_hooks hooks)
+{
+    realtime->hooks = hooks;
 }
 
 /* --- the passes of a frame ------------------------------------------------------------------ */
@@ -831,13 +830,11 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
-/* Where none of them has moved since the picture before all motions would come out as 0. Who flags
- * movers knows them by their motions. */
+/* Where none of them has moved since the picture before all motions would come out as 0. */
 static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
 {
     struct neph_gpu_view *view = realtime->device.view;
-    const bool is_asked = view->settings[RT_TAA_ANTIGHOST] != 0.0f || !neph_rt_movers_rest(view);
-    view->settings[RT_SOLID_MOTION] = is_asked && follows_solids(realtime, scene);
+    view->settings[RT_SOLID_MOTION] = !neph_rt_movers_rest(view) && follows_solids(realtime, scene);
 }
 
 /* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
@@ -872,7 +869,7 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Whether the gradient need not look (steady), and what of the scene is known as it is. */
+/* Whether the gradient need not look (RT_STEADY), and what of the scene is known as it is. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
@@ -881,8 +878,8 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
     struct neph_gpu_view *view = realtime->device.view;
     const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
     const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
-    view->settings[RT_STEADY] = (float)choice_of(realtime, RT_STEADY);
-    if (view->settings[RT_GRADIENT] == 0.0f || choice_of(realtime, RT_STEADY) == RT_STEADY_UNASKED)
+    view->settings[RT_STEADY] = RT_STEADY_ASKED;
+    if (view->settings[RT_GRADIENT] == 0.0f || realtime->hooks.always_asks_gradient)
         return NEPH_OK;
     enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests, diag);
     if (!status)

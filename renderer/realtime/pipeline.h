@@ -107,4 +107,11 @@ typedef void neph_realtime_observer(struct neph_rt_device *device, const struct 
 void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observer *observer,
                            void *context);
 
+/* For tests: paths that the pipeline takes by itself, with the same bits, taken or left. */
+struct neph_realtime_test_hooks {
+    bool always_asks_gradient; /* also where it is known that it sees no change (RT_STEADY) */
+};
+void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
+                                  struct neph_realtime_test_hooks hooks);
+
 #endif

@@ -33,14 +33,8 @@ bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool 
 
 void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
-    int count = 0;
-    [[unroll]] for (int i = 0; i < 9; i++) {
+    [[unroll]] for (int i = 0; i < 9; i++)
         in_box[i] = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
-        count += int(in_box[i]);
-    }
-    if (count < int(setting(RT_BOX_LEAST)))
-        [[unroll]] for (int i = 0; i < 9; i++)
-            in_box[i] = ray_at(i).is_usable;
 }
 
 void extend_by_rays(inout Box box, int space)
@@ -65,7 +59,7 @@ void extend_by_variance(inout Box box, int space)
             vec4 difference = to_space(space, ray_at(i).value) - mean;
             variance += difference * difference;
         }
-    vec4 half_width = setting(RT_BOX_SIGMA) * sqrt(variance / count);
+    vec4 half_width = sqrt(variance / count);
     extend(box, mean - half_width);
     extend(box, mean + half_width);
 }

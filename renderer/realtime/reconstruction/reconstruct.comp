@@ -19,7 +19,7 @@
 //
 // What the settings keep of the article's faults:
 // - box_centre = off: the tile's own ray is left out of the clamping box.
-// - box_least = 0: a box of one ray erases the history.
+// - a box of one ray erases the history.
 // - edge_tiles = dropped: neighbours end one tile early in sizes that are no multiple of 4.
 // - gather = normalised: the depths of six neighbours are found by normalised coordinates, which in
 //   such sizes come to the next tile after two thirds of the image.

@@ -143,9 +143,9 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
 // --- the result ---------------------------------------------------------------------------------
 
 // Sound values stay sound when they are kept in halves.
-float kept(int format_setting, float value)
+float kept(float value)
 {
-    bool is_too_large = format_choice(format_setting) == RT_FORMAT_HALF && checks_validity() &&
+    bool is_too_large = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF && checks_validity() &&
                         value > HALF_MAX;
     return is_too_large ? HALF_MAX : value;
 }
@@ -153,9 +153,9 @@ float kept(int format_setting, float value)
 void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
 {
     for (int c = 0; c < 4; c++)
-        value[c] = kept(RT_COLOR_FORMAT, value[c]);
+        value[c] = kept(value[c]);
     put_half(RT_HISTORY, half_pixel, value);
-    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(distance_m), 0.0, 0.0));
 }
 
 // A texel of the view that is given its result; the rays around are there.
