@@ -16,6 +16,7 @@
 #include "scenes/failing.h"
 #include "scenes/fog_look.h"
 #include "scenes/injection.h"
+#include "scenes/phase.h"
 #include "scenes/surface.h"
 
 #include <stdbool.h>
@@ -32,18 +33,6 @@
 /* Axis-aligned; a side at -inf or +inf is open. */
 struct neph_bounds {
     struct neph_vec3 min_m, max_m;
-};
-
-enum neph_phase_kind {
-    NEPH_PHASE_ISOTROPIC,
-    NEPH_PHASE_HENYEY_GREENSTEIN,
-    NEPH_PHASE_RAYLEIGH,
-    NEPH_PHASE_KIND_COUNT,
-};
-
-struct neph_phase {
-    enum neph_phase_kind kind;
-    double g; /* mean cosine, -0.999..0.999; used by Henyey-Greenstein alone */
 };
 
 enum neph_medium_kind {

@@ -145,8 +145,7 @@ static void test_histories_have_one_shape(void **state)
     for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
         struct neph_settings settings = neph_options_default(neph_rt_options);
         struct neph_gpu_view view;
-        settings.values[RT_DEPTH_FORMAT] = settings.values[RT_COLOR_FORMAT] = format;
-        settings.values[RT_TAA_FORMAT] = format;
+        settings.values[RT_TARGET_FORMAT] = format;
         settings.values[RT_SCREEN_PERCENT] = format == RT_FORMAT_HALF ? 100 : 67;
         neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
         for (int p = 0; neph_rt_passes[p]; p++) {

@@ -28,6 +28,13 @@ static const uint32_t taa_code[] = {
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
 
+static const uint32_t reconstruct_code[] = {
+#include "shaders/rt_reconstruct.comp.inc"
+};
+static const uint32_t rt_march_code[] = {
+#include "shaders/rt_march.comp.inc"
+};
+
 enum { ANSWERS = 64, CONSTANTS = 4 };
 
 struct constants {
@@ -252,6 +259,40 @@ static void test_the_size_of_work_groups_stays(void **state)
     free(words);
 }
 
+/* Whether a module declares the capability, or has a type that needs it. */
+static bool has_int64(const uint32_t *words, size_t size_bytes)
+{
+    enum { HEADER_WORDS = 5, OP_CAPABILITY = 17, OP_TYPE_INT = 21, INT64 = 11 };
+    bool has = false;
+    for (size_t i = HEADER_WORDS; i < size_bytes / sizeof(*words); i += words[i] >> 16)
+        has |= ((words[i] & 0xffff) == OP_CAPABILITY && words[i + 1] == INT64) ||
+               ((words[i] & 0xffff) == OP_TYPE_INT && words[i + 2] == 64);
+    return has;
+}
+
+/* renderer/requirements.c asks a CPU for shaderInt64, and no GPU. */
+static void test_kernels_of_a_gpu_need_no_int64(void **state)
+{
+    static const struct {
+        const uint32_t *code;
+        size_t code_bytes;
+    } passes[] = {{taa_code, sizeof(taa_code)},
+                  {reconstruct_code, sizeof(reconstruct_code)},
+                  {rt_march_code, sizeof(rt_march_code)}};
+    for (size_t i = 0; i < COUNT(passes); i++)
+        for (uint32_t variant = 0; variant < 4; variant++) {
+            uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
+            size_t bytes = 0, whole_bytes = 0;
+            const bool is_on_gpu = variant / 2 == 1;
+            constants[RT_ON_GPU_CONSTANT] = is_on_gpu;
+            constants[RT_SPECIALISED_CONSTANT] = variant % 2;
+            specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
+                       &bytes, &whole_bytes);
+            assert_true(has_int64(words, bytes) == !is_on_gpu);
+            free(words);
+        }
+}
+
 /* --- what is refused ---------------------------------------------------------------------- */
 
 enum { PACKED_HEAD = 2 + 34 };
@@ -326,6 +367,7 @@ int main(void)
         cmocka_unit_test(test_bits_that_are_not_read_change_nothing),
         cmocka_unit_test(test_unused_goes),
         cmocka_unit_test(test_the_size_of_work_groups_stays),
+        cmocka_unit_test(test_kernels_of_a_gpu_need_no_int64),
         cmocka_unit_test(test_a_refused_shader_is_named),
         cmocka_unit_test(test_a_damaged_shader_is_found),
     };
