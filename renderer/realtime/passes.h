@@ -7,6 +7,7 @@
 #define NEPH_RENDERER_REALTIME_PASSES_H
 
 #include "renderer/realtime/layout.h"
+#include "renderer/realtime/tuning.h"
 
 /* The choice that a setting must have. */
 struct neph_rt_condition {
@@ -28,9 +29,6 @@ struct neph_rt_shader {
     struct neph_rt_condition needs[NEPH_RT_NEEDS_MAX];
     const struct neph_rt_pass *absorbs; /* a pass whose targets a variant writes, too; or NULL */
 };
-
-/* Devices that may have a shader of their own for a pass. */
-enum neph_rt_device_kind { NEPH_RT_CPU, NEPH_RT_GPU, NEPH_RT_DEVICE_KINDS };
 
 enum { NEPH_RT_OTHERS_MAX = 3 };
 

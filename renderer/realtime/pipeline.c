@@ -248,10 +248,10 @@ static bool follows_solids(const struct neph_realtime *realtime, const struct ne
 /* Which pass lays the volume over what is behind it. */
 static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
-    if (on_gpu)
+    if (tuning->composition == RT_COMPOSITION_TAA)
         return has_plain_taa ? RT_COMPOSITION_TAA : RT_COMPOSITION_PASS;
     return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
@@ -273,15 +273,17 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
     neph_rt_absorb_passes(view, kind_of(realtime->vulkan));
 }
 
-/* On a GPU, where that takes no seconds. */
+/* Their kernels, where the device compiles them in no time. */
 static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
+    if (!neph_rt_tuning_of(realtime->device.kind)->prepares_kernels)
+        return NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (!pass->rays && neph_rt_holds(view, pass->condition) &&
-            !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
+            !neph_rt_is_done_by_other(view, pass))
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     }
     return status;
@@ -875,6 +877,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
                                    struct neph_diag *diag)
 {
+    const bool elides = neph_rt_tuning_of(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
     const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
     const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
@@ -886,7 +889,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
                                          realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
+        view->settings[RT_STEADY] = !is_read && elides && neph_rt_may_be_unread(view)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
     if (!status)

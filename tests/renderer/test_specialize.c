@@ -284,7 +284,7 @@ static void test_kernels_of_a_gpu_need_no_int64(void **state)
             uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
             size_t bytes = 0, whole_bytes = 0;
             const bool is_on_gpu = variant / 2 == 1;
-            constants[RT_ON_GPU_CONSTANT] = is_on_gpu;
+            constants[RT_GPU_ACCESS_CONSTANT] = is_on_gpu;
             constants[RT_SPECIALISED_CONSTANT] = variant % 2;
             specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
                        &bytes, &whole_bytes);

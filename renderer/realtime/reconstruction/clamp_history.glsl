@@ -64,7 +64,8 @@ void extend_by_variance(inout Box box, int space)
     extend(box, mean + half_width);
 }
 
-vec4 held_among_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
+// History clamped to the box of the accepted rays, which has the nearest ray in any case.
+vec4 clamp_to_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
 {
     if (choice(RT_BOX) == RT_BOX_NONE)
         return value;

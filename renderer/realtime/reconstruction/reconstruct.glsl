@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a texel of the reconstruction becomes (reconstruct.comp), from the rays around and its
-// history.
+// A texel of the reconstruction (reconstruct.comp), from the rays around and its history.
 #ifndef NEPH_REALTIME_RECONSTRUCT_GLSL
 #define NEPH_REALTIME_RECONSTRUCT_GLSL
 
@@ -11,16 +10,17 @@
 
 const float AGE_MAX = 255.0;
 
-// A ray that sees transmittance alone has no noise: it is worth as much as all that went before it.
+// Rays that see only transmittance have no noise: each is worth as much as all before it.
 layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
 
-// What has changed around a tile, from wherever a shader has it.
+// The change around a tile, from wherever a shader has it.
 Change change_around_tile(ivec2 tile);
 
-// By how much the nearest ray differs from the history of its own texel: luminance relative to the
-// larger, or transmittance. This is the temporal gradient of C. Schied, C. Peters, C. Dachsbacher,
-// "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018. The split of the frame
-// has one for free in each tile.
+// --- change -----------------------------------------------------------------------------------
+
+// The difference of the nearest ray from the history of its own texel: of luminance, relative to the
+// larger, or of transmittance. A gradient as of C. Schied, C. Peters, C. Dachsbacher, "Gradient
+// Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018: each tile has one for free.
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 own_tile = ray_tile(tile, ray);
@@ -35,15 +35,15 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
-// With gradient = on it is had without noise (realtime/gradient/gradient.comp).
+// The temporal gradient has it without noise (realtime/gradient/gradient.comp).
 float change_at(ivec2 tile, int nearest)
 {
     return choice(RT_GRADIENT) != 0 ? change_around_tile(tile).residue
                                     : change_at_ray(tile, nearest);
 }
 
-// What has changed by box_change is no older than this frame, and of what changes slowly no more
-// rays count than see it change by that.
+// History that has changed by box_change is no older than this frame. Of a slow change no more rays
+// count than it takes to change by that.
 float age_after_change(ivec2 tile, bool is_fresh, float age)
 {
     if (choice(RT_GRADIENT) == 0)
@@ -54,9 +54,8 @@ float age_after_change(ivec2 tile, bool is_fresh, float age)
     return max(age, is_fresh ? 0.0 : 1.0);
 }
 
-// Where it rests history has the light of this frame: what that has been multiplied with since the
-// frame before.
-vec3 relit(vec3 radiance, ivec2 tile, float motion_px)
+// Static history takes the gain of the light since the frame before.
+vec3 relight(vec3 radiance, ivec2 tile, float motion_px)
 {
     if (choice(RT_GRADIENT) == 0 || !is_set(RT_RELIGHT))
         return radiance;
@@ -75,6 +74,8 @@ float clamp_share(float motion_px, ivec2 tile, int nearest)
         share = max(share, beyond(change_at(tile, nearest), setting(RT_BOX_CHANGE)));
     return share;
 }
+
+// --- blending ---------------------------------------------------------------------------------
 
 // At a weight of 0 or 1 the value itself, whatever the other one is (a NaN, say).
 vec4 blend(vec4 a, vec4 b, float weight_of_b)
@@ -130,7 +131,7 @@ vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own
     return total > 0.0 ? sum / total : ray_value(nearest);
 }
 
-vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+vec4 fallback(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
 {
     int around = kind == RT_FALLBACK_AROUND ? nearest_ray(own_m, 1) : -1;
     if (kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL)
@@ -143,7 +144,7 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
 // --- the result ---------------------------------------------------------------------------------
 
 // Sound values stay sound when they are kept in halves.
-float kept(float value)
+float limit_to_format(float value)
 {
     bool is_too_large = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF && checks_validity() &&
                         value > HALF_MAX;
@@ -153,57 +154,94 @@ float kept(float value)
 void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
 {
     for (int c = 0; c < 4; c++)
-        value[c] = kept(value[c]);
+        value[c] = limit_to_format(value[c]);
     put_half(RT_HISTORY, half_pixel, value);
-    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(distance_m), 0.0, 0.0));
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, limit_to_format(distance_m), 0.0, 0.0));
 }
 
-// A texel of the view that is given its result; the rays around are there.
+// --- a texel ------------------------------------------------------------------------------------
+
+struct Texel {
+    ivec2 half_pixel, tile;
+    float depth_m;    // of the scene
+    float compared_m; // as depths of rays are stored
+    int nearest;      // of the rays around in depth; -1: none can be used
+    bool is_fresh;    // this frame's ray goes through it
+};
+
+Texel texel_at(ivec2 half_pixel)
+{
+    Texel texel;
+    texel.half_pixel = half_pixel;
+    texel.tile = half_pixel / 2;
+    texel.depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
+    texel.compared_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(texel.depth_m)
+                       : is_sky(texel.depth_m)           ? setting(RT_SKY_M)
+                                                         : texel.depth_m;
+    texel.nearest = nearest_ray(texel.compared_m, 0);
+    texel.is_fresh = ray_at(0).is_usable &&
+                     int(fetch_tile(RT_TILE, texel.tile).x) == slot_of(half_pixel);
+    return texel;
+}
+
+// Where the gradient does not run its samples are kept here.
+void keep_ray(ivec2 half_pixel)
+{
+    ivec2 kept_texel = 2 * (half_pixel / 2) + kept_place();
+    if (is_unchanged() && (is_unread() || half_pixel == kept_texel))
+        put_half(RT_KEPT_RAY, kept_texel, as_halves(ray_at(0).value));
+}
+
+// Distance of the medium that a texel shows [m].
+float medium_distance_m(Texel texel)
+{
+    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
+    return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, of_tile ? 0 : texel.nearest)).x;
+}
+
+// History in the light of this frame, clamped as far as it has moved or changed. Returns the part of
+// its age that counts.
+float adapt_history(Texel texel, inout History history)
+{
+    float part = 1.0;
+    history.value.rgb = relight(history.value.rgb, texel.tile, history.motion_px);
+    float share = clamp_share(history.motion_px, texel.tile, texel.nearest);
+    if (share > 0.0) {
+        vec4 clamped = clamp_to_rays(history.value, texel.nearest, texel.compared_m,
+                                     is_sky(texel.depth_m));
+        if (clamped.rgb != history.value.rgb)
+            part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
+        if (clamped != history.value)
+            history.value = blend(history.value, clamped, share);
+    }
+    history.age = age_after_change(texel.tile, texel.is_fresh, history.age);
+    return part;
+}
+
+// A texel whose rays around are there.
 void reconstruct(ivec2 half_pixel)
 {
-    ivec2 tile = half_pixel / 2;
-    ivec2 kept_pixel = 2 * tile + kept_place();
-    if (is_unchanged() && (is_unread() || half_pixel == kept_pixel))
-        put_half(RT_KEPT_RAY, kept_pixel, kept(ray_at(0).value));
-    float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
-    float own_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(depth_m)
-                  : is_sky(depth_m)                 ? setting(RT_SKY_M)
-                                                    : depth_m;
-    int nearest = nearest_ray(own_m, 0);
-    if (nearest < 0) {
+    keep_ray(half_pixel);
+    Texel texel = texel_at(half_pixel);
+    if (texel.nearest < 0) {
         put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
         return;
     }
-    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
-    float distance_m = fetch_tile(RT_RAY_DISTANCE, ray_tile(tile, of_tile ? 0 : nearest)).x;
-    bool is_fresh = ray_at(0).is_usable && int(fetch_tile(RT_TILE, tile).x) == slot_of(half_pixel);
-    History history = history_of(half_pixel, depth_m, distance_m);
-    float part = 1.0; // of its age that counts
-    if (!history.is_void) {
-        history.value.rgb = relit(history.value.rgb, tile, history.motion_px);
-        float share = clamp_share(history.motion_px, tile, nearest);
-        if (share > 0.0) {
-            vec4 boxed = held_among_rays(history.value, nearest, own_m, is_sky(depth_m));
-            if (boxed.rgb != history.value.rgb)
-                part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
-            if (boxed != history.value)
-                history.value = blend(history.value, boxed, share);
-        }
-        history.age = age_after_change(tile, is_fresh, history.age);
-    }
-
+    float distance_m = medium_distance_m(texel);
+    History history = history_of(half_pixel, texel.depth_m, distance_m);
+    float part = history.is_void ? 1.0 : adapt_history(texel, history);
     float age = history.is_void ? 1.0 : history.age;
-    vec4 value = ray_value(is_fresh ? 0 : nearest);
-    if (is_fresh && !history.is_void) {
+    vec4 value = ray_value(texel.is_fresh ? 0 : texel.nearest);
+    if (texel.is_fresh && !history.is_void) {
         age = IS_DARK ? AGE_MAX : min(history.age + 1.0, AGE_MAX);
         value = blend_fresh(history.value, value, IS_DARK ? 1.0 : fresh_weight(age, part));
     } else if (!history.is_void) {
         if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
             age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);
         value = blend(value, history.value, setting(RT_HISTORY_WEIGHT));
-    } else if (!is_fresh) {
+    } else if (!texel.is_fresh) {
         int kind = history.is_rejected ? choice(RT_FALLBACK_REJECTED) : choice(RT_FALLBACK);
-        value = stand_in(kind, half_pixel, nearest, own_m, is_sky(depth_m));
+        value = fallback(kind, half_pixel, texel.nearest, texel.compared_m, is_sky(texel.depth_m));
     }
     put_result(half_pixel, value, age, known_distance_m(distance_m));
 }
