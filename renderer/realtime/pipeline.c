@@ -69,6 +69,11 @@ static int choice_of(const struct neph_realtime *realtime, int setting)
     return (int)realtime->settings.values[setting];
 }
 
+static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+}
+
 /* --- passes with rays ------------------------------------------------------------------------ */
 
 /* The dispatches of one pass, cut as its rays need them. */
@@ -202,8 +207,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const bool is_cpu = realtime->vulkan->description.is_cpu;
-    const enum neph_rt_device_kind kind = is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+    const enum neph_rt_device_kind kind = kind_of(realtime->vulkan);
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
@@ -211,7 +215,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
-        const struct neph_rt_shader *shader = neph_rt_shader_for(pass, kind);
+        const struct neph_rt_shader *shader = neph_rt_shader_for(view, pass, kind);
         status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
                                      neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
                                      diag);
@@ -238,10 +242,10 @@ static bool follows_solids(const struct neph_realtime *realtime, const struct ne
 /* Which pass lays the volume over what is behind it. */
 static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
-    if (on_gpu)
+    if (tuning->composition == RT_COMPOSITION_TAA)
         return has_plain_taa ? RT_COMPOSITION_TAA : RT_COMPOSITION_PASS;
     return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
@@ -258,26 +262,22 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    if (on_gpu && choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
-        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
-        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
-        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-    if (on_gpu && choice_of(realtime, RT_GRADIENT) != 0)
-        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan));
 }
 
-/* On a GPU, where that takes no seconds. */
+/* Their kernels, where the device compiles them in no time. */
 static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
+    if (!neph_rt_tuning_of(realtime->device.kind)->prepares_kernels)
+        return NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (!pass->rays && neph_rt_holds(view, pass->condition) &&
-            !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
+            !neph_rt_is_done_by_other(view, pass))
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     }
     return status;
@@ -829,6 +829,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
                                    struct neph_diag *diag)
 {
+    const bool elides = neph_rt_tuning_of(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
     const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
     const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
@@ -840,7 +841,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
                                          realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
+        view->settings[RT_STEADY] = !is_read && elides && neph_rt_may_be_unread(view)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
     if (!status)
