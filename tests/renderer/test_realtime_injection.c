@@ -6,6 +6,7 @@
 #include "tests/renderer/sequence_test.h"
 
 #include "renderer/realtime/watch.h"
+#include "scenes/injection.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
 
@@ -35,20 +36,20 @@ static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
                      const struct neph_injections *other)
 {
     int differ = 0;
-    scene->injections = *one;
+    scene->injections = one;
     struct neph_realtime *first = open_realtime(vulkan, scene, settings);
-    scene->injections = *other;
+    scene->injections = other;
     struct neph_realtime *second = open_realtime(vulkan, scene, settings);
     for (int frame = 0; frame < FRAMES; frame++) {
-        scene->injections = *one;
+        scene->injections = one;
         struct neph_image *a = test_next(first, scene, frame, NULL);
-        scene->injections = *other;
+        scene->injections = other;
         struct neph_image *b = test_next(second, scene, frame, NULL);
         differ += !test_same_bits(a, b);
         neph_image_destroy(a);
         neph_image_destroy(b);
     }
-    scene->injections = (struct neph_injections){.history_count = 0};
+    scene->injections = NULL;
     neph_realtime_destroy(first);
     neph_realtime_destroy(second);
     return differ;
@@ -89,7 +90,7 @@ static void test_what_is_put_in_is_counted(void **state)
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
     struct neph_injected_rays lists[] = {rays, all};
-    test.scene.injections = (struct neph_injections){
+    test.scene.injections = &(struct neph_injections){
         .history_count = 1, .histories = &history, .ray_count = 2, .rays = lists};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const uint64_t pixels = WIDTH_PX * HEIGHT_PX;
@@ -114,7 +115,7 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
     struct neph_injected_rays rays = {1, 1, NEPH_INJECTED_NAN};
     const struct neph_settings settings = test_preset("seed", "");
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 2; frame++) {
         struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
@@ -165,7 +166,7 @@ static void test_a_sequence_is_watched(void **state)
     struct neph_injected_rays rays = {1, 3, NEPH_INJECTED_NAN};
     struct neph_diag diag = {0};
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
     for (int is_sound = 0; is_sound < 2; is_sound++) {
         const struct neph_settings settings = test_preset(is_sound ? "fixed" : "seed", "");
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
@@ -223,14 +224,14 @@ static void test_another_size_and_back(void **state)
     struct neph_realtime *by_hand = open_realtime(*state, &test.scene, &settings);
     struct neph_realtime *injected = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 4; frame++) {
-        test.scene.injections = nothing;
+        test.scene.injections = &nothing;
         if (frame == 2) {
             neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 16, 10, &diag), &diag);
             neph_image_destroy(test_next(by_hand, &test.scene, frame, NULL));
             neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 32, 20, &diag), &diag);
         }
         struct neph_image *expected = test_next(by_hand, &test.scene, frame, NULL);
-        test.scene.injections = (struct neph_injections){.size_count = 1, .sizes = &size};
+        test.scene.injections = &(struct neph_injections){.size_count = 1, .sizes = &size};
         struct neph_image *image = test_next(injected, &test.scene, frame, NULL);
         assert_same_bits(image, expected);
         neph_image_destroy(expected);
@@ -247,7 +248,7 @@ static void test_no_other_picture_in_flight(void **state)
     struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.mirror = {0, 100, -3.0}};
+    test.scene.injections = &(struct neph_injections){.mirror = {0, 100, -3.0}};
     struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
     assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
@@ -274,10 +275,10 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
     struct neph_realtime *usually = open_realtime(*state, &test.scene, &usual);
     struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
     for (int frame = 0; frame < 4; frame++) {
-        test.scene.injections = nothing;
+        test.scene.injections = &nothing;
         struct neph_image *a = test_next(at_home, &test.scene, frame, NULL);
         struct neph_image *c = test_next(usually, &test.scene, frame, NULL);
-        test.scene.injections = shifted;
+        test.scene.injections = &shifted;
         struct neph_image *b = test_next(away, &test.scene, frame, NULL);
         struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
         /* a bar's face rounded in double, once */
