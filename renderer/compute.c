@@ -25,7 +25,7 @@ static const struct {
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
+                                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,
@@ -211,6 +211,11 @@ enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph
     const enum neph_status status = await_kernel(batch, kernel, diag);
     if (status)
         return status;
+    const uint32_t groups_max = batch->vulkan->limits.maxComputeWorkGroupCount[0];
+    if (dispatch->group_count > groups_max)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "the kernel '%s' needs %u work groups at once; the device allows %u",
+                         kernel->params.name, dispatch->group_count, groups_max);
     VkDescriptorSet set;
     const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
     const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);

@@ -115,13 +115,9 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// And once more, to be read by a CPU (neph_buffer_see_texels()).
-layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
-uniform readonly uimageBuffer target_texels[KNOWN_TARGETS];
-layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui)
-uniform readonly uimageBuffer target_texel_pairs[KNOWN_TARGETS];
-layout(binding = NEPH_GPU_TEXELS_BINDING, rgba32ui)
-uniform readonly uimageBuffer target_texel_fours[KNOWN_TARGETS];
+// And once more, to be read by a CPU (neph_buffer_see_texels()): texels of as many words as the
+// buffer's view has, which may be one, two or four.
+layout(binding = NEPH_GPU_TEXELS_BINDING) uniform usamplerBuffer target_texels[KNOWN_TARGETS];
 #endif
 
 // lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
@@ -246,7 +242,7 @@ uint word(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texels[target], int(index)).x;
+        return texelFetch(target_texels[target], int(index)).x;
 #endif
     return targets[target].words[index];
 }
@@ -255,7 +251,7 @@ uvec2 word_pair(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texel_pairs[target], int(index)).xy;
+        return texelFetch(target_texels[target], int(index)).xy;
 #endif
     if (ON_GPU)
         return target_pairs[target].words[index];
@@ -266,7 +262,7 @@ uvec4 word_four(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texel_fours[target], int(index));
+        return texelFetch(target_texels[target], int(index));
 #endif
     return target_fours[target].words[index];
 }
