@@ -262,10 +262,10 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
     OWNED(realtime) struct neph_realtime *usually = open_realtime(*state, &test.scene, &usual);
     OWNED(realtime) struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
     for (int frame = 0; frame < 4; frame++) {
-        test.scene.injections = nothing;
+        test.scene.injections = &nothing;
         OWNED(image) struct neph_image *a = test_next(at_home, &test.scene, frame, NULL);
         OWNED(image) struct neph_image *c = test_next(usually, &test.scene, frame, NULL);
-        test.scene.injections = shifted;
+        test.scene.injections = &shifted;
         OWNED(image) struct neph_image *b = test_next(away, &test.scene, frame, NULL);
         OWNED(image) struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
         /* a bar's face rounded in double, once */
