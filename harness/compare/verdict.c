@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
+
 enum { LINES_MAX = 10, LAST_LINES = 2 };
 
 /* The numbers that answer first, if they were measured. */
