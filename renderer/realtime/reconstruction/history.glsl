@@ -6,6 +6,7 @@
 #define NEPH_REALTIME_HISTORY_GLSL
 
 #include "box.glsl"
+#include "renderer/realtime/shared/filters.glsl"
 #include "renderer/realtime/tile_index/slots.glsl"
 
 struct History {
@@ -41,18 +42,6 @@ History history_at(ivec2 half_pixel)
     bool has_age = is_finite(age) && age > 0.0;
     bool is_void = checks_validity() && !(has_age && is_sound(value));
     return History(value, has_age ? age : 0.0, is_void, false, 0.0);
-}
-
-// Weights of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
-vec4 tap_weights(int kind, float place)
-{
-    if (kind == RT_FILTER_NEAREST)
-        return place < 0.5 ? vec4(0.0, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
-    if (kind == RT_FILTER_BILINEAR)
-        return vec4(0.0, 1.0 - place, place, 0.0);
-    return 0.5 * vec4(place * (place * (2.0 - place) - 1.0),
-                      place * place * (3.0 * place - 5.0) + 2.0,
-                      place * (place * (4.0 - 3.0 * place) + 1.0), place * place * (place - 1.0));
 }
 
 // Catmull-Rom needs all its taps, of whatever weight.
@@ -122,7 +111,7 @@ History history_about(vec2 place_px)
     }
     History history = mean.history;
     if (!history.is_void)
-        history.value = held(mean.sum / mean.weights, mean.range);
+        history.value = clamp_to(mean.range, mean.sum / mean.weights);
     return history;
 }
 

@@ -252,9 +252,9 @@ void extend_by_variance(inout Box box, int space)
             vec4 difference = to_space(space, ray_at(i).value) - mean;
             variance += difference * difference;
         }
-    vec4 half_width = setting(RT_BOX_SIGMA) * sqrt(variance / count);
-    extend(box, mean - half_width);
-    extend(box, mean + half_width);
+    Box about = variance_box(mean, variance / count, setting(RT_BOX_SIGMA));
+    extend(box, about.low);
+    extend(box, about.high);
 }
 
 vec4 held_among_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
