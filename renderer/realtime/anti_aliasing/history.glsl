@@ -13,8 +13,8 @@
 #ifndef NEPH_REALTIME_TAA_HISTORY_GLSL
 #define NEPH_REALTIME_TAA_HISTORY_GLSL
 
+#include "filters.glsl"
 #include "motion.glsl"
-#include "renderer/realtime/shared/filters.glsl"
 
 // RGB: filtered, A: the age of the nearest texel. Only texels that have a weight are read, one of
 // sixteen where nothing moves.

@@ -5,8 +5,8 @@
 #ifndef NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 #define NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 
+#include "filters.glsl"
 #include "motion.glsl"
-#include "renderer/realtime/shared/filters.glsl"
 
 vec4 static_history, next_static_history;
 

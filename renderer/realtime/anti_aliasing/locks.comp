@@ -31,6 +31,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "history.glsl"
+#include "rounding.glsl"
 #include "taa.glsl"
 #include "upsampling.glsl"
 

@@ -8,7 +8,6 @@
 
 #include "motion.glsl"
 #include "neighbourhood.glsl"
-#include "renderer/shaders/random.glsl"
 
 // --- the history ---------------------------------------------------------------------------------
 
@@ -160,32 +159,15 @@ vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
 
 // --- the output ----------------------------------------------------------------------------------
 
-// Stochastic rounding: one of the two halves next to a value, so that the value is their mean over
-// the numbers from 0 to 1. A history that is rounded to nearest stalls short of its limit. (Unreal
-// adds up to one step, and leaves the rest to the hardware's rounding.)
-float round_by_chance(float value, float number)
-{
-    uint magnitude = floatBitsToUint(value) & 0x7fffffffu;
-    if (magnitude >= 0x477fe000u) // from 65504 on
-        return value;
-    uint exponent = max(magnitude >> 23, 113u); // the least of normal halves is 2^-14
-    float halves_per_unit = uintBitsToFloat((264u - exponent) << 23); // 2^10 of them in an octave
-    float half_step = uintBitsToFloat((exponent - 10u) << 23);
-    precise float halves = value * halves_per_unit;
-    precise float below = floor(halves);
-    precise float above_it = halves - below;
-    return (number < above_it ? below + 1.0 : below) * half_step;
-}
-
 vec3 round_to_format(vec3 colour, ivec2 pixel)
 {
-    if (choice(RT_TAA_FORMAT) != RT_FORMAT_HALF ||
+    if (choice(RT_TARGET_FORMAT) != RT_FORMAT_HALF ||
         choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
         return colour;
     // The hash's first number is the white dither's (renderer/dither.h).
-    vec3 numbers = uniform_from(pcg4d(uvec4(pixel, view_frame, view_seed)).yzw);
-    return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
-                round_by_chance(colour.b, numbers.z));
+    uvec3 bits = pcg4d(uvec4(pixel, view_frame, view_seed)).yzw;
+    return vec3(round_by_chance(colour.r, bits.x), round_by_chance(colour.g, bits.y),
+                round_by_chance(colour.b, bits.z));
 }
 
 void put_pixel(ivec2 pixel, vec4 resolved)

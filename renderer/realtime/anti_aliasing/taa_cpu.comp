@@ -8,6 +8,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "history.glsl"
+#include "rounding.glsl"
 #include "taa.glsl"
 
 const int TILE_PX = 4, COLUMN_PX = RT_TAA_COLUMN;

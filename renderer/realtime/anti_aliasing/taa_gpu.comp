@@ -19,6 +19,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "history_gpu.glsl"
+#include "rounding_gpu.glsl"
 #include "taa.glsl"
 
 const ivec2 BLOCK = ivec2(RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT);

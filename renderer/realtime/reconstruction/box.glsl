@@ -38,7 +38,7 @@ vec4 clip_to(Box box, vec4 value)
 
 // The box is about `first`. A colour that is in it already comes out as it is, without the rounding
 // of there and back.
-vec4 held_in_space(int space, vec4 value, vec4 first, Box box)
+vec4 clamp_in_space(int space, vec4 value, vec4 first, Box box)
 {
     vec4 seen = to_space(space, value);
     vec4 clamped = choice(RT_BOX_HOLD) == RT_HOLD_CLIP ? clip_to(box, seen) : clamp_to(box, seen);

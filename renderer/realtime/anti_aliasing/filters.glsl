@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Reconstruction filters along one axis.
+// The filters of the history along one axis.
 #ifndef NEPH_REALTIME_FILTERS_GLSL
 #define NEPH_REALTIME_FILTERS_GLSL
 
-#include "names.h"
+#include "renderer/realtime/shared/names.h"
 
 // Weights of the texels -1, 0, 1 and 2 for a place between texels 0 and 1, `place` of the way. The
 // cubic is Catmull-Rom: R. Keys, "Cubic Convolution Interpolation for Digital Image Processing",
