@@ -32,11 +32,6 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks)
-{
-    memcpy(device->noise.mapped, ranks, NEPH_RT_NOISE_COUNT * sizeof(*ranks));
-}
-
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag)
 {

@@ -2,7 +2,7 @@
 #include "renderer/realtime/pipeline.h"
 
 #include "base/clock.h"
-#include "base/workers.h"
+#include "renderer/blue_noise.h"
 #include "renderer/march.h"
 #include "renderer/march_cut.h"
 #include "renderer/march_scene.h"
@@ -11,7 +11,6 @@
 #include "renderer/realtime/kept_scene.h"
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/moment.h"
-#include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
 #include "renderer/realtime/suns.h"
 #include "renderer/realtime/unread.h"
@@ -32,18 +31,13 @@ _Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_RAY_TARGET_COUNT - NEPH_GPU_SCENE_UNI
                    NEPH_KERNEL_STORAGE_MAX,
                "room for all that a pass with rays is bound to");
 _Static_assert(2 + RT_TARGET_COUNT <= NEPH_KERNEL_STORAGE_MAX, "and a pass without");
+_Static_assert((int)NEPH_RT_NOISE_COUNT == (int)NEPH_BLUE_NOISE_COUNT, "all ranks");
 
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_settings settings;
     uint32_t seed;
-    char *cache_folder;    /* owned; or NULL */
-    uint32_t *noise_ranks; /* owned; the task writes them until has_noise */
-    bool has_noise;
-    struct neph_workers *noise_maker; /* owned; NULL: no noise is read */
-    struct neph_task noise_making;
-    enum neph_status noise_status; /* of the task, when it is done */
-    struct neph_diag noise_diag;
+    uint32_t *noise_ranks; /* owned; NULL: no dither reads them */
     int picture_px[2];
     struct neph_march_params march; /* of what is rendered for it */
     struct neph_march_scene scene;  /* of the split frame */
@@ -324,8 +318,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
-                                       realtime->has_noise ? realtime->noise_ranks : NULL,
-                                       &realtime->device, diag);
+                                       realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
     realtime->device.is_dark = !status && is_dark(realtime);
     if (!status)
@@ -348,7 +341,7 @@ static void destroy_sized(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
 
-/* Whether any dither reads the masks of blue noise, which take seconds to make for a new seed. */
+/* Whether any dither reads the masks of blue noise. */
 static bool needs_masks(const struct neph_realtime *realtime)
 {
     static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
@@ -360,39 +353,22 @@ static bool needs_masks(const struct neph_realtime *realtime)
     return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
 }
 
-static void make_noise(void *realtime_)
-{
-    struct neph_realtime *realtime = realtime_;
-    realtime->noise_status = neph_rt_noise_ranks(realtime->seed, realtime->cache_folder,
-                                                 realtime->noise_ranks, &realtime->noise_diag);
-}
-
-/* On another thread: the first pass that reads the masks waits for them (bring_noise). */
-static enum neph_status begin_noise(struct neph_realtime *realtime, struct neph_diag *diag)
+static enum neph_status load_noise(struct neph_realtime *realtime, const char *path,
+                                   struct neph_diag *diag)
 {
     if (!needs_masks(realtime))
         return NEPH_OK;
-    const enum neph_status status = neph_workers_create(1, &realtime->noise_maker, diag);
-    if (status)
-        return status;
-    realtime->noise_making = (struct neph_task){.work = make_noise, .context = realtime};
-    neph_workers_add(realtime->noise_maker, &realtime->noise_making);
-    return NEPH_OK;
+    realtime->noise_ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*realtime->noise_ranks));
+    return realtime->noise_ranks
+               ? neph_blue_noise_load(path, realtime->seed, realtime->noise_ranks, diag)
+               : neph_fail_memory(diag);
 }
 
 static enum neph_status create_once(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_realtime_params *params,
                                     struct neph_diag *diag)
 {
-    realtime->noise_ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*realtime->noise_ranks));
-    if (!realtime->noise_ranks)
-        return neph_fail_memory(diag);
-    enum neph_status status = NEPH_OK;
-    realtime->cache_folder = params->cache_folder ? strdup(params->cache_folder) : NULL;
-    if (params->cache_folder && !realtime->cache_folder)
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = begin_noise(realtime, diag);
+    enum neph_status status = load_noise(realtime, params->blue_noise_path, diag);
     if (!status)
         status = neph_march_scene_create(realtime->vulkan, scene, &realtime->march,
                                          &realtime->scene, diag);
@@ -437,13 +413,11 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
 {
     if (!realtime)
         return;
-    neph_workers_destroy(realtime->noise_maker);
     destroy_sized(realtime);
     neph_rt_stillness_destroy(&realtime->stillness);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
-    free(realtime->cache_folder);
     free(realtime);
 }
 
@@ -572,24 +546,6 @@ static enum neph_status begin_passes(struct neph_realtime *realtime, const struc
     return status;
 }
 
-/* The masks, before the first pass that reads them; the device has those before it meanwhile. */
-static enum neph_status bring_noise(struct neph_realtime *realtime,
-                                    struct neph_rt_submission *submission, struct neph_diag *diag)
-{
-    const enum neph_status status = neph_rt_submission_send(submission, diag);
-    if (status)
-        return status;
-    if (realtime->noise_maker)
-        neph_workers_wait(realtime->noise_maker, &realtime->noise_making);
-    if (realtime->noise_status && diag)
-        *diag = realtime->noise_diag;
-    if (realtime->noise_status)
-        return realtime->noise_status;
-    neph_rt_device_give_noise(&realtime->device, realtime->noise_ranks);
-    realtime->has_noise = true;
-    return NEPH_OK;
-}
-
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
@@ -603,12 +559,8 @@ static enum neph_status run_passes(struct neph_realtime *realtime, struct progre
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_is_done_by_other(realtime->device.view, pass))
             made->past |= neph_rt_targets_before(pass);
-        else if (is_wanted(realtime, pass, made)) {
-            if (pass->reads_noise && !realtime->has_noise)
-                status = bring_noise(realtime, &submission, diag);
-            if (!status)
-                status = add_pass(realtime, pass, &submission, made, diag);
-        }
+        else if (is_wanted(realtime, pass, made))
+            status = add_pass(realtime, pass, &submission, made, diag);
     }
     return status ? status : neph_rt_submission_send(&submission, diag);
 }

@@ -72,6 +72,7 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
     size_t word_count = 0;
+    OWNED(memory)
     uint32_t *words = test_shader_words(shader->code, shader->code_bytes, constants, count,
                                         &word_count);
     struct module module = {.ids = calloc(words[BOUND], sizeof(*module.ids)),
@@ -80,7 +81,6 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
     for (size_t i = HEADER_WORDS; i < word_count; i += words[i] >> 16)
         take_instruction(&module, words + i);
     free(module.ids);
-    free(words);
     sum->reads |= module.reads;
     sum->writes |= module.writes;
 }

@@ -18,7 +18,6 @@ const struct neph_rt_pass neph_rt_upscale = {
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_FULL,
     .in_quads = true,
-    .reads_noise = true,
     .reads = NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HISTORY) |
              NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE) |
              NEPH_RT_BIT(RT_BEHIND),
