@@ -13,6 +13,7 @@
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/injection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -185,7 +186,7 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     if (!status)
         status = label(*image, &stats, diag);
     if (!status)
-        status = label_injections(*image, &shot->scene->injections, &stats, diag);
+        status = label_injections(*image, neph_scene_injections(shot->scene), &stats, diag);
     if (!status)
         status = label_cycles(*image, &shot->settings, diag);
     if (!status)
