@@ -291,11 +291,21 @@ class Realtime(neph_case.NephCase):
         self.assertNotIn("logs", done.stderr)
         self.assertEqual(list(out.iterdir()), [])
 
-    def test_noise_is_made_where_a_dither_needs_it(self):
+    def test_blue_noise_is_read_where_a_dither_needs_it(self):
         command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o",
                    self.folder)
-        self.neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
-        self.neph(*command, XDG_CACHE_HOME="/dev/null/there", code=74, said="XDG_CACHE_HOME")
+        data = {"NEPH_DATA_DIR": str(self.folder)}
+        self.neph(*command, "-p", "off", **data)
+        noise = "renderer/blue_noise.png"
+        self.neph(*command, code=66, said=[f"{self.folder}/{noise}", "set NEPH_DATA_DIR"], **data)
+        whole = (neph_case.ROOT / noise).read_bytes()
+        for damaged in (whole[:-1], whole[:1000] + b"?" + whole[1001:], b""):
+            (self.folder / "renderer").mkdir(exist_ok=True)
+            (self.folder / noise).write_bytes(damaged)
+            self.neph(*command, code=65, said=[f"{self.folder}/{noise}", "damaged",
+                                               "set NEPH_DATA_DIR"], **data)
+        (self.folder / noise).write_bytes(whole)
+        self.neph(*command, **data)
 
     # ---- given depths ------------------------------------------------------------------------
 

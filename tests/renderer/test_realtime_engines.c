@@ -13,7 +13,7 @@
 /* The first slice turns by the golden ratio: 0.618034 of the circle a frame. */
 static void test_a_slice_turns(void **state)
 {
-    uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
+    OWNED(memory) uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
     uint64_t seed = 41;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
         ranks[i] = (uint32_t)(neph_test_random(&seed) % 4096);
@@ -28,7 +28,6 @@ static void test_a_slice_turns(void **state)
             neph_assert_close(value, turned - floor(turned), 0, 2 * 0x1p-24);
         }
     }
-    free(ranks);
 }
 
 /* Its override takes the sky for 1000 km away where 20 km are stored with rays: a ridge at 18 km is
@@ -42,12 +41,11 @@ static void test_the_sky_of_the_override(void **state)
     const int *place = twin_slot_place(&test.view, other);
     twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
     test_passes_run(&test, "tile index");
-    uint32_t *words = test_download(&test, RT_TILE);
+    OWNED(memory) uint32_t *words = test_download(&test, RT_TILE);
     float tile[4];
     neph_rt_load(&test.view.targets[RT_TILE], words, 2 * test.view.targets[RT_TILE].width + 2,
                  tile);
     assert_int_equal((int)tile[0], other);
-    free(words);
     test_passes_close(&test);
 }
 

@@ -69,10 +69,10 @@ static void test_no_bit_is_another(void **state)
     struct test_scene test;
     int changed = 0, spared = 0;
     fence_scene(&test);
-    struct neph_realtime *asked = open_realtime(*state, &test.scene, true);
-    struct neph_realtime *known = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *asked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *known = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == 24)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         if (frame == 44)
@@ -90,12 +90,8 @@ static void test_no_bit_is_another(void **state)
         assert_int_equal(by_known.scene, frame - changed < (changed > 0 ? PLACES : 2 * PLACES));
         spared += !by_known.gradient;
         assert_same_bits(a, b);
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     assert_true(spared >= 14);
-    neph_realtime_destroy(known);
-    neph_realtime_destroy(asked);
 }
 
 /* A picture in flight: the bytes of a pass. The upscale keeps no volume where nobody reads it. */
@@ -119,10 +115,10 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     int unread = 0;
     uint64_t most_bytes = 0;
     fence_scene(&test);
-    struct neph_realtime *read = open_realtime(*state, &test.scene, false);
-    struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *read = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         render(read, &test.scene, frame, &a);
@@ -135,12 +131,8 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
             assert_int_equal(bytes < most_bytes, frame >= KNOWN_AFTER);
             unread += bytes < most_bytes;
         }
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     assert_true(unread >= 14);
-    neph_realtime_destroy(sent);
-    neph_realtime_destroy(read);
 }
 
 /* Where media only take light what is anti-aliased is made once for each place of the jitter, and
@@ -152,10 +144,10 @@ static void test_what_takes_light_alone_is_made_once(void **state)
     int kept = 0;
     fence_scene(&test);
     test.scene.media[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
-    struct neph_realtime *unasked = open_realtime(*state, &test.scene, true);
-    struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *unasked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         render(unasked, &test.scene, frame, &a);
@@ -167,13 +159,9 @@ static void test_what_takes_light_alone_is_made_once(void **state)
             assert_int_equal(is_kept && frame >= KEPT_AFTER, is_kept);
             kept += is_kept;
         }
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     print_message("%d pictures were kept\n", kept);
     assert_true(kept >= 10);
-    neph_realtime_destroy(sent);
-    neph_realtime_destroy(unasked);
 }
 
 /* --- passes ---------------------------------------------------------------------------------- */

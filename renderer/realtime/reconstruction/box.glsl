@@ -12,24 +12,14 @@ struct Box {
     vec4 low, high;
 };
 
-// What is void has no part in a box or in what is held in it: all are numbers. For a GPU alone: to
-// lavapipe both ways are the same few instructions, and -0 would be another bit.
-bool are_numbers() { return ON_GPU && choice(RT_VALIDITY) != 0; }
-
 void extend(inout Box box, vec4 value)
 {
-    if (are_numbers()) {
-        box = Box(min(box.low, value), max(box.high, value));
-        return;
-    }
     box.low = mix(box.low, value, lessThan(value, box.low));
     box.high = mix(box.high, value, greaterThan(value, box.high));
 }
 
 vec4 held(vec4 value, Box box)
 {
-    if (are_numbers())
-        return min(max(value, box.low), box.high);
     vec4 above = mix(value, box.low, lessThan(value, box.low));
     return mix(above, box.high, greaterThan(above, box.high));
 }
