@@ -475,13 +475,12 @@ static void print_chain(const struct neph_post_params *params,
 static void print_steady(const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     if (engine->steady_from == 0)
-        fprintf(out,
-                "  the scene rests, and that was known: these are steady pictures (steady=auto)\n");
+        fprintf(out, "  the scene rests, and that was known: these are steady pictures\n");
     else if (engine->steady_from > 0)
-        fprintf(out,
-                "  of two kinds: steady from picture %d on, when it was known that the scene rests "
-                "(steady=auto)\n",
-                engine->steady_from + 1);
+        fprintf(
+            out,
+            "  of two kinds: steady from picture %d on, when it was known that the scene rests\n",
+            engine->steady_from + 1);
 }
 
 static void print_flight(const struct neph_benchmark_frames *benchmark,

@@ -72,7 +72,7 @@ static void conclude_pass(const struct neph_flown *flown, int pass, double *room
         };
 }
 
-/* The first of these pictures from which on the gradient need not look (steady=auto); -1: none. */
+/* The first of these pictures from which on the gradient need not look; -1: none. */
 static int steady_from(const struct neph_job *job, const struct neph_flown *flown)
 {
     int pass = 0, from = flown->count;
@@ -109,7 +109,7 @@ static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct
     struct neph_flight_cost costs[REST_FRAMES];
     double frame_s[REST_FRAMES];
     enum neph_status status = NEPH_OK;
-    if (!is_on(job, "gradient") || is_on(job, "steady") || !neph_scene_is_static(job->shot.scene))
+    if (!is_on(job, "gradient") || !neph_scene_is_static(job->shot.scene))
         return NEPH_OK;
     for (int sent = 0; sent < REST_FRAMES_MAX && neph_wall_s() - start_s < limit_s && !status;
          sent += REST_FRAMES) {
