@@ -264,7 +264,7 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
 {
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    neph_rt_absorb_passes(view, kind_of(realtime->vulkan));
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
 }
 
 /* Their kernels, where the device compiles them in no time. */
@@ -304,7 +304,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
-    const struct neph_injected_view *around = &scene->injections.view;
+    const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
     const int *size_px = realtime->picture_px;
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
@@ -442,6 +442,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 {
     realtime->observer = observer;
     realtime->observer_context = context;
+}
+
+void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves)
+{
+    realtime->device.has_no_variants = leaves;
+    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
 }
 
 void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
@@ -741,7 +747,7 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
 static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
                                     struct neph_scene **still, struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
     if (status)
         return status;
@@ -761,7 +767,7 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
                                        const struct neph_rt_moment **past, struct neph_diag *diag)
 {
     const struct neph_injected_history *history = neph_injected_history_at(
-        &frame->scene->injections, frame->frame);
+        neph_scene_injections(frame->scene), frame->frame);
     if (!history)
         return NEPH_OK;
     realtime->has_injected_history = true;
@@ -813,7 +819,7 @@ static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_
 static bool sees_scene_alone(const struct neph_realtime *realtime,
                              const struct neph_realtime_frame *frame)
 {
-    const struct neph_injections *in = &frame->scene->injections;
+    const struct neph_injections *in = neph_scene_injections(frame->scene);
     const enum neph_march_lighting lighting = realtime->march.lighting;
     const struct neph_shortcuts *shortcuts = &realtime->march.shortcuts;
     const int injected = in->history_count + in->ray_count + in->size_count + in->origin_count +
@@ -872,7 +878,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
         return status;
     const struct neph_rt_moment now = moment_of(realtime, frame, still);
     made.stats = &realtime->flights[slot];
-    made.rays = neph_injected_rays_at(&frame->scene->injections, frame->frame);
+    made.rays = neph_injected_rays_at(neph_scene_injections(frame->scene), frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
@@ -963,7 +969,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
                                       struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const struct neph_injected_size *size = neph_injected_size_at(injections, frame->frame);
     const bool is_mirrored = neph_injected_mirror_at(injections, frame->frame);
     enum neph_status status = NEPH_OK;

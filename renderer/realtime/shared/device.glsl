@@ -77,7 +77,7 @@ uint load_word(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texels[target], int(index)).x;
+        return texelFetch(target_texels[target], int(index)).x;
 #endif
     return targets[target].words[index];
 }
@@ -86,7 +86,7 @@ uvec2 load_word_pair(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texel_pairs[target], int(index)).xy;
+        return texelFetch(target_texels[target], int(index)).xy;
 #endif
     if (GPU_ACCESS)
         return target_pairs[target].words[index];
@@ -97,7 +97,7 @@ uvec4 load_word_four(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return imageLoad(target_texel_fours[target], int(index));
+        return texelFetch(target_texels[target], int(index));
 #endif
     return target_fours[target].words[index];
 }
