@@ -68,7 +68,7 @@ struct neph_rt_pass {
     const char *note;             /* what it makes, in a few words */
     struct neph_rt_shader shader; /* the readable one, which the CPU reference mirrors */
     /* Faster shaders with the same results, each for one kind of device, where `shader` does not
-     * run; {0}: it does. tests/renderer/test_realtime_passes.c compares both. */
+     * run; {0}: it does. tests/renderer/test_realtime_variants.c compares both. */
     struct neph_rt_shader variants[NEPH_RT_DEVICE_KINDS];
     struct neph_rt_condition condition; /* of being in the frame */
     /* Where one of these holds; ends early with {0}, which never does (above). The setting of the

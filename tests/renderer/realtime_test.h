@@ -75,7 +75,6 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
                    &diag);
     if (test->view.seed % 2)
         test_be_gpu(&test->device);
-    test->twin.on_gpu = test->device.kind == NEPH_RT_GPU;
     test->twin.view = &test->view;
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)

@@ -242,26 +242,6 @@ static void test_the_history_comes_from_where_things_were(void **state)
     }
 }
 
-/* A camera that looked the other way saw nothing of this, though the division by a negative depth
- * finds it a place in its picture. */
-static void test_nothing_comes_from_behind(void **state)
-{
-    struct test_passes test;
-    test_open(*state, 8, 8, 0, &test, "taa_filter=off taa_box=none");
-    test.view.has_history = 1;
-    test.view.before.forward[2] = 1.0f;
-    test.view.before.right[0] = -1.0f;
-    for (size_t i = 0; i < 64; i++) {
-        test_set(&test, RT_DEPTH, i, (float[4]){i % 2 ? 5.0f : NEPH_GPU_FAR_M});
-        test_set(&test, RT_COLOR, i, (float[4]){1.0f});
-        test_set(&test, RT_TAA_BEFORE, i, (float[4]){9.0f});
-    }
-    run(&test);
-    for (int i = 0; i < 64; i++)
-        assert_true(pixel_value(&test, RT_TAA_OUT, i % 8, i / 8, 0) == 1.0);
-    test_passes_close(&test);
-}
-
 /* 256x64 pixels of 1 m each at 128 m: numbers that float32 has exactly. */
 static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
                       struct test_passes *test)
@@ -799,7 +779,6 @@ int main(void)
         cmocka_unit_test(test_the_pass_equals_the_twin),
         cmocka_unit_test(test_the_guard_keeps_bad_numbers_out),
         cmocka_unit_test(test_the_history_comes_from_where_things_were),
-        cmocka_unit_test(test_nothing_comes_from_behind),
         cmocka_unit_test(test_a_pan_by_whole_pixels_moves_the_history_whole),
         cmocka_unit_test(test_a_cut_and_the_first_frame_take_nothing_over),
         cmocka_unit_test(test_the_filter_is_about_the_unjittered_place),
