@@ -110,6 +110,4 @@ void store_word_pair(int target, uint index, uvec2 pair)
         target_longs[target].words[index] = packUint2x32(pair);
 }
 
-const bool ON_GPU = GPU_ACCESS; // for shaders that have no variants yet
-
 #endif
