@@ -3,6 +3,7 @@
 
 #include "scenes/spelling.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
