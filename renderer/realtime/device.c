@@ -32,11 +32,6 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks)
-{
-    memcpy(device->noise.mapped, ranks, NEPH_RT_NOISE_COUNT * sizeof(*ranks));
-}
-
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag)
 {
@@ -160,7 +155,7 @@ const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *
 /* What a shader knows of a setting (realtime/shared/choices.glsl). */
 static uint32_t digit_of(int setting, float value)
 {
-    if (neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
+    if (setting >= RT_SETTING_COUNT || neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
         return (uint32_t)value;
     if (setting == RT_TAA_JITTER_LENGTH)
         return value < 15.0f ? (uint32_t)value : 15;
@@ -192,7 +187,7 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;
-    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
+    for (int s = 0; s < RT_NUMBER_COUNT && device->specialises; s++)
         if (!pass->rays || !is_of_rest(s))
             params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);
 }

@@ -13,7 +13,7 @@
 
 /* Ranks of the spatial mask of 64x64 and then of the spatiotemporal one of 64x64x32; the order of
  * renderer/blue_noise.h. */
-enum { NEPH_RT_NOISE_SPATIAL = 64 * 64, NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
+enum { NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
 
 struct neph_rt_device {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -42,9 +42,6 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
                                        uint32_t targets, const uint32_t *noise_ranks,
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);
-
-/* Other noise, NEPH_RT_NOISE_COUNT ranks, before the first pass. */
-void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks);
 
 /* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also
  * after an error. */

@@ -72,7 +72,6 @@ struct neph_rt_pass {
     int unread_resolution; /* of those in pictures that nobody reads (unread.h); 0: the same */
     bool in_quads;         /* a thread makes 2x2, the first of which may be one before the view */
     enum neph_rt_rays rays;
-    bool reads_noise; /* the masks of blue noise */
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
      * wrote: by four dispatches, or by one of blocks where the shader has them. Else, or NULL, one
      * dispatch of independent texels. */

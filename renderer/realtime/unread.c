@@ -10,7 +10,6 @@ static const struct {
     {RT_TAA_RESPONSIVE, 0.0f},
     {RT_ATROUS, 0.0f},
     {RT_HISTORY_WEIGHT, 1.0f},
-    {RT_REPROJECT_LEAST_M, 0.0f},
     {RT_JITTERED_DEPTH, 0.0f},
 };
 

@@ -28,13 +28,12 @@ static inline double test_uniform(uint64_t *seed)
     return neph_test_uniform(seed, 0.0, 1.0);
 }
 
-/* Settings at their defaults, but for skies at the article's 20 km, with "key=value key=value"
+/* Settings at their defaults, but for a sky at the article's 20 km, with "key=value key=value"
  * applied. */
 static inline struct neph_settings test_settings(const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
     settings.values[RT_SKY_M] = 20000.0;
-    settings.values[RT_OVERRIDE_SKY_M] = settings.values[RT_UPSCALE_SKY_M] = 20000.0;
     test_assign(neph_rt_options, assignments, &settings);
     return settings;
 }

@@ -42,23 +42,20 @@ static void hash_frames(struct neph_vulkan *vulkan, const char *scene_name, cons
                         char hex[NEPH_HASH_HEX_SIZE])
 {
     enum { CHANNELS_MAX = 16, PIXELS = WIDTH_PX * HEIGHT_PX };
-    struct neph_scene *scene = load(scene_name);
+    OWNED(scene) struct neph_scene *scene = load(scene_name);
     const struct neph_settings settings = test_preset(preset, "steps=16");
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
-    float *all = calloc((size_t)FRAMES * CHANNELS_MAX * PIXELS, sizeof(*all));
+    OWNED(memory) float *all = calloc((size_t)FRAMES * CHANNELS_MAX * PIXELS, sizeof(*all));
     size_t count = 0;
     struct neph_diag diag = {0};
     for (int frame = 0; frame < FRAMES; frame++) {
-        struct neph_image *image = test_next(realtime, scene, frame, NULL);
+        OWNED(image) struct neph_image *image = test_next(realtime, scene, frame, NULL);
         assert_true(image->channel_count <= CHANNELS_MAX);
         for (int c = 0; c < image->channel_count; c++, count += PIXELS)
             memcpy(all + count, image->channels[c].samples, PIXELS * sizeof(*all));
-        neph_image_destroy(image);
     }
     neph_assert_ok(neph_hash(all, count * sizeof(*all), hex, &diag), &diag);
-    free(all);
-    neph_realtime_destroy(realtime);
-    neph_scene_destroy(scene);
 }
 
 /* Scene, preset and hash of a line, when it is one of this device. */

@@ -72,6 +72,7 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
     size_t word_count = 0;
+    OWNED(memory)
     uint32_t *words = test_shader_words(shader->code, shader->code_bytes, constants, count,
                                         &word_count);
     struct module module = {.ids = calloc(words[BOUND], sizeof(*module.ids)),
@@ -80,7 +81,6 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
     for (size_t i = HEADER_WORDS; i < word_count; i += words[i] >> 16)
         take_instruction(&module, words + i);
     free(module.ids);
-    free(words);
     sum->reads |= module.reads;
     sum->writes |= module.writes;
 }
@@ -141,8 +141,7 @@ static void test_histories_have_one_shape(void **state)
     for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
         struct neph_settings settings = neph_options_default(neph_rt_options);
         struct neph_gpu_view view;
-        settings.values[RT_DEPTH_FORMAT] = settings.values[RT_COLOR_FORMAT] = format;
-        settings.values[RT_TAA_FORMAT] = format;
+        settings.values[RT_TARGET_FORMAT] = format;
         settings.values[RT_SCREEN_PERCENT] = format == RT_FORMAT_HALF ? 100 : 67;
         neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
         for (int p = 0; neph_rt_passes[p]; p++) {

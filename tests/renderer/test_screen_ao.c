@@ -63,7 +63,7 @@ static struct gap gap_to(double (*open)(struct neph_vec3 point_m), void (*set)(s
 {
     struct test_scene test;
     set(&test);
-    struct neph_image *image = screen_picture(vulkan, &test, WIDTH, HEIGHT, settings);
+    OWNED(image) struct neph_image *image = screen_picture(vulkan, &test, WIDTH, HEIGHT, settings);
     const float *ao = neph_image_channel(image, "ao.R");
     struct gap gap = {0};
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
@@ -78,7 +78,6 @@ static struct gap gap_to(double (*open)(struct neph_vec3 point_m), void (*set)(s
         gap.worst = fmax(gap.worst, off);
         gap.count++;
     }
-    neph_image_destroy(image);
     assert_true(gap.count > 35);
     gap.mean /= gap.count;
     printf("mean %.4f worst %.4f of %d: %s\n", gap.mean, gap.worst, gap.count, settings);
@@ -106,6 +105,7 @@ static void test_a_plane_is_open(void **state)
     struct test_scene test;
     set_ground(&test);
     for (int i = 0; i < neph_test_by_day(COUNT(cases) - 1, COUNT(cases)); i++) {
+        OWNED(image)
         struct neph_image *image = screen_picture(*state, &test, WIDTH, HEIGHT, cases[i].settings);
         const float *ao = neph_image_channel(image, "ao.R");
         double least = 1.0;
@@ -113,7 +113,6 @@ static void test_a_plane_is_open(void **state)
             least = fmin(least, ao[p]);
         printf("%.6f %s\n", least, cases[i].settings);
         assert_true(least >= cases[i].least && least <= cases[i].most);
-        neph_image_destroy(image);
     }
 }
 
@@ -155,6 +154,7 @@ static void test_an_orthographic_camera(void **state)
     set_wall(&test);
     test.scene.vertical_fov_rad = 0.0;
     test.scene.orthographic_height_m = 6.0;
+    OWNED(image)
     struct neph_image *image = screen_picture(*state, &test, WIDTH, HEIGHT, MANY "ao=gtao");
     const float *ao = neph_image_channel(image, "ao.R");
     int count = 0;
@@ -168,7 +168,6 @@ static void test_an_orthographic_camera(void **state)
         count++;
     }
     assert_true(count > 60);
-    neph_image_destroy(image);
 }
 
 int main(void)

@@ -88,7 +88,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
 {
     struct test_scene test;
     set_room(&test);
-    struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
+    OWNED(screening) struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT, "");
     neph_image_destroy(screen_next(screen, &test));
     const struct buffers got = {screen_read(screen, WIDTH, HEIGHT, SCREEN_DEPTH),
                                 screen_read(screen, WIDTH, HEIGHT, SCREEN_NORMAL),
@@ -103,7 +103,6 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
     free(got.normal);
     free(got.base);
     free(got.direct);
-    neph_screening_destroy(screen);
 }
 
 /* ---- no bad values --------------------------------------------------------------------------- */
@@ -137,14 +136,13 @@ static void test_no_bad_values(void **state)
     for (size_t i = 0; i < 2 * COUNT(cases); i++) {
         test.scene.vertical_fov_rad = i % 2 ? 0.0 : 0.9;
         test.scene.orthographic_height_m = i % 2 ? 4.0 : 0.0;
+        OWNED(screening)
         struct neph_screening *screen = screen_of(*state, &test, cases[i / 2].width_px,
                                                   cases[i / 2].height_px, cases[i / 2].settings);
         for (int frame = 0; frame < 3; frame++) {
-            struct neph_image *image = screen_next(screen, &test);
+            OWNED(image) struct neph_image *image = screen_next(screen, &test);
             check_image(image);
-            neph_image_destroy(image);
         }
-        neph_screening_destroy(screen);
     }
 }
 
@@ -154,7 +152,8 @@ static void test_halves_are_near(void **state)
     struct test_scene test;
     set_room(&test);
     const char *const settings = "ray_noise=off";
-    struct neph_image *full = screen_picture(*state, &test, WIDTH, HEIGHT, settings);
+    OWNED(image) struct neph_image *full = screen_picture(*state, &test, WIDTH, HEIGHT, settings);
+    OWNED(image)
     struct neph_image *half = screen_picture(*state, &test, WIDTH, HEIGHT,
                                              "ray_noise=off targets=float16");
     for (int c = 0; c < full->channel_count; c++) {
@@ -168,8 +167,6 @@ static void test_halves_are_near(void **state)
         printf("%s: %.2e\n", full->channels[c].name, off / sum);
         assert_true(off <= 0.01 * sum);
     }
-    neph_image_destroy(half);
-    neph_image_destroy(full);
 }
 
 int main(void)

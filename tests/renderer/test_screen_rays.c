@@ -71,7 +71,7 @@ static struct gap mirror_gap(struct neph_vulkan *vulkan, const char *settings)
 {
     struct test_scene test;
     set_mirror(&test);
-    struct neph_image *image = screen_picture(vulkan, &test, WIDTH, HEIGHT, settings);
+    OWNED(image) struct neph_image *image = screen_picture(vulkan, &test, WIDTH, HEIGHT, settings);
     const float *seen = neph_image_channel(image, "glossy_indirect.R"),
                 *open = neph_image_channel(image, "glossy_open");
     struct gap gap = {0};
@@ -86,7 +86,6 @@ static struct gap mirror_gap(struct neph_vulkan *vulkan, const char *settings)
     }
     printf("%d pixels, %d lost, off by %.2f %%: %s\n", gap.count, gap.lost,
            100.0 * gap.off / gap.sum, settings);
-    neph_image_destroy(image);
     return gap;
 }
 
@@ -134,6 +133,7 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
 {
     struct test_scene test;
     set_lit_wall(&test);
+    OWNED(screening)
     struct neph_screening *screen = screen_of(vulkan, &test, WIDTH, HEIGHT, settings);
     struct neph_image *image = NULL;
     for (int i = 0; i < frames; i++) {
@@ -159,7 +159,6 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
     printf("off by %.2f %%, bias %+.2f %%: %s, %d frames\n", 100.0 * off / sum, 100.0 * bias / sum,
            settings, frames);
     neph_image_destroy(image);
-    neph_screening_destroy(screen);
     return (struct floor_gap){off / sum, bias / sum};
 }
 
@@ -240,12 +239,13 @@ static void test_history_goes_with_the_surface(void **state)
     struct neph_diag diag = {0};
     set_moving(&moving);
     const struct neph_scene *scene = &moving.test.scene;
+    OWNED(screening)
     struct neph_screening *screen = screen_of(*state, &moving.test, WIDTH, HEIGHT,
                                               "gi_rays=1 gi_smooth=0 gi_history=3 ssr=off");
     for (int i = -5; i <= 1; i++)
         neph_assert_ok(neph_screening_frame(screen, scene, i, NULL, NULL, &diag), &diag);
-    float *counts = screen_read(screen, WIDTH, HEIGHT, SCREEN_GI_COUNT);
-    struct neph_scene *now = still_at(scene, 1.0), *before = still_at(scene, 0.0);
+    OWNED(memory) float *counts = screen_read(screen, WIDTH, HEIGHT, SCREEN_GI_COUNT);
+    OWNED(scene) struct neph_scene *now = still_at(scene, 1.0), *before = still_at(scene, 0.0);
     int kept[2] = {0}, forgotten[2] = {0}, fresh = 0, strange = 0;
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
         struct neph_vec3 point_m;
@@ -264,10 +264,6 @@ static void test_history_goes_with_the_surface(void **state)
     assert_true(kept[0] > 3000 && forgotten[0] < 0.03 * kept[0]);
     assert_true(kept[1] > 70 && forgotten[1] < 0.1 * kept[1]);
     assert_true(fresh > 120 && strange < 120);
-    neph_scene_destroy(before);
-    neph_scene_destroy(now);
-    free(counts);
-    neph_screening_destroy(screen);
 }
 
 int main(void)

@@ -466,6 +466,7 @@ static void test_the_mean_over_frames(void **state)
     struct neph_diag diag = {0};
     double mean[WIDTH * HEIGHT] = {0.0};
     set_things(&test);
+    OWNED(screening)
     struct neph_screening *screen = screen_of(*state, &test, WIDTH, HEIGHT,
                                               "ao=off ssr=off gi_smooth=0 gi_rays=1 gi_history=3");
     for (int frame = 1; frame <= 6; frame++) {
@@ -485,7 +486,6 @@ static void test_the_mean_over_frames(void **state)
         for (int t = 0; t < 4; t++)
             free(texels[t]);
     }
-    neph_screening_destroy(screen);
 }
 
 /* Without rays there is the sky, where it is open. */

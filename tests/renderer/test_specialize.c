@@ -168,12 +168,11 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
                        int count, uint32_t **words, size_t *size_bytes, size_t *whole_bytes)
 {
     struct neph_diag diag = {0};
-    uint32_t *whole = NULL;
+    OWNED(memory) uint32_t *whole = NULL;
     neph_assert_ok(neph_shader_unpack(code, code_bytes, &whole, whole_bytes, &diag), &diag);
     assert_true(has_open_constants(whole, *whole_bytes));
     neph_assert_ok(neph_specialize(whole, *whole_bytes, constants, count, words, size_bytes, &diag),
                    &diag);
-    free(whole);
 }
 
 static void test_valid_whatever_the_constants(void **state)
@@ -234,10 +233,9 @@ static void test_unused_goes(void **state)
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
-        uint32_t *spirv = NULL;
+        OWNED(memory) uint32_t *spirv = NULL;
         specialize(march_code, sizeof(march_code), i == 0 ? nothing : all_kinds, 12, &spirv,
                    &bytes[i], &whole_bytes);
-        free(spirv);
     }
     print_message("%zu bytes for nothing, %zu for all media\n", bytes[0], bytes[1]);
     assert_true(4 * bytes[0] < bytes[1]);
@@ -248,7 +246,7 @@ static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
     const uint32_t constants[3] = {[2] = 8};
-    uint32_t *words = NULL;
+    OWNED(memory) uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
     specialize(tracer_code, sizeof(tracer_code), constants, 3, &words, &bytes, &whole_bytes);
     bool has_size = false;
@@ -256,7 +254,6 @@ static void test_the_size_of_work_groups_stays(void **state)
         has_size |= (words[i] & 0xffff) == OP_DECORATE && words[i + 2] == BUILT_IN &&
                     words[i + 3] == WORKGROUP_SIZE;
     assert_true(has_size);
-    free(words);
 }
 
 /* Whether a module declares the capability, or has a type that needs it. */

@@ -17,10 +17,10 @@
 //   the sum of taau.comp's Gaussian.
 // - Depths of the frame before are those that the picture's pixels had, looked up, where the
 //   original scatters depths forwards; nothing is uncovered that was nearer than
-//   1 - lock_separation of all depths of 5x5 now, whatever the jitter has moved.
+//   1 - SEPARATION of all depths of 5x5 now, whatever the jitter has moved.
 // - A lock ends when its luma leaves the range of the 3x3 of the frame by 5 %; the original has a
 //   pyramid of lumas, and four frames of luma to tell flicker, which is left out.
-// - The box reaches three times as far at rest as at taa_velocity_px, and the history counts by a
+// - The box reaches three times as far at rest as at VELOCITY_PX, and the history counts by a
 //   quarter there: numbers of ours.
 // - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its
 //   own, no sharpening (sharpen=on).
@@ -112,6 +112,10 @@ float depth_then_m(ivec2 pixel, float depth_m)
     return then_m;
 }
 
+// Part of the depth by which what was seen at a place must have been nearer for its history to be
+// void.
+const float SEPARATION = 0.02;
+
 // All four texels around a place in the frame before were of something nearer than what is here.
 bool is_uncovered(ivec2 pixel, ivec2 source, vec2 before_px)
 {
@@ -120,7 +124,7 @@ bool is_uncovered(ivec2 pixel, ivec2 source, vec2 before_px)
     for (int i = 0; i < 4; i++)
         then_m = max(then_m, fetch_picture(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
     float here_m = depth_then_m(pixel, nearest_depth_m(source, 2));
-    precise float limit_m = (1.0 - setting(RT_LOCK_SEPARATION)) * here_m;
+    precise float limit_m = (1.0 - SEPARATION) * here_m;
     return then_m < limit_m;
 }
 
@@ -132,6 +136,8 @@ float luma_of(Surroundings around, int i)
     return sum;
 }
 
+const float ALIKE_RATIO = 1.05; // of lumas up to which neighbours are alike
+
 // A ridge of lumas: no three neighbours at a corner are like the middle, and all that are unlike
 // are brighter, or all darker.
 bool is_thin(Surroundings around)
@@ -141,7 +147,7 @@ bool is_thin(Surroundings around)
     uint alike = 0u;
     for (int i = 0; i < 9; i++) {
         float other = luma_of(around, i);
-        precise float most = setting(RT_LOCK_RATIO) * min(own, other);
+        precise float most = ALIKE_RATIO * min(own, other);
         if (max(own, other) <= most) {
             alike |= 1u << i;
         } else {
@@ -219,7 +225,7 @@ void main()
         colour = has_history ? history : vec3(0.0);
         seen = 0.0;
     } else if (has_history) {
-        float quickness = min(speed_px / setting(RT_TAA_VELOCITY_PX), 1.0);
+        float quickness = min(speed_px / VELOCITY_PX, 1.0);
         box_scale = 3.0 - 2.0 * quickness;
         weight = weight_before(before_px, source, quickness);
         vec3 held = mix(hold_history(history, box_of(around, colour)), history, lock.x);

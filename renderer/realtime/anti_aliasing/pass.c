@@ -8,9 +8,7 @@
         NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_MOVED)
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
-        {{{RT_COMPOSITION, RT_COMPOSITION_AUTO},                                                   \
-          {RT_COMPOSITION, RT_COMPOSITION_PASS},                                                   \
-          {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},                                               \
+        {{{RT_COMPOSITION, RT_COMPOSITION_PASS}, {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},        \
          NEPH_RT_BIT(RT_COLOR)},                                                                   \
             {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, NEPH_RT_BIT(RT_BEHIND)},                      \
             {{{RT_TAA_MEDIUM, 1}}, NEPH_RT_BIT(RT_VOLUME_DISTANCE)},                               \

@@ -9,7 +9,7 @@
 //
 // Done differently:
 // - Speed is in pixels. Unreal's is in halves of pixels (device coordinates are 2 wide), so its 40
-//   are taa_velocity_px=20.
+//   are VELOCITY_PX, 20.
 // - Catmull-Rom takes all 4x4 texels. Unreal leaves out the corners, whose weights sum to up to
 //   1/64, and divides by the rest.
 // - The variance is the mean square of deviations. Unreal's mean of squares less square of the mean
@@ -22,13 +22,12 @@
 //   others of 3x3; where there are none the history stays; where that is void too the pixel is 0. A
 //   history that is not finite is void. Colours are held to 0 .. 65504. Where the history is black
 //   the contrast law is off: its 0 / 0 would be NaN for ever after.
-// Unreal's, and off unless asked for: the anti-ghosting flag of movers (taa_antighost), the
-// responsive mask (taa_responsive), whose stencil is here where media hide what is behind, and the
-// ratio of exposures (taa_pre_exposure).
+// Unreal's, and off unless asked for: the responsive mask (taa_responsive), whose stencil is here
+// where media hide what is behind, and the ratio of exposures (taa_pre_exposure).
 // Ours, and off in what follows Unreal: with taa_age_max a pixel that is at rest and in the same
 // light, by the temporal gradient, is the mean of its frames; with taa_medium its history is looked
 // up where the medium was.
-// Left out: depth of field, and the unfiltered frame that is mixed in where a bilinear history
+// Left out: the anti-ghosting flag of movers, depth of field, and the unfiltered frame that is mixed in where a bilinear history
 // blurs. Upsampling is rt_taau.comp.
 #extension GL_GOOGLE_include_directive : require
 

@@ -104,13 +104,12 @@ bool rests()
 
 bool is_at_rest; // for all of a column; on lavapipe where that is known before (ALL_REST) alone
 
-// Nothing moves and, by the gradient, nothing changes: what is_held goes by. With taa_rest_px=0
-// nothing is at rest; without guard the box may make something of what is no number.
+// Nothing moves and, by the gradient, nothing changes: what is_held goes by. Without guard the box
+// may make something of what is no number.
 bool is_steady()
 {
-    bool is_known = is_unchanged() && is_set(RT_TAA_REST_PX) && is_set(RT_TAA_CHANGE) && guarded();
-    bool is_seen = ON_GPU && setting(RT_TAA_REST_PX) > 0.0 &&
-                   beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
+    bool is_known = is_unchanged() && is_set(RT_TAA_CHANGE) && guarded();
+    bool is_seen = ON_GPU && beyond(change(), setting(RT_TAA_CHANGE)) == 0.0;
     return is_at_rest && asks_for_change() && (is_known || is_seen);
 }
 
@@ -279,12 +278,12 @@ vec4 filtered_history(vec2 place_px)
     return vec4(history_one_by_one(ivec2(corner), way), age);
 }
 
-// How many frames a pixel of the history is the mean of. That of a mover has no age.
+// How many frames a pixel of the history is the mean of.
 float age_of(float kept)
 {
     if (!asks_for_age())
         return 0.0;
-    return kept >= 1.0 && kept != float(RT_OF_MOVER) ? min(kept, setting(RT_TAA_AGE_MAX)) : 1.0;
+    return kept >= 1.0 ? min(kept, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
 // A: its age. False when the guard finds the history void.
@@ -313,12 +312,15 @@ vec3 hold_history(vec3 history, Box box)
 
 float coverage = 1.0; // of the pixel by rays about its centre
 
+const float ALPHA_MOVING = 0.2; // weight of the frame at VELOCITY_PX and above
+const float VELOCITY_PX = 20.0; // per frame; Unreal counts halves of pixels: its 40
+
 // Weight of the frame: more when the picture moves, and enough for a step of taa_contrast of the
 // history's luma (before it was held). So a pixel whose noise is below that is not averaged.
 float frame_weight(float luma, float history_luma, float speed_px)
 {
-    float way = speed_px / setting(RT_TAA_VELOCITY_PX);
-    float alpha = mix(coverage * setting(RT_TAA_ALPHA), setting(RT_TAA_ALPHA_MOVING),
+    float way = speed_px / VELOCITY_PX;
+    float alpha = mix(coverage * setting(RT_TAA_ALPHA), ALPHA_MOVING,
                       way < 1.0 ? way : 1.0);
     if (setting(RT_TAA_CONTRAST) == 0.0 || (guarded() && !(history_luma > 0.0)))
         return alpha;
@@ -337,10 +339,13 @@ float frames_alike()
                setting(RT_TAA_JITTER_LENGTH) * lasting(of_behind.residue, limit));
 }
 
+// Motion per frame up to which a pixel is at rest; it moves from twice this on.
+const float REST_PX = 0.02;
+
 // Where it rests history has the light of this frame, by the shares that both have in the pixel.
 vec3 relit(vec3 history, ivec2 source, Film film, float speed_px)
 {
-    float motion = beyond(speed_px, setting(RT_TAA_REST_PX));
+    float motion = beyond(speed_px, REST_PX);
     bool is_same = of_medium.gain == vec3(1.0) && of_behind.gain == vec3(1.0);
     bool is_idle = is_same || (ON_GPU && motion == 1.0);
     if (!asks_for_change() || !is_set(RT_RELIGHT) || !film.has_own || is_idle)
@@ -357,7 +362,7 @@ float unrest(float speed_px)
 {
     if (!asks_for_change())
         return 1.0;
-    return max(beyond(speed_px, setting(RT_TAA_REST_PX)),
+    return max(beyond(speed_px, REST_PX),
                beyond(change(), setting(RT_TAA_CHANGE)));
 }
 
@@ -414,7 +419,7 @@ float round_by_bits(float value, uint number)
 
 vec3 round_to_format(vec3 colour, ivec2 pixel)
 {
-    if (choice(RT_TAA_FORMAT) != RT_FORMAT_HALF ||
+    if (choice(RT_TARGET_FORMAT) != RT_FORMAT_HALF ||
         choice(RT_TAA_ROUNDING) != RT_ROUNDING_STOCHASTIC)
         return colour;
     // The hash's first number is the white dither's (renderer/dither.h).
@@ -425,26 +430,6 @@ vec3 round_to_format(vec3 colour, ivec2 pixel)
     vec3 numbers = uniform_from(bits);
     return vec3(round_by_chance(colour.r, numbers.x), round_by_chance(colour.g, numbers.y),
                 round_by_chance(colour.b, numbers.z));
-}
-
-// --- the anti-ghosting flag --------------------------------------------------------------------
-
-bool flags_movers() { return follows_solids() && choice(RT_TAA_ANTIGHOST) != 0; }
-
-// Whether the source or one of the four next to it is of a solid that may move.
-bool is_at_mover(ivec2 source)
-{
-    for (int i = 0; i < 9; i++)
-        if (is_counted(PLUS, i) && fetch_full(RT_MOVED, source + offset_of(i)).a != 0.0)
-            return true;
-    return false;
-}
-
-// What a mover leaves behind: its colours are no history of what was behind it.
-bool is_ghost(bool at_mover, vec2 before_px)
-{
-    return flags_movers() && !at_mover &&
-           fetch_picture(RT_TAA_BEFORE, ivec2(floor(before_px))).a == float(RT_OF_MOVER);
 }
 
 // --- the responsive mask ------------------------------------------------------------------------
@@ -465,9 +450,8 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
     float speed_px;
     vec4 found; // RGB, age
     vec3 colour = film.colour;
-    bool at_mover = flags_movers() && is_at_mover(source);
     bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
-                       !is_ghost(at_mover, before_px) && fetch_history(before_px, found);
+                       fetch_history(before_px, found);
     vec3 history = found.rgb;
     float age = has_history ? found.a : asks_for_age() ? 1.0 : 0.0;
     if (!film.is_any) {
@@ -488,7 +472,7 @@ vec4 resolved(ivec2 pixel, ivec2 source, Film film)
     }
     if (!(ON_GPU && guarded()))
         colour = hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX));
-    return vec4(guard(colour), at_mover ? float(RT_OF_MOVER) : age);
+    return vec4(guard(colour), age);
 }
 
 #endif

@@ -12,7 +12,6 @@ const struct neph_rt_pass neph_rt_ray_march = {
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_QUARTER,
     .rays = NEPH_RT_RAYS_THROUGH_MEDIA,
-    .reads_noise = true,
     .reads = NEPH_RT_BIT(RT_TILE) | NEPH_RT_BIT(RT_HALF_DEPTH),
     .writes = NEPH_RT_BIT(RT_RAY) | NEPH_RT_BIT(RT_RAY_DISTANCE),
 };

@@ -12,7 +12,7 @@
 //
 // What the settings keep of the article's faults:
 // - box_centre = off: the tile's own ray is left out of the clamping box.
-// - box_least = 0: a box of one ray erases the history.
+// - a box of one ray erases the history.
 // - edge_tiles = dropped: neighbours end one tile early in sizes that are no multiple of 4.
 // - gather = normalised: the depths of six neighbours are found by normalised coordinates, which in
 //   such sizes come to the next tile after two thirds of the image.
@@ -220,14 +220,8 @@ bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool 
 
 void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
 {
-    int count = 0;
-    [[unroll]] for (int i = 0; i < 9; i++) {
+    [[unroll]] for (int i = 0; i < 9; i++)
         in_box[i] = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
-        count += int(in_box[i]);
-    }
-    if (count < int(setting(RT_BOX_LEAST)))
-        [[unroll]] for (int i = 0; i < 9; i++)
-            in_box[i] = ray_at(i).is_usable;
 }
 
 void extend_by_rays(inout Box box, int space)
@@ -252,7 +246,7 @@ void extend_by_variance(inout Box box, int space)
             vec4 difference = to_space(space, ray_at(i).value) - mean;
             variance += difference * difference;
         }
-    vec4 half_width = setting(RT_BOX_SIGMA) * sqrt(variance / count);
+    vec4 half_width = sqrt(variance / count);
     extend(box, mean - half_width);
     extend(box, mean + half_width);
 }
@@ -464,9 +458,9 @@ vec4 stand_in(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
 // --- the result ---------------------------------------------------------------------------------
 
 // Sound values stay sound when they are kept in halves.
-float kept(int format_setting, float value)
+float kept(float value)
 {
-    bool is_too_large = format_choice(format_setting) == RT_FORMAT_HALF && checks_validity() &&
+    bool is_too_large = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF && checks_validity() &&
                         value > HALF_MAX;
     return is_too_large ? HALF_MAX : value;
 }
@@ -474,9 +468,9 @@ float kept(int format_setting, float value)
 void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
 {
     for (int c = 0; c < 4; c++)
-        value[c] = kept(RT_COLOR_FORMAT, value[c]);
+        value[c] = kept(value[c]);
     put_half(RT_HISTORY, half_pixel, value);
-    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(RT_DEPTH_FORMAT, distance_m), 0.0, 0.0));
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, kept(distance_m), 0.0, 0.0));
 }
 
 // That of a tile which has a ray in this frame. Where nothing changes the others stay as they are,

@@ -65,7 +65,8 @@ struct Target {
 layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];
-    float settings[RT_SETTING_COUNT]; // as in the table of options; choices as whole numbers
+    // As in the table of options, choices as whole numbers; then what the pipeline chooses.
+    float settings[RT_NUMBER_COUNT];
     uint seed;
     uint frame;       // of the sequence that the pipeline has seen, from 0: phase and dither
     uint has_history; // 0 in the first frame, after a resize, and after a cut if cut_reset
@@ -149,7 +150,7 @@ ViewCamera of_thread(ViewCamera camera)
 // The view once more, read at the start of main(): there lavapipe knows that all threads are at
 // work, and reads for all at once. Behind a return or a branch it reads for one after the other.
 ViewCamera view_now = of_thread(view.now), view_before = of_thread(view.before);
-float settings[RT_SETTING_COUNT] = view.settings;
+float settings[RT_NUMBER_COUNT] = view.settings;
 ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
 ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
 ivec2 picture_px = ivec2(view.picture_px[0], view.picture_px[1]);
@@ -170,15 +171,6 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 #define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
-// A choice by an index that is no constant, which only formats need. It names these three and not
-// all settings: a kernel is made anew for each setting that its shader names.
-int format_choice(int index)
-{
-    return index == RT_DEPTH_FORMAT ? choice(RT_DEPTH_FORMAT)
-         : index == RT_COLOR_FORMAT ? choice(RT_COLOR_FORMAT)
-         : index == RT_TAA_FORMAT   ? choice(RT_TAA_FORMAT)
-                                    : int(settings[index]);
-}
 float setting(int index) { return of_thread(settings[index]); } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
 #define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
@@ -196,7 +188,7 @@ vec3 wind_m() { return moved_by_wind_m; }
 const float HALF_MAX = 65504.0;
 
 struct TargetRow {
-    int resolution, setting, half_format, float_format;
+    int resolution, half_format, float_format;
 };
 
 const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
@@ -204,7 +196,7 @@ const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 int format_of(int target)
 {
     TargetRow row = TARGETS[target];
-    bool is_half = row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF;
+    bool is_half = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF;
     return is_half ? row.half_format : row.float_format;
 }
 

@@ -93,10 +93,15 @@ void fetch_area_depths()
     barrier();
 }
 
+// What Unreal makes of a depth buffer's 0, which the article reads here [m].
+const float OVERRIDE_SKY_M = 1e6;
+// Relative difference of depth up to which a neighbouring ray stands for a depth: the article's.
+const float OVERRIDE_DEPTH = 0.25;
+
 float compared_depth_m(float depth_m)
 {
     float sky_m = choice(RT_FAR) == RT_FAR_INFINITE ? uintBitsToFloat(0x7f800000u)
-                                                    : setting(RT_OVERRIDE_SKY_M);
+                                                    : OVERRIDE_SKY_M;
     return is_sky(depth_m) ? sky_m : depth_m;
 }
 
@@ -104,7 +109,7 @@ float compared_depth_m(float depth_m)
 bool covers(float ray_m, float depth_m)
 {
     precise float difference_m = abs(depth_m - ray_m);
-    precise float allowed_m = setting(RT_OVERRIDE_DEPTH) * ray_m;
+    precise float allowed_m = OVERRIDE_DEPTH * ray_m;
     bool are_finite = choice(RT_FAR) != RT_FAR_INFINITE || (is_finite(ray_m) && is_finite(depth_m));
     return are_finite && difference_m < allowed_m;
 }

@@ -12,7 +12,6 @@ const struct neph_rt_pass neph_rt_upscale = {
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_FULL,
     .in_quads = true,
-    .reads_noise = true,
     .reads = NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HISTORY) |
              NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE) |
              NEPH_RT_BIT(RT_BEHIND),
@@ -20,9 +19,7 @@ const struct neph_rt_pass neph_rt_upscale = {
                {{{RT_ATROUS, 1}}, NEPH_RT_BIT(RT_HISTORY_BEFORE)},
                {{{RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},
                 NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_COLOR)},
-               {{{RT_STEADY, RT_STEADY_AUTO},
-                 {RT_STEADY, RT_STEADY_UNASKED},
-                 {RT_STEADY, RT_STEADY_KNOWN}},
+               {{{RT_STEADY, RT_STEADY_ASKED}, {RT_STEADY, RT_STEADY_KNOWN}},
                 NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE)}},
     .writes = NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) | NEPH_RT_BIT(RT_COLOR),
     .picture = RT_COLOR,

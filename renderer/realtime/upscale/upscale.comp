@@ -37,10 +37,10 @@
 //   square     3x3 texels about the place with weights exp(-d^2) / (difference +
 //              upscale_tolerance_m), d the distance in place (Unity HDRP's BilUpColor3x3)
 //
-// Depths are compared as in the reconstruction, but with a sky at upscale_sky_m: solids end at
+// Depths are compared as in the reconstruction, but with a sky at 1000 km: solids end at
 // ray_depth_max_m if clamp_pixel_depth is on. Pixel and taps have the same limits, so that no ridge
 // is taken for sky because only one of both was limited. Without the limit a ridge within
-// upscale_depth of upscale_sky_m is. With upscale_same_kind no tap of the sky counts on a solid,
+// upscale_depth of that is. With upscale_same_kind no tap of the sky counts on a solid,
 // nor the other way round, as long as there are others.
 //
 // With upscale_contrast > 0 depth matters only where the transmittances of the taps differ by more
@@ -153,11 +153,13 @@ vec2 shift_px(ivec2 pixel)
 
 // --- the taps -----------------------------------------------------------------------------------
 
+const float UPSCALE_SKY_M = 1e6; // depth of the sky in the upscale
+
 float compared_depth_m(float eye_m)
 {
     if (choice(RT_CLAMP_PIXEL_DEPTH) != 0)
-        return limited_depth_m(eye_m, setting(RT_UPSCALE_SKY_M));
-    return is_sky(eye_m) ? setting(RT_UPSCALE_SKY_M) : eye_m;
+        return limited_depth_m(eye_m, UPSCALE_SKY_M);
+    return is_sky(eye_m) ? UPSCALE_SKY_M : eye_m;
 }
 
 bool is_square() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE; }
@@ -192,7 +194,7 @@ float place_weight(ivec2 at, vec2 fraction)
 
 // What is rounded to halves needs no hold: what a sum in float32 is off by is less than half a step
 // of theirs. Taps that are not used are 0.
-bool rounds_to_halves() { return ON_GPU && choice(RT_COLOR_FORMAT) == RT_FORMAT_HALF; }
+bool rounds_to_halves() { return ON_GPU && choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF; }
 
 Tap fetch_tap(ivec2 texel)
 {
