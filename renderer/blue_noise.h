@@ -4,10 +4,10 @@
  * by scripts/make_blue_noise.c. A seed shifts both masks.
  *
  * A mask is a stack of slices, one a frame, each a torus of 64x64 pixels that holds every rank
- * 0 .. 4095 once. Any threshold of it is a blue-noise set of pixels. The spatial mask has one slice,
- * the spatiotemporal mask 32, after which the first follows again. In the file the first
- * three slices are R, G and B of the uppermost 64x64 pixels, the spatial mask is R; the next three
- * slices stand below, and so on. A rank is a value of 12 bits.
+ * 0 .. 4095 once. Any threshold of a slice is a blue-noise set of pixels. The spatial mask has one
+ * slice, the spatiotemporal mask 32, after which the first follows again. In the file the first
+ * three slices are R, G and B of the uppermost 64x64 pixels, and R is the spatial mask; the next
+ * three slices stand below, and so on. A rank is a value of 12 bits.
  *
  * Method: void and cluster (R. Ulichney, "The void-and-cluster method for dither array
  * generation", Proc. SPIE 1913, 1993), over all voxels of the stack at once. The energy of a voxel
@@ -18,9 +18,10 @@
  *   exp(-dt^2 / (2 sigma^2))            for voxels of the same pixel, sigma = 1.9 frames,
  *   0                                   for all others,
  *
- * with all distances on the torus (Ulichney has a sigma of 1.5). One slice is Ulichney's own method.
- * One thing is ours: the rank of a voxel is its place among the voxels of its slice, not among all,
- * so that every frame has exactly the same histogram: the mean of a whole tile does not flicker.
+ * with all distances on the torus (Ulichney has a sigma of 1.5). For one slice that is Ulichney's
+ * method. One thing is ours: the rank of a voxel is its place among the voxels of its slice, not
+ * among all, so that every frame has exactly the same histogram: the mean of a whole tile does not
+ * flicker.
  */
 #ifndef NEPH_RENDERER_BLUE_NOISE_H
 #define NEPH_RENDERER_BLUE_NOISE_H

@@ -2,6 +2,7 @@
 #include "renderer/requirements.h"
 
 #include "renderer/kernel.h"
+#include "renderer/realtime/shared/names.h"
 
 #include "shaders/structs.h"
 
@@ -45,6 +46,9 @@ static const struct neph_requirement rows[] = {
      NULL},
     {"shaderInt64", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED_OF_CPU, FACT(features.shaderInt64), 1,
      "two words of a buffer that a CPU writes at once", NULL},
+    {"maxPerStageDescriptorSampledImages", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED_OF_CPU,
+     FACT(limits.maxPerStageDescriptorSampledImages), RT_TARGET_COUNT,
+     "the targets of realtime once more, as texels", NULL},
     {"timestampValidBits", NEPH_REQUIREMENT_LEAST, NEPH_OPTIONAL, FACT(timestamp_bits), 1,
      "the time that a device takes",
      "frames have no time of the device, and long marches are split by the count of their steps"},

@@ -171,9 +171,10 @@ const struct neph_field neph_scene_fields[] = {
      .hashing = NEPH_NOT_HASHED},
     {"gates", NEPH_LIST, SCENE(gates), .most = GATES_MAX, .count_at = SCENE(gate_count),
      .record = &gate_record, .standard = "none", .hashing = NEPH_NOT_HASHED},
-    {"failure", NEPH_RECORD, SCENE(failing), .note = "how methods fail over time, see Failures",
-     .record = &neph_failing_record, .standard = "none", .hashing = NEPH_NOT_HASHED},
-    {"inject", NEPH_RECORD, SCENE(injections),
+    {"failure", NEPH_RECORD, offsetof(struct neph_written_scene, failing),
+     .note = "how methods fail over time, see Failures", .record = &neph_failing_record,
+     .standard = "none", .hashing = NEPH_NOT_HASHED},
+    {"inject", NEPH_RECORD, offsetof(struct neph_written_scene, injections),
      .note = "what is put into a running renderer, see Injections",
      .record = &neph_injection_record, .standard = "none", .hashing = NEPH_NOT_HASHED},
     {"solids", NEPH_LIST, offsetof(struct neph_written_scene, solids),
@@ -216,6 +217,8 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
     struct neph_scene *scene = &written->scene;
     char *stem = neph_scene_name_of(path);
     scene->path = neph_arena_text(reader->arena, path);
+    scene->failing = &written->failing;
+    scene->injections = &written->injections;
     enum neph_status status = stem && !reader->arena->is_short ? check_names(reader, scene, stem)
                                                                : neph_fail_memory(reader->diag);
     free(stem);
@@ -308,7 +311,7 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
 enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point,
                                        struct neph_scene **made, struct neph_diag *diag)
 {
-    const struct swept swept = {&scene->failing, point};
+    const struct swept swept = {scene->failing, point};
     return load_file(scene->path, &swept, made, diag);
 }
 

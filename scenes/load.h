@@ -5,7 +5,9 @@
 #ifndef NEPH_SCENES_LOAD_H
 #define NEPH_SCENES_LOAD_H
 
+#include "scenes/failing.h"
 #include "scenes/fields.h"
+#include "scenes/injection.h"
 #include "scenes/scene.h"
 
 /* The scene comes first: freeing it frees all. */
@@ -16,6 +18,8 @@ struct neph_written_scene {
     struct neph_wind_key wind;
     int solid_count;
     struct neph_written_solid *solids; /* fences are one */
+    struct neph_failing failing;
+    struct neph_injections injections;
 };
 
 /* All keys of a scene file, read into a struct neph_written_scene. */

@@ -146,7 +146,7 @@ const struct neph_record neph_injection_record = {.size = sizeof(struct neph_inj
 enum neph_status neph_check_injections(const struct neph_reader *reader,
                                        const struct neph_scene *scene)
 {
-    const struct neph_injections *injections = &scene->injections;
+    const struct neph_injections *injections = scene->injections;
     if (injections->mirror.count > 0 && scene->orthographic_height_m > 0.0)
         return neph_refuse(reader, "inject.mirror",
                            "an orthographic camera has no mirrored one: motion vectors know "

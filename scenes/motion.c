@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/motion.h"
 
+#include "scenes/injection.h"
 #include "scenes/keys.h"
 #include "scenes/load.h"
 #include "scenes/media.h"
@@ -306,7 +307,7 @@ static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
 /* Whether solids are its own, so that they can be moved. */
 static bool has_own_solids(const struct neph_scene *scene)
 {
-    return scene->mover_count > 0 || scene->injections.origin_count > 0;
+    return scene->mover_count > 0 || neph_scene_injections(scene)->origin_count > 0;
 }
 
 static void place_solids(const struct neph_scene *scene, double frame, struct neph_solid *solids)

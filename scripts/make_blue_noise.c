@@ -81,8 +81,8 @@ static void set_voxel(struct field *field, int voxel, bool on)
                                                        field->frame_kernel[abs(other - slice)];
 }
 
-/* The tightest cluster of the voxels that are on (largest energy), or the largest void of those that
- * are off (smallest energy); the first of equals. */
+/* The tightest cluster of the voxels that are on (largest energy), or the largest void of those
+ * that are off (smallest energy); the first of equals. */
 static int search(const struct field *field, bool on)
 {
     int best = -1;
@@ -135,7 +135,7 @@ static void order_voxels(struct field *field)
     }
 }
 
-/* The mask in the slices of the file from `first` on; a rank is a place among the voxels of the same
+/* The mask in the slices of the file from `first` on; a rank is a place among the voxels of one
  * slice. */
 static void make_mask(struct field *field, int frames, int first, uint16_t *rgb)
 {

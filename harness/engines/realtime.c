@@ -13,6 +13,7 @@
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/injection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -185,7 +186,7 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     if (!status)
         status = label(*image, &stats, diag);
     if (!status)
-        status = label_injections(*image, &shot->scene->injections, &stats, diag);
+        status = label_injections(*image, neph_scene_injections(shot->scene), &stats, diag);
     if (!status)
         status = label_cycles(*image, &shot->settings, diag);
     if (!status)
@@ -230,6 +231,11 @@ static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *d
     return neph_realtime_watch(renderer, bad, diag);
 }
 
+static void leave_variants(void *renderer, bool leaves)
+{
+    neph_realtime_leave_variants(renderer, leaves);
+}
+
 static const struct neph_gpu_renderer gpu = {.create = create,
                                              .destroy = destroy,
                                              .resize = resize,
@@ -237,6 +243,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .submit = submit,
                                              .collect = collect,
                                              .watch = watch,
+                                             .leave_variants = leave_variants,
                                              .set_up_is_free = true};
 
 /* Where another lighting could, the reason says so. */

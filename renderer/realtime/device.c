@@ -91,8 +91,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
         return neph_fail_memory(diag);
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
-    device->on_gpu = !vulkan->description.is_cpu;
-    if (!status && device->on_gpu)
+    device->kind = vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+    if (!status && neph_rt_tuning_of(device->kind)->has_driver_halves)
         status = neph_halves_ask(vulkan, &device->native_halves, diag);
     return status ? status : create_targets(device, targets, diag);
 }
@@ -147,9 +147,8 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
 const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
                                                    const struct neph_rt_pass *pass)
 {
-    return device->has_no_variants
-               ? &pass->shader
-               : neph_rt_shader_for(pass, device->on_gpu ? NEPH_RT_GPU : NEPH_RT_CPU);
+    return device->has_no_variants ? &pass->shader
+                                   : neph_rt_shader_for(device->view, pass, device->kind);
 }
 
 /* What a shader knows of a setting (realtime/shared/choices.glsl). */
@@ -162,11 +161,12 @@ static uint32_t digit_of(int setting, float value)
     return value != 0.0f;
 }
 
-/* What stands where it stood. A GPU has fewer kernels. */
+/* What is static in the view. */
 static uint32_t rests_of(const struct neph_rt_device *device)
 {
     const bool all_rest = neph_rt_view_rests(device->view);
-    const bool air_rests = all_rest || (!device->on_gpu && neph_rt_air_rests(device->view));
+    const bool air_rests = all_rest || (neph_rt_tuning_of(device->kind)->has_air_kernels &&
+                                        neph_rt_air_rests(device->view));
     return (all_rest ? RT_RESTS_ALL : 0u) | (air_rests ? RT_RESTS_AIR : 0u);
 }
 
@@ -183,7 +183,7 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     const float *values = device->view->settings;
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
-    params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
+    params->constants[RT_GPU_ACCESS_CONSTANT] = device->kind == NEPH_RT_GPU;
     params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;

@@ -27,7 +27,7 @@ struct neph_rt_device {
     bool specialises; /* compile the choices into the shaders: faster, but a compilation (seconds on
                          lavapipe) for each set of them. Same bits. */
     bool is_dark; /* rays see transmittance alone, and have no noise (ray_march/ray_march.comp) */
-    bool on_gpu;  /* compile for one. Same bits, but for what is rounded freely. */
+    enum neph_rt_device_kind kind; /* kernels are compiled for it */
     bool has_no_variants;   /* run the readable shader of each pass, for tests and comparisons */
     uint32_t native_halves; /* NEPH_HALVES_READ, ..: what the driver may do itself; 0 on a CPU, so
                                that nobody has to be asked there. Same bits. */

@@ -134,10 +134,34 @@ static int resolution_of(const struct neph_gpu_view *view, const struct neph_rt_
                                                               : pass->resolution;
 }
 
-const struct neph_rt_shader *neph_rt_shader_for(const struct neph_rt_pass *pass,
+static bool can_run(const struct neph_gpu_view *view, const struct neph_rt_shader *variant)
+{
+    bool can = variant->code;
+    for (int i = 0; i < NEPH_RT_NEEDS_MAX && variant->needs[i].setting; i++)
+        can &= neph_rt_holds(view, variant->needs[i]);
+    return can;
+}
+
+const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view,
+                                                const struct neph_rt_pass *pass,
                                                 enum neph_rt_device_kind kind)
 {
-    return pass->variants[kind].code ? &pass->variants[kind] : &pass->shader;
+    return can_run(view, &pass->variants[kind]) ? &pass->variants[kind] : &pass->shader;
+}
+
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants)
+{
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_shader *variant = &neph_rt_passes[p]->variants[kind];
+        if (!variant->absorbs)
+            continue;
+        const struct neph_rt_condition other = variant->absorbs->done_by_other[0];
+        const bool absorbs = has_variants && can_run(view, variant) &&
+                             neph_rt_holds(view, neph_rt_passes[p]->condition) &&
+                             neph_rt_holds(view, variant->absorbs->condition);
+        view->settings[other.setting] = absorbs ? (float)other.choice : 0.0f;
+    }
 }
 
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
@@ -152,8 +176,7 @@ uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct nep
     const uint64_t width = is_picture ? view->picture_px[0]
                                       : quotient_up(view->size_px[0], (uint64_t)resolution);
     const uint64_t height = neph_rt_texel_count(view, resolution) / width;
-    const bool in_blocks = block[0] > 0 && (takes_turns(view, pass) || !pass->in_colours);
-    if (in_blocks)
+    if (block[0] > 0)
         return GROUP_THREADS * quotient_up(width, block[0]) * quotient_up(height, block[1]);
     if (takes_turns(view, pass)) /* a dispatch for each colour */
         return quotient_up(width, 2) * quotient_up(height, 2);

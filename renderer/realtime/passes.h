@@ -7,6 +7,16 @@
 #define NEPH_RENDERER_REALTIME_PASSES_H
 
 #include "renderer/realtime/layout.h"
+#include "renderer/realtime/tuning.h"
+
+/* The choice that a setting must have. */
+struct neph_rt_condition {
+    int setting, choice;
+};
+
+struct neph_rt_pass;
+
+enum { NEPH_RT_NEEDS_MAX = 3 };
 
 /* A shader that includes realtime/shared/view.glsl; 64 threads a group, along x. */
 struct neph_rt_shader {
@@ -15,14 +25,9 @@ struct neph_rt_shader {
     size_t code_bytes;
     int column;   /* texels, one below the other, that a thread writes; 0: one */
     int block[2]; /* texels that a work group writes together; {0}: texels are independent */
-};
-
-/* Devices that may have a shader of their own for a pass. */
-enum neph_rt_device_kind { NEPH_RT_CPU, NEPH_RT_GPU, NEPH_RT_DEVICE_KINDS };
-
-/* The choice that a setting must have. */
-struct neph_rt_condition {
-    int setting, choice;
+    /* Of a variant: it runs where all of these hold; ends early with {0}, which never does (below). */
+    struct neph_rt_condition needs[NEPH_RT_NEEDS_MAX];
+    const struct neph_rt_pass *absorbs; /* a pass whose targets a variant writes, too; or NULL */
 };
 
 enum { NEPH_RT_OTHERS_MAX = 3 };
@@ -66,7 +71,8 @@ struct neph_rt_pass {
      * run; {0}: it does. tests/renderer/test_realtime_passes.c compares both. */
     struct neph_rt_shader variants[NEPH_RT_DEVICE_KINDS];
     struct neph_rt_condition condition; /* of being in the frame */
-    /* Where one of these holds; ends early with {0}, which never does (above). */
+    /* Where one of these holds; ends early with {0}, which never does (above). The setting of the
+     * first is 0 but where a variant absorbs the pass. */
     struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
     int resolution;        /* RT_FULL, ..: of the texels that it makes */
     int unread_resolution; /* of those in pictures that nobody reads (unread.h); 0: the same */
@@ -127,9 +133,16 @@ uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);
 /* The targets that a pass hands on, under the names that they have in the next frame. */
 uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
 
-/* The shader of a pass on a kind of device: its variant, or the readable one. */
-const struct neph_rt_shader *neph_rt_shader_for(const struct neph_rt_pass *pass,
+/* The shader of a pass on a kind of device: its variant where the view has what that needs, or the
+ * readable one. */
+const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view,
+                                                const struct neph_rt_pass *pass,
                                                 enum neph_rt_device_kind kind);
+
+/* Set in a view which passes are done by others, because variants on this kind of device absorb them:
+ * none if the variants do not run. */
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants);
 
 /* Threads of a dispatch of a pass with one of its shaders. */
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,

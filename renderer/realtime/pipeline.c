@@ -69,6 +69,11 @@ static int choice_of(const struct neph_realtime *realtime, int setting)
     return (int)realtime->settings.values[setting];
 }
 
+static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+}
+
 /* --- passes with rays ------------------------------------------------------------------------ */
 
 /* The dispatches of one pass, cut as its rays need them. */
@@ -202,8 +207,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const bool is_cpu = realtime->vulkan->description.is_cpu;
-    const enum neph_rt_device_kind kind = is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+    const enum neph_rt_device_kind kind = kind_of(realtime->vulkan);
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
@@ -211,7 +215,7 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
-        const struct neph_rt_shader *shader = neph_rt_shader_for(pass, kind);
+        const struct neph_rt_shader *shader = neph_rt_shader_for(view, pass, kind);
         status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
                                      neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
                                      diag);
@@ -238,10 +242,10 @@ static bool follows_solids(const struct neph_realtime *realtime, const struct ne
 /* Which pass lays the volume over what is behind it. */
 static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
     const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
-    if (on_gpu)
+    if (tuning->composition == RT_COMPOSITION_TAA)
         return has_plain_taa ? RT_COMPOSITION_TAA : RT_COMPOSITION_PASS;
     return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
@@ -258,26 +262,22 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    if (on_gpu && choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
-        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
-        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
-        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-    if (on_gpu && choice_of(realtime, RT_GRADIENT) != 0)
-        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
 }
 
-/* On a GPU, where that takes no seconds. */
+/* Their kernels, where the device compiles them in no time. */
 static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
+    if (!neph_rt_tuning_of(realtime->device.kind)->prepares_kernels)
+        return NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (!pass->rays && neph_rt_holds(view, pass->condition) &&
-            !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
+            !neph_rt_is_done_by_other(view, pass))
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     }
     return status;
@@ -304,7 +304,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
-    const struct neph_injected_view *around = &scene->injections.view;
+    const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
     const int *size_px = realtime->picture_px;
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
@@ -442,6 +442,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 {
     realtime->observer = observer;
     realtime->observer_context = context;
+}
+
+void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves)
+{
+    realtime->device.has_no_variants = leaves;
+    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
 }
 
 void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
@@ -741,7 +747,7 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
 static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
                                     struct neph_scene **still, struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
     if (status)
         return status;
@@ -761,7 +767,7 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
                                        const struct neph_rt_moment **past, struct neph_diag *diag)
 {
     const struct neph_injected_history *history = neph_injected_history_at(
-        &frame->scene->injections, frame->frame);
+        neph_scene_injections(frame->scene), frame->frame);
     if (!history)
         return NEPH_OK;
     realtime->has_injected_history = true;
@@ -813,7 +819,7 @@ static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_
 static bool sees_scene_alone(const struct neph_realtime *realtime,
                              const struct neph_realtime_frame *frame)
 {
-    const struct neph_injections *in = &frame->scene->injections;
+    const struct neph_injections *in = neph_scene_injections(frame->scene);
     const enum neph_march_lighting lighting = realtime->march.lighting;
     const struct neph_shortcuts *shortcuts = &realtime->march.shortcuts;
     const int injected = in->history_count + in->ray_count + in->size_count + in->origin_count +
@@ -829,6 +835,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
                                    struct neph_diag *diag)
 {
+    const bool elides = neph_rt_tuning_of(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
     const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
     const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
@@ -840,7 +847,7 @@ static enum neph_status set_steady(struct neph_realtime *realtime,
         status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
                                          realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
+        view->settings[RT_STEADY] = !is_read && elides && neph_rt_may_be_unread(view)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
     if (!status)
@@ -871,7 +878,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
         return status;
     const struct neph_rt_moment now = moment_of(realtime, frame, still);
     made.stats = &realtime->flights[slot];
-    made.rays = neph_injected_rays_at(&frame->scene->injections, frame->frame);
+    made.rays = neph_injected_rays_at(neph_scene_injections(frame->scene), frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
@@ -962,7 +969,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
                                       struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const struct neph_injected_size *size = neph_injected_size_at(injections, frame->frame);
     const bool is_mirrored = neph_injected_mirror_at(injections, frame->frame);
     enum neph_status status = NEPH_OK;

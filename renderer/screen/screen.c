@@ -73,7 +73,7 @@ static size_t target_bytes(const struct neph_screening *screen, int target)
 /* --- making ----------------------------------------------------------------------------------- */
 
 /* What no pass that is on has in hand is one word, for the binding. */
-static unsigned targets_in_use(const struct neph_settings *settings)
+unsigned neph_screen_targets_used(const struct neph_settings *settings)
 {
     unsigned used = 0;
     for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
@@ -84,7 +84,7 @@ static unsigned targets_in_use(const struct neph_settings *settings)
 
 static enum neph_status create_buffers(struct neph_screening *screen, struct neph_diag *diag)
 {
-    screen->used = targets_in_use(&screen->params.settings);
+    screen->used = neph_screen_targets_used(&screen->params.settings);
     const struct neph_buffer_row rows[] = {
         {&screen->view, NEPH_BUFFER_UPLOAD, sizeof(struct neph_gpu_screen_view), "screen view"},
         {&screen->surfaces, NEPH_BUFFER_UPLOAD,

@@ -42,7 +42,7 @@ static inline struct neph_settings test_settings(const char *assignments)
 static inline void test_be_gpu(struct neph_rt_device *device)
 {
     struct neph_diag diag = {0};
-    device->on_gpu = true;
+    device->kind = NEPH_RT_GPU;
     neph_assert_ok(neph_halves_ask(device->vulkan, &device->native_halves, &diag), &diag);
 }
 
@@ -75,7 +75,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
                    &diag);
     if (test->view.seed % 2)
         test_be_gpu(&test->device);
-    test->twin.on_gpu = test->device.on_gpu;
+    test->twin.on_gpu = test->device.kind == NEPH_RT_GPU;
     test->twin.view = &test->view;
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)

@@ -180,9 +180,8 @@ static void test_a_seed_shifts_the_file_on_its_torus(void **state)
     free(rgb);
 }
 
-/* Two shifts are the same for one pair of seeds in 2^17, those of the spatial mask for one in 4096:
- * these 16 seeds have 16. A mask and its shift agree by chance: Poisson of mean 1 a slice, more than
- * 10 in 1e-8. */
+/* One pair of seeds in 4096 has the same shift in x and y; these 16 seeds have 16 shifts. A slice
+ * and its shift have 1 rank in common on average, by a Poisson law more than 10 in 1e-8. */
 static void test_seeds_differ(void **state)
 {
     enum { SEEDS = 16 };

@@ -88,11 +88,15 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
 /* With settings that are read and not known, on a CPU and, of passes without rays, on a GPU. */
 static struct module reflect(const struct neph_rt_pass *pass)
 {
-    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_ON_GPU_CONSTANT] = 1};
+    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_GPU_ACCESS_CONSTANT] = 1};
     struct module sum = {.reads = 0};
-    reflect_with(pass, neph_rt_shader_for(pass, NEPH_RT_CPU), NULL, 0, &sum);
+    reflect_with(pass, &pass->shader, NULL, 0, &sum);
     if (!pass->rays)
-        reflect_with(pass, neph_rt_shader_for(pass, NEPH_RT_GPU), on_gpu, RT_CONSTANT_COUNT, &sum);
+        reflect_with(pass, &pass->shader, on_gpu, RT_CONSTANT_COUNT, &sum);
+    for (int kind = 0; kind < NEPH_RT_DEVICE_KINDS; kind++)
+        if (pass->variants[kind].code)
+            reflect_with(pass, &pass->variants[kind], kind == NEPH_RT_GPU ? on_gpu : NULL,
+                         kind == NEPH_RT_GPU ? RT_CONSTANT_COUNT : 0, &sum);
     return sum;
 }
 
@@ -209,7 +213,7 @@ static void test_threads_cover_all_texels(void **state)
     assert_int_equal(neph_rt_thread_count(&view, &turns, &square), 64 * 2 * 1);
     const struct neph_rt_condition never = {RT_OVERRIDE, RT_OVERRIDE_NONE};
     const struct neph_rt_pass none = {.resolution = RT_QUARTER, .in_colours = &never};
-    assert_int_equal(neph_rt_thread_count(&view, &none, &square), 10 * 6);
+    assert_int_equal(neph_rt_thread_count(&view, &none, &plain), 10 * 6);
 }
 
 /* As many columns of every picture, of whole pixels; what is asked for is kept. */

@@ -281,7 +281,7 @@ static void test_kernels_of_a_gpu_need_no_int64(void **state)
             uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
             size_t bytes = 0, whole_bytes = 0;
             const bool is_on_gpu = variant / 2 == 1;
-            constants[RT_ON_GPU_CONSTANT] = is_on_gpu;
+            constants[RT_GPU_ACCESS_CONSTANT] = is_on_gpu;
             constants[RT_SPECIALISED_CONSTANT] = variant % 2;
             specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
                        &bytes, &whole_bytes);
@@ -298,12 +298,15 @@ enum { PACKED_HEAD = 2 + 34 };
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
     uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
+    unsigned char planes[64];
+    for (size_t i = 0; i < size_bytes; i++)
+        planes[i % 4 * (size_bytes / 4) + i / 4] = ((const unsigned char *)module)[i];
     memset(packed, 0, 64 * sizeof(*packed));
     packed[0] = (uint32_t)size_bytes;
     packed[1] = 34;
     packed[2 + 1] = UINT32_MAX;
     packed[2 + 33] = 15;
-    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, module, size_bytes),
+    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, planes, size_bytes),
                      Z_OK);
     return PACKED_HEAD * sizeof(*packed) + deflated;
 }

@@ -155,7 +155,10 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
     static const double sigma_px = 2.0;
     const int frames = (int)(10.0 / alpha);
     struct test_passes film;
-    open_plain(vulkan, alpha, words, (int[2]){WALL_PX, 1}, &film);
+    /* The frame's weight is 0.2 from 20 px on: the weight without motion that makes it `alpha`. */
+    const double quickness = speed_px / 20.0;
+    open_plain(vulkan, (alpha - 0.2 * quickness) / (1.0 - quickness), words, (int[2]){WALL_PX, 1},
+               &film);
     film.view.now.half_width = film.view.before.half_width = 1.0f;
     film.view.before.position_m[0] = -(float)speed_px;
     for (int frame = 0; frame < frames; frame++) {

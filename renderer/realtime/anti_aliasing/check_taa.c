@@ -85,7 +85,7 @@ static void test_the_pass_equals_the_twin(void **state)
         test_passes_run(&test, "anti-aliasing");
         twin_taa(&test.twin);
         compare(&test, most, start, text);
-        resting += neph_rt_view_rests(&test.view) && test.device.on_gpu;
+        resting += neph_rt_view_rests(&test.view) && test.device.kind == NEPH_RT_GPU;
         test_passes_close(&test);
     }
     assert_true(resting >= 8);

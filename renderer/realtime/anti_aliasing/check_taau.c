@@ -7,6 +7,7 @@
 #include "tests/renderer/sequence_test.h"
 
 #include "renderer/realtime/jitter.h"
+#include "scenes/injection.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
 enum { SIZES = COUNT(sizes_px) };
@@ -250,7 +251,7 @@ static void test_what_cannot_be_upsampled_says_so(void **state)
     assert_non_null(strstr(reason, "taa=on"));
     settings = test_settings("screen_percent=100 taa=off");
     assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
-    test.scene.injections.view.left_px = 4;
+    test.scene.injections = &(struct neph_injections){.view.left_px = 4};
     assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
     settings = test_settings("screen_percent=99");
     assert_false(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));

@@ -154,7 +154,8 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
     }
     reconstruct_turn(&test->view.now, 0.4, -0.3, 0.2); /* not along the axes */
     test->view.before = test->view.now;
-    if (!neph_test_is_night() && !test->device.on_gpu && test->view.settings[RT_SOLID_MOTION] != 0)
+    if (!neph_test_is_night() && test->device.kind == NEPH_RT_CPU &&
+        test->view.settings[RT_SOLID_MOTION] != 0)
         blow_by_nothing(&test->view);
     fill_at_random(test, &seed);
 }
@@ -172,13 +173,13 @@ static int cases_of(size_t size)
     return sizes_px[size][0] > 200 ? neph_test_by_day(1, 2) : neph_test_by_day(8, 16);
 }
 
-/* Keep to stand-ins for history that are a ray, and no mean of some. */
+/* Keep to fallbacks that are a ray, and no mean of some. */
 static void choose_single_rays(struct neph_settings *settings)
 {
-    static const int stand_ins[] = {RT_FALLBACK, RT_FALLBACK_REJECTED};
+    static const int fallbacks[] = {RT_FALLBACK, RT_FALLBACK_REJECTED};
     for (int i = 0; i < 2; i++)
-        if (settings->values[stand_ins[i]] > RT_FALLBACK_TILE)
-            settings->values[stand_ins[i]] = RT_FALLBACK_NEAREST;
+        if (settings->values[fallbacks[i]] > RT_FALLBACK_TILE)
+            settings->values[fallbacks[i]] = RT_FALLBACK_NEAREST;
 }
 
 /* A cut leaves nothing but rays: each half-resolution texel shows which ray it chose. */
@@ -381,7 +382,7 @@ static void test_values_are_the_twin_s(void **state)
             test_passes_run(&test, "reconstruction");
             doubtful += compare_values(&test, start);
             total += reconstruct_threads(&test);
-            resting += neph_rt_view_rests(&test.view) && test.device.on_gpu;
+            resting += neph_rt_view_rests(&test.view) && test.device.kind == NEPH_RT_GPU;
             test_passes_close(&test);
         }
     assert_true(resting >= 4);

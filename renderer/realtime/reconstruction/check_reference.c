@@ -303,9 +303,8 @@ static void clip(const struct box *box, const double seen[4], double limited[4])
     }
 }
 
-static void hold_among_rays(const struct twin *twin, struct ray rays[RAYS],
-                            const struct ray *nearest, float own_m, bool own_is_sky,
-                            double value[4])
+static void clamp_to_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
+                          float own_m, bool own_is_sky, double value[4])
 {
     if (choice(twin, RT_BOX) == RT_BOX_NONE)
         return;
@@ -493,8 +492,8 @@ static double change_at_ray(const struct twin *twin, const struct ray *ray)
 }
 
 /* At the half-resolution texel (x, y). */
-static double box_share(const struct twin *twin, int x, int y, double motion_px,
-                        const struct ray *nearest)
+static double clamp_share(const struct twin *twin, int x, int y, double motion_px,
+                          const struct ray *nearest)
 {
     const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
     float found[4];
@@ -565,7 +564,7 @@ static double ray_weight(const struct twin *twin, int kind, const struct ray *ra
            (difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M));
 }
 
-static void stand_in(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
+static void fallback(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
                      const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
 {
     const struct ray *taken = nearest, *around_it = nearest_ray(twin, rays, 1, own_m);
@@ -635,14 +634,14 @@ static void reconstruct(const struct twin *twin, int x, int y)
     double part = 1.0;
     if (!history.is_void) {
         relight(twin, x, y, history.motion_px, history.value);
-        double boxed[4];
-        memcpy(boxed, history.value, sizeof(boxed));
-        hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);
-        const double share = box_share(twin, x, y, history.motion_px, nearest);
-        if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
+        double clamped[4];
+        memcpy(clamped, history.value, sizeof(clamped));
+        clamp_to_rays(twin, rays, nearest, own_m, is_sky(depth[0]), clamped);
+        const double share = clamp_share(twin, x, y, history.motion_px, nearest);
+        if (memcmp(clamped, history.value, 3 * sizeof(*clamped)))
             part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
-            history.value[c] = blend(history.value[c], boxed[c], share);
+            history.value[c] = blend(history.value[c], clamped[c], share);
         history.age = age_after_change(twin, x, y, is_fresh, history.age);
     }
 
@@ -653,7 +652,7 @@ static void reconstruct(const struct twin *twin, int x, int y)
     memcpy(value, own, sizeof(value));
     if (history.is_void && !is_fresh) {
         const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
-        stand_in(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+        fallback(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
     } else if (is_fresh && !history.is_void) {
         age = fmin(age + 1.0, 255.0);
         blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);

@@ -21,15 +21,12 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
-// Set by who asks for it: where camera and medium rest history is in the very place, and all that
-// would find it there can be left out. On lavapipe what is not known before (ALL_REST) is spent
-// anyhow.
-bool is_at_rest = false;
-
-bool history_rests()
+// Before a static camera and in still air history is in the texel's own place, and the search for it
+// is left out. A kernel knows this before it is compiled, or it searches.
+bool is_static()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
-    return (ON_GPU || ALL_REST) && camera_rests() && air_rests() && !has_jitter;
+    return ALL_REST && !has_jitter;
 }
 
 // --- its value ----------------------------------------------------------------------------------
@@ -70,7 +67,7 @@ void add(History tap, float weight, inout Mean mean)
 // lavapipe's carries all of the mean through memory.
 History history_about(vec2 place_px)
 {
-    if (is_at_rest)
+    if (is_static())
         return history_at(ivec2(floor(0.5 * place_px)));
     vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
@@ -84,7 +81,7 @@ History history_about(vec2 place_px)
         add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
     if (!history.is_void)
-        history.value = held(mean.sum / mean.weights, mean.range);
+        history.value = clamp_to(mean.range, mean.sum / mean.weights);
     return history;
 }
 
@@ -111,7 +108,7 @@ vec2 ray_jitter_px(vec2 of_frame_px)
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     before_px = place_px;
-    if (is_at_rest)
+    if (is_static())
         return true;
     ViewLine line = view_line_at(view_now, place_px);
     bool is_parallel = view_now.is_parallel != 0u;
@@ -143,7 +140,7 @@ const float MOVED_PX = 0.125; // history is of another texel, in part
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
-    if (is_at_rest && !is_sky(depth_m)) {
+    if (is_static() && !is_sky(depth_m)) {
         expected_m = depth_m;
     } else if (!is_sky(depth_m)) {
         ViewLine line = view_line_at(view_now, place_px);

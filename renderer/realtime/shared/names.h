@@ -177,7 +177,7 @@
 // leave their counters alone (rays.glsl); whether the shaders hold the choices, and the
 // first that does (choices.glsl); how many solids the scene has, or that there are many,
 // and which of few are balls (known_solids.glsl); which of the driver's own conversions of halves
-// are taken (renderer/halves.h); whether the device is no CPU; what stands where it stood; whether
+// are taken (renderer/halves.h); which form of shared/device.glsl; what stands where it stood; whether
 // rays see transmittance alone (realtime/ray_march/ray_march.comp).
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
@@ -186,7 +186,7 @@
 #define RT_SOLIDS_CONSTANT 28
 #define RT_SOLIDS_UNKNOWN 65 // and from there on: looked at block by block
 #define RT_HALVES_CONSTANT 29
-#define RT_ON_GPU_CONSTANT 30
+#define RT_GPU_ACCESS_CONSTANT 30
 #define RT_RESTS_CONSTANT 31
 #define RT_RESTS_ALL 1u // camera, air and solids
 #define RT_RESTS_AIR 2u

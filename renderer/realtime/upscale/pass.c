@@ -5,10 +5,16 @@ static const uint32_t code[] = {
 #include "realtime/upscale/upscale.comp.inc"
 };
 
+static const uint32_t gpu_code[] = {
+#include "realtime/upscale/upscale_gpu.comp.inc"
+};
+
 const struct neph_rt_pass neph_rt_upscale = {
     .name = "upscale",
     .note = "the volume at full resolution, guided by depth",
     .shader = {"upscale", code, sizeof(code)},
+    .variants = {[NEPH_RT_GPU] = {"upscale_gpu", gpu_code, sizeof(gpu_code),
+                                  .needs = {{RT_TARGET_FORMAT, RT_FORMAT_HALF}}}},
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_FULL,
     .in_quads = true,

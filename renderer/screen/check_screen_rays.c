@@ -3,7 +3,7 @@
  * Rays through the picture against closed forms: a plane mirror, light of a wall on a floor; and
  * the mean over frames while the camera moves.
  */
-#include "tests/renderer/screen_test.h"
+#include "renderer/screen/check_screen.h"
 
 #include "scenes/motion.h"
 #include "truth/reflected.h"

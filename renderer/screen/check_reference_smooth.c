@@ -3,40 +3,40 @@
  * What takes the noise out of cells beside each other: the blur of occlusion, and the smoothing of
  * rays. At full resolution each pixel is a cell.
  */
-#include "tests/renderer/twins/screen.h"
+#include "renderer/screen/check_reference.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* A cell, the pixel that it stands for, and what that shows. */
 struct site {
-    const struct twin_screen *twin;
+    const struct reference *ref;
     int resolution;
-    struct twin_pixel cell, pixel;
+    struct reference_pixel cell, pixel;
     struct neph_vec3 point_m, normal;
 };
 
-static struct site site_of(const struct twin_screen *twin, int resolution, int x, int y)
+static struct site site_of(const struct reference *ref, int resolution, int x, int y)
 {
-    const struct twin_pixel pixel = twin_screen_pixel_in(twin, resolution, x, y);
-    return (struct site){.twin = twin,
+    const struct reference_pixel pixel = reference_pixel_in(ref, resolution, x, y);
+    return (struct site){.ref = ref,
                          .resolution = resolution,
                          .cell = {x, y},
                          .pixel = pixel,
-                         .point_m = twin_screen_surface_m(twin, pixel.x, pixel.y),
-                         .normal = twin_screen_normal(twin, pixel.x, pixel.y)};
+                         .point_m = reference_surface_m(ref, pixel.x, pixel.y),
+                         .normal = reference_normal(ref, pixel.x, pixel.y)};
 }
 
 /* A cell so many cells away; false where there is none, or the sky. */
 static bool beside(const struct site *site, int across, int down, struct site *other)
 {
-    const struct twin_screen *twin = site->twin;
+    const struct reference *ref = site->ref;
     const int x = site->cell.x + across, y = site->cell.y + down;
-    const int cell_px = twin_screen_cell_px(twin, site->resolution);
-    if (!twin_screen_is_inside(twin, cell_px * x, cell_px * y))
+    const int cell_px = reference_cell_px(ref, site->resolution);
+    if (!reference_is_inside(ref, cell_px * x, cell_px * y))
         return false;
-    *other = site_of(twin, site->resolution, x, y);
-    return !twin_screen_is_sky(twin, other->pixel.x, other->pixel.y);
+    *other = site_of(ref, site->resolution, x, y);
+    return !reference_is_sky(ref, other->pixel.x, other->pixel.y);
 }
 
 /* 1 in the plane, 0 from a slope of 1:10 on. */
@@ -50,13 +50,13 @@ static double in_plane(const struct site *site, const struct site *other)
 
 /* ---- the blur -------------------------------------------------------------------------------- */
 
-double twin_screen_blur(const struct twin_screen *twin, int x, int y)
+struct texel reference_blur(const struct reference *ref, int x, int y)
 {
-    const struct site site = site_of(twin, SCREEN_AO_RESOLUTION, x, y);
-    const int radius = (int)twin->values[SCREEN_AO_BLUR_PX], side = 2 * radius + 1;
+    const struct site site = site_of(ref, SCREEN_AO_RESOLUTION, x, y);
+    const int radius = (int)ref->values[SCREEN_AO_BLUR_PX], side = 2 * radius + 1;
     double sum = 0.0, weights = 0.0;
-    if (twin_screen_is_sky(twin, site.pixel.x, site.pixel.y))
-        return twin_screen_load(twin, SCREEN_OPEN, x, y).v[0];
+    if (reference_is_sky(ref, site.pixel.x, site.pixel.y))
+        return reference_load(ref, SCREEN_OPEN, x, y);
     for (int i = 0; i < side * side; i++) {
         const int across = i % side - radius, down = i / side - radius;
         struct site other;
@@ -64,10 +64,11 @@ double twin_screen_blur(const struct twin_screen *twin, int x, int y)
             continue;
         const double rim = (abs(across) == radius ? 0.5 : 1.0) * (abs(down) == radius ? 0.5 : 1.0);
         const double weight = rim * in_plane(&site, &other);
-        sum += weight * twin_screen_load(twin, SCREEN_OPEN, other.cell.x, other.cell.y).v[0];
+        sum += weight * reference_load(ref, SCREEN_OPEN, other.cell.x, other.cell.y).v[0];
         weights += weight;
     }
-    return sum / weights;
+    const double open = sum / weights;
+    return (struct texel){{open, open, open, open}};
 }
 
 /* ---- the smoothing --------------------------------------------------------------------------- */
@@ -75,12 +76,11 @@ double twin_screen_blur(const struct twin_screen *twin, int x, int y)
 /* How far a reflection may be taken from [px]: as far as rough metal spreads it. */
 static double reach_px(const struct site *site)
 {
-    const struct twin_screen *twin = site->twin;
-    const double roughness =
-        twin_screen_load(twin, SCREEN_NORMAL, site->pixel.x, site->pixel.y).v[3];
+    const struct reference *ref = site->ref;
+    const double roughness = reference_load(ref, SCREEN_NORMAL, site->pixel.x, site->pixel.y).v[3];
     return site->resolution == SCREEN_GI_RESOLUTION
                ? INFINITY
-               : 0.25 * roughness * roughness * twin->height_px / twin->half_height;
+               : 0.25 * roughness * roughness * ref->height_px / ref->half_height;
 }
 
 static double likeness(const struct site *site, const struct site *other)
@@ -97,25 +97,24 @@ static double likeness(const struct site *site, const struct site *other)
 static bool is_of_kind(const struct site *site)
 {
     return site->resolution == SCREEN_GI_RESOLUTION ||
-           twin_screen_has_light(site->twin, site->resolution, site->pixel.x, site->pixel.y);
+           reference_has_light(site->ref, site->resolution, site->pixel.x, site->pixel.y);
 }
 
 /* At half resolution cells without the light are left as they are. */
 static bool is_left(const struct site *site)
 {
-    const struct twin_screen *twin = site->twin;
-    const struct twin_pixel at = site->pixel;
-    return twin_screen_is_sky(twin, at.x, at.y) ||
-           (twin_screen_cell_px(twin, site->resolution) > 1 &&
-            !twin_screen_has_light(twin, site->resolution, at.x, at.y));
+    const struct reference *ref = site->ref;
+    const struct reference_pixel at = site->pixel;
+    return reference_is_sky(ref, at.x, at.y) ||
+           (reference_cell_px(ref, site->resolution) > 1 &&
+            !reference_has_light(ref, site->resolution, at.x, at.y));
 }
 
-struct texel twin_screen_smooth(const struct twin_screen *twin, int resolution, int turn, int x,
-                                int y)
+struct texel reference_smooth(const struct reference *ref, int resolution, int turn, int x, int y)
 {
     static const double b3[3] = {0.375, 0.25, 0.0625};
-    const int from = twin_screen_turned_at(resolution, turn);
-    const struct site site = site_of(twin, resolution, x, y);
+    const int from = reference_turned_at(resolution, turn);
+    const struct site site = site_of(ref, resolution, x, y);
     struct texel sum = {{0.0}};
     double weights = 0.0;
     for (int i = 0; i < 25 && !is_left(&site); i++) {
@@ -124,12 +123,12 @@ struct texel twin_screen_smooth(const struct twin_screen *twin, int resolution, 
         if (!beside(&site, across * (1 << turn), down * (1 << turn), &other) || !is_of_kind(&other))
             continue;
         const double weight = b3[abs(across)] * b3[abs(down)] * likeness(&site, &other);
-        const struct texel texel = twin_screen_load(twin, from, other.cell.x, other.cell.y);
+        const struct texel texel = reference_load(ref, from, other.cell.x, other.cell.y);
         for (int c = 0; c < 4; c++)
             sum.v[c] += weight * texel.v[c];
         weights += weight;
     }
     for (int c = 0; c < 4; c++)
         sum.v[c] /= weights > 0.0 ? weights : 1.0;
-    return weights > 0.0 ? sum : twin_screen_load(twin, from, x, y);
+    return weights > 0.0 ? sum : reference_load(ref, from, x, y);
 }

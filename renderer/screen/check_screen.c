@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The passes of the screen against their twins in double precision, pixel by pixel: occlusion by
+ * The passes of the screen against their references in double precision, pixel by pixel: occlusion by
  * all methods and its blur, indirect light, reflections, their means and smoothing, the picture; at
  * full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd
  * size.
  */
-#include "tests/renderer/screen_test.h"
-#include "tests/renderer/twins/screen.h"
+#include "renderer/screen/check_screen.h"
+#include "renderer/screen/check_reference.h"
 
 enum { WIDTH = 37, HEIGHT = 23 };
 
@@ -36,18 +36,9 @@ struct both {
     struct test_scene test;
     struct neph_settings settings;
     struct neph_screening *screen;
-    struct twin_screen twin;
+    struct reference ref;
     float *texels[SCREEN_TARGET_COUNT]; /* owned */
 };
-
-static unsigned targets_used(const struct neph_settings *settings)
-{
-    unsigned used = 0;
-    for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
-        if (neph_screen_is_on(pass, settings))
-            used |= pass->reads | pass->writes;
-    return used;
-}
 
 /* By a perspective camera, by an orthographic one, with a floor that is a mirror; with one of rough
  * metal in part and a flat hill of it, whose neighbours are nearly in a plane. */
@@ -79,19 +70,19 @@ static void render(struct neph_vulkan *vulkan, const char *settings, enum kind k
             neph_screening_frame(both->screen, &both->test.scene, 0.0, NULL, NULL, &diag), &diag);
     const struct neph_camera camera = neph_scene_camera(&both->test.scene, 0.0);
     const double half = neph_camera_half_height(&camera);
-    both->twin = (struct twin_screen){.scene = &both->test.scene,
-                                      .camera = camera,
-                                      .values = both->settings.values,
-                                      .width_px = WIDTH,
-                                      .height_px = HEIGHT,
-                                      .half_width = half * WIDTH / HEIGHT,
-                                      .half_height = half,
-                                      .frame = (unsigned)frames - 1};
+    both->ref = (struct reference){.scene = &both->test.scene,
+                                   .camera = camera,
+                                   .values = both->settings.values,
+                                   .width_px = WIDTH,
+                                   .height_px = HEIGHT,
+                                   .half_width = half * WIDTH / HEIGHT,
+                                   .half_height = half,
+                                   .frame = (unsigned)frames - 1};
     for (int t = 0; t < SCREEN_TARGET_COUNT; t++) {
-        if (!(targets_used(&both->settings) >> t & 1u))
+        if (!(neph_screen_targets_used(&both->settings) >> t & 1u))
             continue;
         both->texels[t] = screen_read(both->screen, WIDTH, HEIGHT, t);
-        both->twin.targets[t] = both->texels[t];
+        both->ref.targets[t] = both->texels[t];
     }
 }
 
@@ -104,13 +95,7 @@ static void drop(struct both *both)
 
 /* ---- one against the other ------------------------------------------------------------------- */
 
-typedef struct texel twin_of(const struct twin_screen *twin, int x, int y);
-
-static struct texel ao(const struct twin_screen *twin, int x, int y)
-{
-    const double open = twin_screen_ao(twin, x, y);
-    return (struct texel){{open, open, open, open}};
-}
+typedef struct texel reference_of(const struct reference *ref, int x, int y);
 
 /* Whether a cell of so many pixels lies in the picture. */
 static bool is_cell(int x, int y, int cell_px)
@@ -120,8 +105,8 @@ static bool is_cell(int x, int y, int cell_px)
 
 /* Pixels, or cells, off by more than float32 (or a half) leaves: where a step falls onto an edge of
  * depth or between two pixels, its last digit decides which surface is seen. */
-static int count_off(const struct both *both, int target, int cell_px, twin_of *twin, int channels,
-                     double *largest)
+static int count_off(const struct both *both, int target, int cell_px, reference_of *ref,
+                     int channels, double *largest)
 {
     const bool half = both->settings.values[SCREEN_TARGETS] == SCREEN_FLOAT16;
     const double relative = half ? 1e-3 : 1e-4, absolute = half ? 1e-3 : 1e-4;
@@ -130,7 +115,7 @@ static int count_off(const struct both *both, int target, int cell_px, twin_of *
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
         if (!is_cell(p % WIDTH, p / WIDTH, cell_px))
             continue;
-        const struct texel own = twin(&both->twin, p % WIDTH, p / WIDTH);
+        const struct texel own = ref(&both->ref, p % WIDTH, p / WIDTH);
         bool is_off = false;
         for (int c = 0; c < channels; c++) {
             const double seen = both->texels[target][4 * p + c], gap = fabs(seen - own.v[c]);
@@ -144,21 +129,21 @@ static int count_off(const struct both *both, int target, int cell_px, twin_of *
 }
 
 /* What passes at a resolution have of their cells; 0: of all pixels. */
-static void check_cells(const struct both *both, int target, int resolution, twin_of *twin,
+static void check_cells(const struct both *both, int target, int resolution, reference_of *ref,
                         int channels, int most, const char *what)
 {
     double largest;
-    const int cell_px = resolution ? twin_screen_cell_px(&both->twin, resolution) : 1;
-    const int off = count_off(both, target, cell_px, twin, channels, &largest);
+    const int cell_px = resolution ? reference_cell_px(&both->ref, resolution) : 1;
+    const int off = count_off(both, target, cell_px, ref, channels, &largest);
     printf("%s: %d of %d pixels are others, by %.3g at most\n", what, off,
            WIDTH * HEIGHT / cell_px / cell_px, largest);
     assert_true(off <= most);
 }
 
-static void check(const struct both *both, int target, twin_of *twin, int channels, int most,
+static void check(const struct both *both, int target, reference_of *ref, int channels, int most,
                   const char *what)
 {
-    check_cells(both, target, 0, twin, channels, most, what);
+    check_cells(both, target, 0, ref, channels, most, what);
 }
 
 /* ---- tests ----------------------------------------------------------------------------------- */
@@ -169,7 +154,7 @@ static void check_occlusion(struct neph_vulkan *vulkan, const char *settings, en
     char all[200];
     snprintf(all, sizeof(all), "gi=off ssr=off ao_blur_px=0 %s", settings);
     render(vulkan, all, kind, 2, &both);
-    check(&both, SCREEN_OPEN, ao, 1, WIDTH * HEIGHT / 200, settings);
+    check(&both, SCREEN_OPEN, reference_ao, 1, WIDTH * HEIGHT / 200, settings);
     drop(&both);
 }
 
@@ -192,14 +177,14 @@ static void test_occlusion(void **state)
             check_occlusion(*state, by_night[i], (enum kind)kind);
 }
 
-static struct texel gi_mean(const struct twin_screen *twin, int x, int y)
+static struct texel gi_mean(const struct reference *ref, int x, int y)
 {
-    return twin_screen_mean(twin, SCREEN_GI_RESOLUTION, x, y);
+    return reference_mean(ref, SCREEN_GI_RESOLUTION, x, y);
 }
 
-static struct texel ssr_mean(const struct twin_screen *twin, int x, int y)
+static struct texel ssr_mean(const struct reference *ref, int x, int y)
 {
-    return twin_screen_mean(twin, SCREEN_SSR_RESOLUTION, x, y);
+    return reference_mean(ref, SCREEN_SSR_RESOLUTION, x, y);
 }
 
 /* The second frame, which knows what surfaces had in the first. */
@@ -208,14 +193,14 @@ static void check_rays(struct neph_vulkan *vulkan, const char *settings, enum ki
     struct both both;
     render(vulkan, settings, kind, frames, &both);
     printf("frame %d: %s\n", frames, settings);
-    check_cells(&both, SCREEN_GI_RAW, SCREEN_GI_RESOLUTION, twin_screen_gi, 4, WIDTH * HEIGHT / 200,
+    check_cells(&both, SCREEN_GI_RAW, SCREEN_GI_RESOLUTION, reference_gi, 4, WIDTH * HEIGHT / 200,
                 "indirect light");
-    check_cells(&both, SCREEN_SSR_RAW, SCREEN_SSR_RESOLUTION, twin_screen_ssr, 4,
+    check_cells(&both, SCREEN_SSR_RAW, SCREEN_SSR_RESOLUTION, reference_ssr, 4,
                 WIDTH * HEIGHT / 200, "reflections");
     check_cells(&both, SCREEN_GI_MEAN, SCREEN_GI_RESOLUTION, gi_mean, 4, 0, "their means");
     check_cells(&both, SCREEN_SSR_MEAN, SCREEN_SSR_RESOLUTION, ssr_mean, 4, 0, "over frames");
-    check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
-    check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
+    check(&both, SCREEN_LIT, reference_lit, 4, 0, "diffuse light");
+    check(&both, SCREEN_PICTURE, reference_final, 4, 0, "picture");
     drop(&both);
 }
 
@@ -242,27 +227,27 @@ static void test_rays(void **state)
 
 /* ---- at half resolution ---------------------------------------------------------------------- */
 
-static struct texel whole_ao(const struct twin_screen *twin, int x, int y)
+static struct texel whole_ao(const struct reference *ref, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_AO_RESOLUTION, x, y);
+    return reference_whole(ref, SCREEN_AO_RESOLUTION, x, y);
 }
 
-static struct texel whole_gi(const struct twin_screen *twin, int x, int y)
+static struct texel whole_gi(const struct reference *ref, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_GI_RESOLUTION, x, y);
+    return reference_whole(ref, SCREEN_GI_RESOLUTION, x, y);
 }
 
-static struct texel whole_ssr(const struct twin_screen *twin, int x, int y)
+static struct texel whole_ssr(const struct reference *ref, int x, int y)
 {
-    return twin_screen_whole(twin, SCREEN_SSR_RESOLUTION, x, y);
+    return reference_whole(ref, SCREEN_SSR_RESOLUTION, x, y);
 }
 
 /* All pixels, of what the cells have after all else. */
 static void check_whole(const struct both *both)
 {
     check(both, SCREEN_OPEN_WHOLE, whole_ao, 4, 0, "occlusion of all");
-    check(both, twin_screen_gi_at(&both->twin), whole_gi, 4, 0, "indirect light of all");
-    check(both, twin_screen_ssr_at(&both->twin), whole_ssr, 4, 0, "reflections of all");
+    check(both, reference_gi_at(&both->ref), whole_gi, 4, 0, "indirect light of all");
+    check(both, reference_ssr_at(&both->ref), whole_ssr, 4, 0, "reflections of all");
 }
 
 #define HALF "ao_resolution=half gi_resolution=half ssr_resolution=half "
@@ -274,7 +259,7 @@ static void check_half(struct neph_vulkan *vulkan, const char *settings, enum ki
     snprintf(all, sizeof(all), HALF "ao_blur_px=0 gi_smooth=0 ssr_smooth=0 %s", settings);
     check_rays(vulkan, all, kind, frames);
     render(vulkan, all, kind, frames, &both);
-    check_cells(&both, SCREEN_OPEN, SCREEN_AO_RESOLUTION, ao, 1, 2, "occlusion");
+    check_cells(&both, SCREEN_OPEN, SCREEN_AO_RESOLUTION, reference_ao, 1, 2, "occlusion");
     check_whole(&both);
     drop(&both);
 }
@@ -293,75 +278,70 @@ static void test_half_resolution(void **state)
 
 /* ---- blur and smoothing ---------------------------------------------------------------------- */
 
-static struct texel blur(const struct twin_screen *twin, int x, int y)
+static struct texel gi_turn_0(const struct reference *ref, int x, int y)
 {
-    const double open = twin_screen_blur(twin, x, y);
-    return (struct texel){{open, open, open, open}};
+    return reference_smooth(ref, SCREEN_GI_RESOLUTION, 0, x, y);
 }
 
-static struct texel gi_turn_0(const struct twin_screen *twin, int x, int y)
+static struct texel gi_turn_1(const struct reference *ref, int x, int y)
 {
-    return twin_screen_smooth(twin, SCREEN_GI_RESOLUTION, 0, x, y);
-}
-
-static struct texel gi_turn_1(const struct twin_screen *twin, int x, int y)
-{
-    return twin_screen_smooth(twin, SCREEN_GI_RESOLUTION, 1, x, y);
+    return reference_smooth(ref, SCREEN_GI_RESOLUTION, 1, x, y);
 }
 
 /* At full resolution nobody looks at what is not metal, where weights are less than float32 has. */
-static struct texel ssr_turn(const struct twin_screen *twin, int turn, int x, int y)
+static struct texel ssr_turn(const struct reference *ref, int turn, int x, int y)
 {
-    if (twin_screen_cell_px(twin, SCREEN_SSR_RESOLUTION) > 1 ||
-        twin_screen_has_light(twin, SCREEN_SSR_RESOLUTION, x, y))
-        return twin_screen_smooth(twin, SCREEN_SSR_RESOLUTION, turn, x, y);
-    return twin_screen_load(twin, twin_screen_turned_at(SCREEN_SSR_RESOLUTION, turn + 1), x, y);
+    if (reference_cell_px(ref, SCREEN_SSR_RESOLUTION) > 1 ||
+        reference_has_light(ref, SCREEN_SSR_RESOLUTION, x, y))
+        return reference_smooth(ref, SCREEN_SSR_RESOLUTION, turn, x, y);
+    return reference_load(ref, reference_turned_at(SCREEN_SSR_RESOLUTION, turn + 1), x, y);
 }
 
-static struct texel ssr_turn_0(const struct twin_screen *twin, int x, int y)
+static struct texel ssr_turn_0(const struct reference *ref, int x, int y)
 {
-    return ssr_turn(twin, 0, x, y);
+    return ssr_turn(ref, 0, x, y);
 }
 
-static struct texel ssr_turn_1(const struct twin_screen *twin, int x, int y)
+static struct texel ssr_turn_1(const struct reference *ref, int x, int y)
 {
-    return ssr_turn(twin, 1, x, y);
+    return ssr_turn(ref, 1, x, y);
 }
 
-/* The twin's own, in place of what a later pass has written over. */
-static void put(struct both *both, int target, int resolution, twin_of *twin)
+/* The reference's own, in place of what a later pass has written over. */
+static void put(struct both *both, int target, int resolution, reference_of *ref)
 {
-    const int cell_px = twin_screen_cell_px(&both->twin, resolution);
+    const int cell_px = reference_cell_px(&both->ref, resolution);
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
         if (!is_cell(p % WIDTH, p / WIDTH, cell_px))
             continue;
-        const struct texel own = twin(&both->twin, p % WIDTH, p / WIDTH);
+        const struct texel own = ref(&both->ref, p % WIDTH, p / WIDTH);
         for (int c = 0; c < 4; c++)
             both->texels[target][4 * p + c] = (float)own.v[c];
     }
 }
 
 /* As many turns of a light as there are; one that is made whole has only its last left. */
-static void check_turns(struct both *both, int resolution, int turns, twin_of *const *twins,
+static void check_turns(struct both *both, int resolution, int turns, reference_of *const *refs,
                         const char *what)
 {
     for (int turn = 0; turn < turns; turn++) {
-        const int to = twin_screen_turned_at(resolution, turn + 1);
+        const int to = reference_turned_at(resolution, turn + 1);
         if (turn + 1 < turns && both->settings.values[resolution] == SCREEN_HALF)
-            put(both, to, resolution, twins[turn]);
+            put(both, to, resolution, refs[turn]);
         else
-            check_cells(both, to, resolution, twins[turn], 4, 0, what);
+            check_cells(both, to, resolution, refs[turn], 4, 0, what);
     }
 }
 
 /* Up to two turns. */
 static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
 {
-    static twin_of *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0, ssr_turn_1};
+    static reference_of *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0,
+                                                                              ssr_turn_1};
     struct both both;
     render(vulkan, settings, kind, 2, &both);
     printf("%s\n", settings);
-    check_cells(&both, SCREEN_OPEN_SMOOTH, SCREEN_AO_RESOLUTION, blur, 4, 0, "blur");
+    check_cells(&both, SCREEN_OPEN_SMOOTH, SCREEN_AO_RESOLUTION, reference_blur, 4, 0, "blur");
     if (both.settings.values[SCREEN_GI_RESOLUTION] == SCREEN_HALF)
         check_whole(&both);
     check_turns(&both, SCREEN_GI_RESOLUTION, (int)both.settings.values[SCREEN_GI_SMOOTH], gi,
@@ -403,17 +383,17 @@ struct found {
 /* Whether a place of the world is what its pixel shows. */
 static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct vec2 *place_px)
 {
-    const struct neph_camera *camera = &both->twin.camera;
+    const struct neph_camera *camera = &both->ref.camera;
     const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
     const struct neph_vec3 own_m = {neph_vec3_dot(way_m, camera->right),
                                     neph_vec3_dot(way_m, camera->up),
                                     neph_vec3_dot(way_m, camera->forward)};
-    *place_px = twin_screen_pixel_of(&both->twin, own_m);
+    *place_px = reference_pixel_of(&both->ref, own_m);
     const double distance_m = neph_vec3_length(way_m);
     const struct neph_hit hit = neph_scene_hit(&both->test.scene, camera->position_m,
                                                neph_vec3_scale(way_m, 1.0 / distance_m));
     return own_m.z > 0.0 && hit.solid && fabs(hit.t_m - distance_m) < 1e-6 * distance_m &&
-           twin_screen_is_inside(&both->twin, (int)floor(place_px->x), (int)floor(place_px->y));
+           reference_is_inside(&both->ref, (int)floor(place_px->x), (int)floor(place_px->y));
 }
 
 /* Against what the mirrored ray meets in truth. */
@@ -425,24 +405,23 @@ static void look_into_mirror(const struct both *both, int p, struct found *found
                                            &point_m);
     if (own.solid != &both->test.solids[0] || own.normal.y < 0.5)
         return;
-    struct neph_vec3 way = neph_vec3_normalize(
-        neph_vec3_sub(point_m, both->twin.camera.position_m));
+    struct neph_vec3 way = neph_vec3_normalize(neph_vec3_sub(point_m, both->ref.camera.position_m));
     way.y = -way.y;
     const struct neph_vec3 from_m = neph_vec3_along(point_m, own.normal, 1e-9);
     const struct neph_hit hit = neph_scene_hit(&both->test.scene, from_m, way);
     const bool is_known = hit.solid &&
                           is_shown(both, neph_vec3_along(from_m, way, hit.t_m), &place_px);
-    const bool is_met = twin_screen_mirror(&both->twin, p % WIDTH, p / WIDTH, &met_m);
+    const bool is_met = reference_mirror(&both->ref, p % WIDTH, p / WIDTH, &met_m);
     found->known += is_known;
     found->wrong += is_met && !is_known;
     if (!is_known || !is_met)
         return;
-    met_px = twin_screen_pixel_of(&both->twin, met_m);
+    met_px = reference_pixel_of(&both->ref, met_m);
     found->found++;
     found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
 }
 
-/* By the twin, which is the device's ray: nearly all that the picture can show is found, within a
+/* By the reference, which is the device's ray: nearly all that the picture can show is found, within a
  * fraction of a pixel. */
 static void test_a_mirror_finds_what_is_shown(void **state)
 {
@@ -493,8 +472,8 @@ static void test_the_picture_without_rays(void **state)
 {
     struct both both;
     render(*state, "gi=off ssr=off", PLAIN, 1, &both);
-    check(&both, SCREEN_LIT, twin_screen_lit, 4, 0, "diffuse light");
-    check(&both, SCREEN_PICTURE, twin_screen_final, 4, 0, "picture");
+    check(&both, SCREEN_LIT, reference_lit, 4, 0, "diffuse light");
+    check(&both, SCREEN_PICTURE, reference_final, 4, 0, "picture");
     drop(&both);
 }
 

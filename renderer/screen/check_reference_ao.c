@@ -2,12 +2,12 @@
  *
  * Ambient occlusion of the screen by its three methods.
  */
-#include "tests/renderer/twins/screen.h"
+#include "renderer/screen/check_reference.h"
 
 #include <math.h>
 
 struct site {
-    const struct twin_screen *twin;
+    const struct reference *ref;
     struct vec2 centre_px, noise;
     struct neph_vec3 point_m, normal, to_camera;
     double radius_m;
@@ -15,22 +15,22 @@ struct site {
 
 static bool is_orthographic(const struct site *site)
 {
-    return site->twin->camera.orthographic_height_m > 0.0;
+    return site->ref->camera.orthographic_height_m > 0.0;
 }
 
 static double setting(const struct site *site, int index)
 {
-    return site->twin->values[index];
+    return site->ref->values[index];
 }
 
 static bool seen_at(const struct site *site, struct vec2 place_px, struct neph_vec3 *point_m)
 {
     const int x = (int)floor(place_px.x), y = (int)floor(place_px.y);
-    if (!twin_screen_is_inside(site->twin, x, y) || twin_screen_is_sky(site->twin, x, y))
+    if (!reference_is_inside(site->ref, x, y) || reference_is_sky(site->ref, x, y))
         return false;
-    *point_m = twin_screen_surface_m(site->twin, x, y);
+    *point_m = reference_surface_m(site->ref, x, y);
     return setting(site, SCREEN_AO_PLACES) == SCREEN_PLACES_PIXEL ||
-           twin_screen_plane_at(site->twin, place_px, x, y, point_m);
+           reference_plane_at(site->ref, place_px, x, y, point_m);
 }
 
 static struct vec2 step(struct vec2 from, struct vec2 way, double far)
@@ -48,8 +48,8 @@ struct slice {
 
 static double to_edge_px(const struct site *site, struct vec2 way)
 {
-    const double to_x = way.x > 0.0 ? site->twin->width_px : 0.0;
-    const double to_y = way.y > 0.0 ? site->twin->height_px : 0.0;
+    const double to_x = way.x > 0.0 ? site->ref->width_px : 0.0;
+    const double to_y = way.y > 0.0 ? site->ref->height_px : 0.0;
     const double x = fabs(way.x) < 1e-6 ? NEPH_GPU_FAR_M : (to_x - site->centre_px.x) / way.x;
     const double y = fabs(way.y) < 1e-6 ? NEPH_GPU_FAR_M : (to_y - site->centre_px.y) / way.y;
     return fmax(0.0, fmin(x, y));
@@ -57,7 +57,7 @@ static double to_edge_px(const struct site *site, struct vec2 way)
 
 static double apart_px(const struct site *site, struct neph_vec3 point_m)
 {
-    const struct vec2 seen = twin_screen_pixel_of(site->twin, point_m);
+    const struct vec2 seen = reference_pixel_of(site->ref, point_m);
     return hypot(seen.x - site->centre_px.x, seen.y - site->centre_px.y);
 }
 
@@ -81,8 +81,8 @@ static struct vec2 screen_way(const struct site *site, struct neph_vec3 move)
     const bool flat = is_orthographic(site);
     const double x = flat ? move.x : (move.x * p.z - p.x * move.z) / (p.z * p.z);
     const double y = flat ? move.y : (move.y * p.z - p.y * move.z) / (p.z * p.z);
-    const struct vec2 way = {x / site->twin->half_width * site->twin->width_px,
-                             -y / site->twin->half_height * site->twin->height_px};
+    const struct vec2 way = {x / site->ref->half_width * site->ref->width_px,
+                             -y / site->ref->half_height * site->ref->height_px};
     return (struct vec2){way.x / hypot(way.x, way.y), way.y / hypot(way.x, way.y)};
 }
 
@@ -95,7 +95,7 @@ static struct slice slice_of(const struct site *site, double turn)
             neph_vec3_along(way, site->to_camera, -neph_vec3_dot(way, site->to_camera)));
     } else {
         struct neph_vec3 first, second;
-        twin_basis_across(site->to_camera, &first, &second);
+        neph_basis(site->to_camera, &first, &second);
         slice.across = neph_vec3_along(neph_vec3_scale(first, cos(M_PI * turn)), second,
                                        sin(M_PI * turn));
     }
@@ -215,7 +215,7 @@ static void add_pair(const struct site *site, struct vec2 offset_px, double sums
 
 static double unreal(const struct site *site)
 {
-    const struct twin_screen *twin = site->twin;
+    const struct reference *ref = site->ref;
     const int pairs = (int)setting(site, SCREEN_AO_DIRECTIONS);
     const double scale = (is_orthographic(site) ? 1.0 : 1.0 / site->point_m.z) * site->radius_m;
     double sums[2] = {1e-4, 1e-4};
@@ -223,8 +223,8 @@ static double unreal(const struct site *site)
         const double angle = 2.39996323 * i + 2.0 * M_PI * site->noise.x;
         const double far = sqrt((i + 0.5) / pairs) * scale * 0.5;
         add_pair(site,
-                 (struct vec2){far * twin->width_px / twin->half_width * cos(angle),
-                               far * twin->height_px / twin->half_height * sin(angle)},
+                 (struct vec2){far * ref->width_px / ref->half_width * cos(angle),
+                               far * ref->height_px / ref->half_height * sin(angle)},
                  sums);
     }
     return sums[0] / sums[1];
@@ -242,7 +242,7 @@ static double ssao(const struct site *site)
     const int count = (int)(setting(site, SCREEN_AO_DIRECTIONS) * setting(site, SCREEN_AO_STEPS));
     struct neph_vec3 first, second;
     int hidden = 0;
-    twin_basis_across(site->normal, &first, &second);
+    neph_basis(site->normal, &first, &second);
     for (int i = 0; i < count; i++) {
         const double height = fraction((i + 1) * 0.819172513);
         const double angle = 2.0 * M_PI * fraction((i + 1) * 0.671043607 + site->noise.x);
@@ -252,8 +252,7 @@ static double ssao(const struct site *site)
         point_m = neph_vec3_along(point_m, first, far * side * cos(angle));
         point_m = neph_vec3_along(point_m, second, far * side * sin(angle));
         struct neph_vec3 seen_m;
-        if (!(point_m.z > 0.0) ||
-            !seen_at(site, twin_screen_pixel_of(site->twin, point_m), &seen_m))
+        if (!(point_m.z > 0.0) || !seen_at(site, reference_pixel_of(site->ref, point_m), &seen_m))
             continue;
         hidden += seen_m.z < point_m.z * (1.0 - setting(site, SCREEN_AO_BIAS)) &&
                   site->point_m.z - seen_m.z < site->radius_m;
@@ -265,7 +264,7 @@ static double ssao(const struct site *site)
 
 static double open_share(const struct site *site)
 {
-    switch (twin_screen_choice(site->twin, SCREEN_AO)) {
+    switch (reference_choice(site->ref, SCREEN_AO)) {
     case SCREEN_AO_SSAO:
         return ssao(site);
     case SCREEN_AO_UNREAL:
@@ -275,24 +274,24 @@ static double open_share(const struct site *site)
     }
 }
 
-double twin_screen_ao(const struct twin_screen *twin, int x, int y)
+struct texel reference_ao(const struct reference *ref, int x, int y)
 {
     double open = 1.0;
-    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_AO_RESOLUTION, x, y);
-    if (!twin_screen_is_sky(twin, at.x, at.y)) {
-        const struct neph_vec3 point_m = twin_screen_surface_m(twin, at.x, at.y);
+    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_AO_RESOLUTION, x, y);
+    if (!reference_is_sky(ref, at.x, at.y)) {
+        const struct neph_vec3 point_m = reference_surface_m(ref, at.x, at.y);
         const struct site site = {
-            .twin = twin,
+            .ref = ref,
             .centre_px = {at.x + 0.5, at.y + 0.5},
-            .noise = twin->values[SCREEN_AO_NOISE] != 0.0 ? twin_screen_tiled_noise(twin, x, y)
-                                                          : (struct vec2){0.5, 0.5},
+            .noise = ref->values[SCREEN_AO_NOISE] != 0.0 ? reference_tiled_noise(ref, x, y)
+                                                         : (struct vec2){0.5, 0.5},
             .point_m = point_m,
-            .normal = twin_screen_normal(twin, at.x, at.y),
-            .to_camera = twin_screen_to_camera(twin, point_m),
-            .radius_m = twin->values[SCREEN_AO_RADIUS_M],
+            .normal = reference_normal(ref, at.x, at.y),
+            .to_camera = reference_to_camera(ref, point_m),
+            .radius_m = ref->values[SCREEN_AO_RADIUS_M],
         };
         open = fmax(0.0, fmin(1.0, open_share(&site)));
     }
-    return 1.0 -
-           twin->values[SCREEN_AO_INTENSITY] * (1.0 - pow(open, twin->values[SCREEN_AO_POWER]));
+    open = 1.0 - ref->values[SCREEN_AO_INTENSITY] * (1.0 - pow(open, ref->values[SCREEN_AO_POWER]));
+    return (struct texel){{open, open, open, open}};
 }

@@ -3,7 +3,7 @@
  * The G-buffer of the screen against the same rays in double precision, and pictures of odd sizes,
  * in either format, by either camera: no bad values.
  */
-#include "tests/renderer/screen_test.h"
+#include "renderer/screen/check_screen.h"
 
 #include "scenes/surfaces.h"
 #include "truth/reflected.h"
@@ -41,7 +41,7 @@ static void set_room(struct test_scene *test)
     last_solid(test)->surface.roughness = 0.2; /* a mirror would throw light on the others */
 }
 
-/* ---- the twin -------------------------------------------------------------------------------- */
+/* ---- the reference -------------------------------------------------------------------------------- */
 
 /* Targets of a picture. */
 struct buffers {
@@ -54,7 +54,7 @@ static bool near(double a, double b, double relative, double absolute)
 }
 
 /* Whether a pixel is what the ray in double precision finds. */
-static bool is_twin(const struct test_scene *test, const struct buffers *got, int p)
+static bool is_reference(const struct test_scene *test, const struct buffers *got, int p)
 {
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH, p / WIDTH);
@@ -96,7 +96,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
                                 screen_read(screen, WIDTH, HEIGHT, SCREEN_DIRECT)};
     int others = 0;
     for (int p = 0; p < WIDTH * HEIGHT; p++)
-        others += !is_twin(&test, &got, p);
+        others += !is_reference(&test, &got, p);
     printf("%d of %d pixels are others\n", others, WIDTH * HEIGHT);
     assert_true(others <= 2);
     free(got.depth);

@@ -2,16 +2,17 @@
  *
  * Rays through the picture: indirect light of diffuse surfaces, and reflections of metal.
  */
-#include "tests/renderer/twins/screen.h"
+#include "renderer/screen/check_reference.h"
 
 #include "scenes/lights.h"
+#include "truth/metal.h"
 
 #include <math.h>
 
 /* ---- a ray ----------------------------------------------------------------------------------- */
 
 struct ray {
-    const struct twin_screen *twin;
+    const struct reference *ref;
     int x, y; /* that it leaves */
     struct neph_vec3 from_m, direction;
     double length_m, per_from, per_to, share;
@@ -31,20 +32,20 @@ static double edge_share(double from, double to, double size)
     return fabs(way) < 1e-6 ? 1.0 : ((way > 0.0 ? size : 0.0) - from) / way;
 }
 
-static struct ray ray_of(const struct twin_screen *twin, int x, int y, struct neph_vec3 from_m,
+static struct ray ray_of(const struct reference *ref, int x, int y, struct neph_vec3 from_m,
                          struct neph_vec3 direction, double most_m)
 {
-    const bool is_flat = twin->camera.orthographic_height_m > 0.0;
-    struct ray ray = {twin, x, y, from_m, direction, .length_m = most_m};
+    const bool is_flat = ref->camera.orthographic_height_m > 0.0;
+    struct ray ray = {ref, x, y, from_m, direction, .length_m = most_m};
     if (direction.z < 0.0)
         ray.length_m = fmin(most_m, 0.99 * from_m.z / -direction.z);
     const struct neph_vec3 to_m = neph_vec3_along(from_m, direction, ray.length_m);
-    ray.from_px = twin_screen_pixel_of(twin, from_m);
-    ray.to_px = twin_screen_pixel_of(twin, to_m);
+    ray.from_px = reference_pixel_of(ref, from_m);
+    ray.to_px = reference_pixel_of(ref, to_m);
     ray.per_from = is_flat ? 1.0 : 1.0 / from_m.z;
     ray.per_to = is_flat ? 1.0 : 1.0 / to_m.z;
-    ray.share = fmax(0.0, fmin(1.0, fmin(edge_share(ray.from_px.x, ray.to_px.x, twin->width_px),
-                                         edge_share(ray.from_px.y, ray.to_px.y, twin->height_px))));
+    ray.share = fmax(0.0, fmin(1.0, fmin(edge_share(ray.from_px.x, ray.to_px.x, ref->width_px),
+                                         edge_share(ray.from_px.y, ray.to_px.y, ref->height_px))));
     return ray;
 }
 
@@ -63,19 +64,19 @@ static double behind_m(const struct ray *ray, double share, int *x, int *y, doub
     *depth_m = ray->from_m.z + along_m(ray, share) * ray->direction.z;
     *x = (int)floor(place.x);
     *y = (int)floor(place.y);
-    if (!twin_screen_is_inside(ray->twin, *x, *y) || (*x == ray->x && *y == ray->y) ||
-        twin_screen_is_sky(ray->twin, *x, *y))
+    if (!reference_is_inside(ray->ref, *x, *y) || (*x == ray->x && *y == ray->y) ||
+        reference_is_sky(ray->ref, *x, *y))
         return -NEPH_GPU_FAR_M;
-    return *depth_m - (twin_screen_plane_at(ray->twin, place, *x, *y, &seen_m)
+    return *depth_m - (reference_plane_at(ray->ref, place, *x, *y, &seen_m)
                            ? seen_m.z
-                           : twin_screen_depth_m(ray->twin, *x, *y));
+                           : reference_depth_m(ray->ref, *x, *y));
 }
 
 /* From before a surface to behind it by halves. */
 static double refine(const struct ray *ray, double before, struct meeting *met, double *behind,
                      double gap_m)
 {
-    for (int i = 0; i < twin_screen_choice(ray->twin, SCREEN_RAY_REFINE); i++) {
+    for (int i = 0; i < reference_choice(ray->ref, SCREEN_RAY_REFINE); i++) {
         const double middle = 0.5 * (before + *behind);
         int x, y;
         double depth_m;
@@ -94,10 +95,9 @@ static double refine(const struct ray *ray, double before, struct meeting *met, 
 
 static struct neph_vec3 meeting_m(const struct ray *ray, int x, int y, double share)
 {
-    const struct neph_vec3 normal = twin_screen_normal(ray->twin, x, y);
+    const struct neph_vec3 normal = reference_normal(ray->ref, x, y);
     const double falling = neph_vec3_dot(normal, ray->direction), at_m = along_m(ray, share);
-    const struct neph_vec3 way_m = neph_vec3_sub(twin_screen_surface_m(ray->twin, x, y),
-                                                 ray->from_m);
+    const struct neph_vec3 way_m = neph_vec3_sub(reference_surface_m(ray->ref, x, y), ray->from_m);
     const double meets_m = falling < 0.0 ? neph_vec3_dot(normal, way_m) / falling : at_m;
     return neph_vec3_along(ray->from_m, ray->direction,
                            meets_m > 0.0 && meets_m < 1.5 * at_m ? meets_m : at_m);
@@ -105,7 +105,7 @@ static struct neph_vec3 meeting_m(const struct ray *ray, int x, int y, double sh
 
 static struct meeting march(const struct ray *ray, int steps, double offset)
 {
-    const double *values = ray->twin->values;
+    const double *values = ray->ref->values;
     const double way_px = ray->share *
                           hypot(ray->to_px.x - ray->from_px.x, ray->to_px.y - ray->from_px.y);
     const double power = values[SCREEN_RAY_STEP_POWER];
@@ -131,9 +131,9 @@ static struct meeting march(const struct ray *ray, int steps, double offset)
     return (struct meeting){.is_found = false};
 }
 
-static double offset_of(const struct twin_screen *twin, int x, int y, uint32_t salt, uint32_t index)
+static double offset_of(const struct reference *ref, int x, int y, uint32_t salt, uint32_t index)
 {
-    return twin->values[SCREEN_RAY_NOISE] != 0.0 ? twin_screen_ray_noise(x, y, salt, index).x : 0.0;
+    return ref->values[SCREEN_RAY_NOISE] != 0.0 ? reference_ray_noise(x, y, salt, index).x : 0.0;
 }
 
 /* ---- light of what is met -------------------------------------------------------------------- */
@@ -148,9 +148,9 @@ static struct neph_vec3 times(struct neph_vec3 a, struct neph_vec3 b)
     return (struct neph_vec3){a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
-static struct neph_vec3 in_world(const struct twin_screen *twin, struct neph_vec3 v)
+static struct neph_vec3 in_world(const struct reference *ref, struct neph_vec3 v)
 {
-    const struct neph_camera *camera = &twin->camera;
+    const struct neph_camera *camera = &ref->camera;
     return neph_vec3_along(neph_vec3_along(neph_vec3_scale(camera->right, v.x), camera->up, v.y),
                            camera->forward, v.z);
 }
@@ -158,18 +158,6 @@ static struct neph_vec3 in_world(const struct twin_screen *twin, struct neph_vec
 static double masking(double alpha, double cosine)
 {
     return 2.0 / (1.0 + sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)));
-}
-
-static double metal_per_sr(double alpha, struct neph_vec3 normal, struct neph_vec3 in,
-                           struct neph_vec3 out)
-{
-    const double cos_in = neph_vec3_dot(normal, in), cos_out = neph_vec3_dot(normal, out);
-    if (!(alpha > 0.0 && cos_in > 0.0 && cos_out > 0.0))
-        return 0.0;
-    const struct neph_vec3 half = neph_vec3_normalize(neph_vec3_add(in, out));
-    const double fall = pow(neph_vec3_dot(normal, half), 2.0) * (alpha * alpha - 1.0) + 1.0;
-    return alpha * alpha / (M_PI * fall * fall) * masking(alpha, cos_in) * masking(alpha, cos_out) /
-           (4.0 * cos_in * cos_out);
 }
 
 /* Light number `light` at a place of the world. */
@@ -184,100 +172,101 @@ static struct neph_lit lit_by(const struct neph_scene *scene, unsigned light,
                                                         : (struct neph_rgb){0.0, 0.0, 0.0}};
 }
 
-static uint32_t lights_of(const struct twin_screen *twin, int x, int y)
+static uint32_t lights_of(const struct reference *ref, int x, int y)
 {
     union {
         float number;
         uint32_t bits;
-    } marks = {twin->targets[SCREEN_MARKS][4 * (y * twin->width_px + x)]};
+    } marks = {ref->targets[SCREEN_MARKS][4 * (y * ref->width_px + x)]};
     return marks.bits;
 }
 
-static struct neph_vec3 direct_into(const struct twin_screen *twin, struct neph_vec3 direction,
-                                    int x, int y)
+static struct neph_vec3 direct_into(const struct reference *ref, struct neph_vec3 direction, int x,
+                                    int y)
 {
-    const struct texel base = twin_screen_load(twin, SCREEN_BASE, x, y);
-    const double roughness = twin_screen_load(twin, SCREEN_NORMAL, x, y).v[3];
+    const struct texel base = reference_load(ref, SCREEN_BASE, x, y);
+    const double roughness = reference_load(ref, SCREEN_NORMAL, x, y).v[3];
     struct neph_vec3 sum = {0.0, 0.0, 0.0};
-    if (!(base.v[3] > 0.0) || twin->values[SCREEN_RAY_METAL] == SCREEN_METAL_CAMERA)
-        return rgb_of(twin_screen_load(twin, SCREEN_DIRECT, x, y));
-    const struct neph_vec3 normal = in_world(twin, twin_screen_normal(twin, x, y));
-    const struct neph_vec3 point_m = neph_vec3_add(
-        twin->camera.position_m, in_world(twin, twin_screen_surface_m(twin, x, y)));
-    const struct neph_vec3 out = neph_vec3_scale(in_world(twin, direction), -1.0);
-    for (unsigned i = 0; i <= (unsigned)twin->scene->light_count; i++) {
-        const struct neph_lit lit = lit_by(twin->scene, i, point_m);
+    if (!(base.v[3] > 0.0) || ref->values[SCREEN_RAY_METAL] == SCREEN_METAL_CAMERA)
+        return rgb_of(reference_load(ref, SCREEN_DIRECT, x, y));
+    const struct neph_vec3 normal = in_world(ref, reference_normal(ref, x, y));
+    const struct neph_vec3 point_m = neph_vec3_add(ref->camera.position_m,
+                                                   in_world(ref, reference_surface_m(ref, x, y)));
+    const struct neph_vec3 out = neph_vec3_scale(in_world(ref, direction), -1.0);
+    for (unsigned i = 0; i <= (unsigned)ref->scene->light_count; i++) {
+        const struct neph_lit lit = lit_by(ref->scene, i, point_m);
         const struct neph_rgb light = lit.irradiance_w_per_m2;
-        const double share = (1.0 - base.v[3]) / M_PI +
-                             base.v[3] *
-                                 metal_per_sr(roughness * roughness, normal, lit.direction, out);
-        if (lights_of(twin, x, y) >> i & 1u)
+        const double cosine = fmax(0.0, neph_vec3_dot(normal, lit.direction));
+        const double metal_per_sr = roughness > 0.0
+                                        ? neph_metal_per_sr(roughness, normal, out, lit.direction)
+                                        : 0.0;
+        if (lights_of(ref, x, y) >> i & 1u)
             sum = neph_vec3_along(
                 sum, times(rgb_of(base), (struct neph_vec3){light.r, light.g, light.b}),
-                share * fmax(0.0, neph_vec3_dot(normal, lit.direction)));
+                (1.0 - base.v[3]) / M_PI * cosine + base.v[3] * metal_per_sr);
     }
     return sum;
 }
 
-static struct neph_vec3 sky_reflected(const struct twin_screen *twin, int x, int y)
+static struct neph_vec3 sky_reflected(const struct reference *ref, int x, int y)
 {
     return neph_vec3_scale(
-        times(rgb_of(twin_screen_load(twin, SCREEN_BASE, x, y)), twin_screen_sky_light(twin)),
-        twin_screen_open(twin, x, y));
+        times(rgb_of(reference_load(ref, SCREEN_BASE, x, y)), reference_sky_light(ref)),
+        reference_open(ref, x, y));
 }
 
 /* Nothing has moved since the frame before: a place is where it was. */
-static bool seen_before(const struct twin_screen *twin, const struct meeting *met, int *x, int *y)
+static bool seen_before(const struct reference *ref, const struct meeting *met, int *x, int *y)
 {
-    if (twin->frame == 0)
+    if (ref->frame == 0)
         return false;
-    const struct vec2 place = twin_screen_pixel_of(twin, met->point_m);
+    const struct vec2 place = reference_pixel_of(ref, met->point_m);
     *x = (int)floor(place.x);
     *y = (int)floor(place.y);
-    if (!twin_screen_is_inside(twin, *x, *y))
+    if (!reference_is_inside(ref, *x, *y))
         return false;
-    const double depth_m = twin_screen_load(twin, SCREEN_DEPTH_BEFORE, *x, *y).v[0];
-    const struct neph_vec3 seen_m = twin_screen_place_m(twin, (struct vec2){*x + 0.5, *y + 0.5},
-                                                        depth_m);
-    const struct neph_vec3 normal = twin_screen_normal(twin, met->x, met->y);
+    const double depth_m = reference_load(ref, SCREEN_DEPTH_BEFORE, *x, *y).v[0];
+    const struct neph_vec3 seen_m = reference_place_m(ref, (struct vec2){*x + 0.5, *y + 0.5},
+                                                      depth_m);
+    const struct neph_vec3 normal = reference_normal(ref, met->x, met->y);
     return depth_m < NEPH_GPU_FAR_M &&
            fabs(neph_vec3_dot(normal, neph_vec3_sub(seen_m, met->point_m))) < 0.02 * met->point_m.z;
 }
 
 /* What the cell of a pixel has. */
-static struct neph_vec3 with_sky(const struct twin_screen *twin, int target, int resolution, int x,
+static struct neph_vec3 with_sky(const struct reference *ref, int target, int resolution, int x,
                                  int y)
 {
-    const int side = twin_screen_cell_px(twin, resolution);
-    const struct texel texel = twin_screen_load(twin, target, x / side, y / side);
-    return neph_vec3_along(rgb_of(texel), twin_screen_sky_light(twin), texel.v[3]);
+    const int side = reference_cell_px(ref, resolution);
+    const struct texel texel = reference_load(ref, target, x / side, y / side);
+    return neph_vec3_along(rgb_of(texel), reference_sky_light(ref), texel.v[3]);
 }
 
-static struct neph_vec3 indirect_before(const struct twin_screen *twin, const struct meeting *met,
+static struct neph_vec3 indirect_before(const struct reference *ref, const struct meeting *met,
                                         bool with_diffuse)
 {
-    const struct texel base = twin_screen_load(twin, SCREEN_BASE, met->x, met->y);
+    const struct texel base = reference_load(ref, SCREEN_BASE, met->x, met->y);
     struct neph_vec3 light = {0.0, 0.0, 0.0};
     int x, y;
-    if (!seen_before(twin, met, &x, &y))
-        return neph_vec3_scale(sky_reflected(twin, met->x, met->y), with_diffuse ? 1.0 : base.v[3]);
-    if (with_diffuse && twin_screen_gi_at(twin) >= 0)
-        light = neph_vec3_along(light, with_sky(twin, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
+    if (!seen_before(ref, met, &x, &y))
+        return neph_vec3_scale(sky_reflected(ref, met->x, met->y), with_diffuse ? 1.0 : base.v[3]);
+    if (with_diffuse && reference_gi_at(ref) >= 0)
+        light = neph_vec3_along(light, with_sky(ref, SCREEN_GI_BEFORE, SCREEN_GI_RESOLUTION, x, y),
                                 1.0 - base.v[3]);
-    if (base.v[3] > 0.0 && twin_screen_ssr_at(twin) >= 0)
+    if (base.v[3] > 0.0 && reference_ssr_at(ref) >= 0)
         light = neph_vec3_along(
-            light, with_sky(twin, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y), base.v[3]);
+            light, with_sky(ref, SCREEN_SSR_BEFORE, SCREEN_SSR_RESOLUTION, x, y), base.v[3]);
     return times(rgb_of(base), light);
 }
 
 static bool is_met_from_behind(const struct ray *ray, const struct meeting *met)
 {
-    return neph_vec3_dot(twin_screen_normal(ray->twin, met->x, met->y), ray->direction) >= 0.0;
+    return neph_vec3_dot(reference_normal(ray->ref, met->x, met->y), ray->direction) >= 0.0;
 }
 
-static bool has_bounces(const struct twin_screen *twin)
+static bool has_bounces(const struct reference *ref)
 {
-    return twin->scene->scattering == NEPH_SCATTERING_MULTIPLE;
+    return ref->scene->scattering == NEPH_SCATTERING_MULTIPLE;
 }
 
 static void add(struct texel *sum, struct neph_vec3 light, double open, double weight)
@@ -291,41 +280,41 @@ static void add(struct texel *sum, struct neph_vec3 light, double open, double w
 
 static struct neph_vec3 diffuse_light(const struct ray *ray, const struct meeting *met)
 {
-    const struct twin_screen *twin = ray->twin;
-    if (is_met_from_behind(ray, met) || !has_bounces(twin))
+    const struct reference *ref = ray->ref;
+    if (is_met_from_behind(ray, met) || !has_bounces(ref))
         return (struct neph_vec3){0.0, 0.0, 0.0};
-    return neph_vec3_add(direct_into(twin, ray->direction, met->x, met->y),
-                         twin->values[SCREEN_GI_BOUNCES] == SCREEN_BOUNCES_ALL
-                             ? indirect_before(twin, met, true)
-                             : sky_reflected(twin, met->x, met->y));
+    return neph_vec3_add(direct_into(ref, ray->direction, met->x, met->y),
+                         ref->values[SCREEN_GI_BOUNCES] == SCREEN_BOUNCES_ALL
+                             ? indirect_before(ref, met, true)
+                             : sky_reflected(ref, met->x, met->y));
 }
 
 static struct neph_vec3 by_cosine(struct neph_vec3 normal, struct vec2 u)
 {
     struct neph_vec3 first, second;
-    twin_basis_across(normal, &first, &second);
+    neph_basis(normal, &first, &second);
     struct neph_vec3 way = neph_vec3_scale(normal, sqrt(1.0 - u.x));
     way = neph_vec3_along(way, first, sqrt(u.x) * cos(2.0 * M_PI * u.y));
     return neph_vec3_normalize(neph_vec3_along(way, second, sqrt(u.x) * sin(2.0 * M_PI * u.y)));
 }
 
-struct texel twin_screen_gi(const struct twin_screen *twin, int x, int y)
+struct texel reference_gi(const struct reference *ref, int x, int y)
 {
     struct texel sum = {{0.0}};
-    const int rays = twin_screen_choice(twin, SCREEN_GI_RAYS);
-    const double reach_m = twin->values[SCREEN_GI_REACH_M];
-    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_GI_RESOLUTION, x, y);
-    if (twin_screen_is_sky(twin, at.x, at.y) ||
-        twin_screen_load(twin, SCREEN_BASE, at.x, at.y).v[3] >= 1.0)
+    const int rays = reference_choice(ref, SCREEN_GI_RAYS);
+    const double reach_m = ref->values[SCREEN_GI_REACH_M];
+    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_GI_RESOLUTION, x, y);
+    if (reference_is_sky(ref, at.x, at.y) ||
+        reference_load(ref, SCREEN_BASE, at.x, at.y).v[3] >= 1.0)
         return sum;
     for (int i = 0; i < rays; i++) {
-        const uint32_t index = twin->frame * (uint32_t)rays + (uint32_t)i;
-        const struct neph_vec3 direction = by_cosine(twin_screen_normal(twin, at.x, at.y),
-                                                     twin_screen_ray_noise(x, y, 1, index));
-        const struct ray ray = ray_of(twin, at.x, at.y, twin_screen_surface_m(twin, at.x, at.y),
+        const uint32_t index = ref->frame * (uint32_t)rays + (uint32_t)i;
+        const struct neph_vec3 direction = by_cosine(reference_normal(ref, at.x, at.y),
+                                                     reference_ray_noise(x, y, 1, index));
+        const struct ray ray = ray_of(ref, at.x, at.y, reference_surface_m(ref, at.x, at.y),
                                       direction, reach_m > 0.0 ? reach_m : NEPH_GPU_FAR_M);
-        const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_GI_STEPS),
-                                         offset_of(twin, x, y, 2, twin->frame + (uint32_t)i));
+        const struct meeting met = march(&ray, reference_choice(ref, SCREEN_GI_STEPS),
+                                         offset_of(ref, x, y, 2, ref->frame + (uint32_t)i));
         if (met.is_found)
             add(&sum, diffuse_light(&ray, &met), 0.0, 1.0 / rays);
         else
@@ -355,103 +344,102 @@ static struct neph_vec3 visible_facet(double alpha, struct neph_vec3 eye, struct
 }
 
 /* SCREEN_LIT between the centres of pixels of the same depth. */
-static struct neph_vec3 lit_at(const struct twin_screen *twin, const struct meeting *met)
+static struct neph_vec3 lit_at(const struct reference *ref, const struct meeting *met)
 {
-    const struct vec2 place = twin_screen_pixel_of(twin, met->point_m);
+    const struct vec2 place = reference_pixel_of(ref, met->point_m);
     const int left = (int)floor(place.x - 0.5), top = (int)floor(place.y - 0.5);
-    const double depth_m = twin_screen_depth_m(twin, met->x, met->y);
+    const double depth_m = reference_depth_m(ref, met->x, met->y);
     struct neph_vec3 sum = {0.0, 0.0, 0.0};
     double weights = 0.0;
     for (int i = 0; i < 4; i++) {
         const int x = left + i % 2, y = top + i / 2;
         const double weight = (1.0 - fabs(place.x - 0.5 - x)) * (1.0 - fabs(place.y - 0.5 - y));
-        if (!twin_screen_is_inside(twin, x, y) ||
-            !(fabs(twin_screen_depth_m(twin, x, y) - depth_m) < 0.05 * depth_m))
+        if (!reference_is_inside(ref, x, y) ||
+            !(fabs(reference_depth_m(ref, x, y) - depth_m) < 0.05 * depth_m))
             continue;
-        sum = neph_vec3_along(sum, rgb_of(twin_screen_load(twin, SCREEN_LIT, x, y)), weight);
+        sum = neph_vec3_along(sum, rgb_of(reference_load(ref, SCREEN_LIT, x, y)), weight);
         weights += weight;
     }
     return weights > 0.01 ? neph_vec3_scale(sum, 1.0 / weights)
-                          : rgb_of(twin_screen_load(twin, SCREEN_LIT, met->x, met->y));
+                          : rgb_of(reference_load(ref, SCREEN_LIT, met->x, met->y));
 }
 
 static struct neph_vec3 glossy_light(const struct ray *ray, const struct meeting *met)
 {
-    const struct twin_screen *twin = ray->twin;
-    if (!has_bounces(twin))
+    const struct reference *ref = ray->ref;
+    if (!has_bounces(ref))
         return (struct neph_vec3){0.0, 0.0, 0.0};
-    if (!(twin_screen_load(twin, SCREEN_BASE, met->x, met->y).v[3] > 0.0))
-        return lit_at(twin, met);
+    if (!(reference_load(ref, SCREEN_BASE, met->x, met->y).v[3] > 0.0))
+        return lit_at(ref, met);
     const struct neph_vec3 diffuse = neph_vec3_sub(
-        rgb_of(twin_screen_load(twin, SCREEN_LIT, met->x, met->y)),
-        rgb_of(twin_screen_load(twin, SCREEN_DIRECT, met->x, met->y)));
+        rgb_of(reference_load(ref, SCREEN_LIT, met->x, met->y)),
+        rgb_of(reference_load(ref, SCREEN_DIRECT, met->x, met->y)));
     const struct neph_vec3 held = {fmax(0.0, diffuse.x), fmax(0.0, diffuse.y),
                                    fmax(0.0, diffuse.z)};
-    return neph_vec3_add(neph_vec3_add(held, direct_into(twin, ray->direction, met->x, met->y)),
-                         indirect_before(twin, met, false));
+    return neph_vec3_add(neph_vec3_add(held, direct_into(ref, ray->direction, met->x, met->y)),
+                         indirect_before(ref, met, false));
 }
 
-static void add_reflection(const struct twin_screen *twin, struct twin_pixel at,
+static void add_reflection(const struct reference *ref, struct reference_pixel at,
                            struct neph_vec3 direction, double offset, double weight,
                            struct texel *sum)
 {
-    const struct ray ray = ray_of(twin, at.x, at.y, twin_screen_surface_m(twin, at.x, at.y),
-                                  direction, NEPH_GPU_FAR_M);
-    const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_SSR_STEPS), offset);
+    const struct ray ray = ray_of(ref, at.x, at.y, reference_surface_m(ref, at.x, at.y), direction,
+                                  NEPH_GPU_FAR_M);
+    const struct meeting met = march(&ray, reference_choice(ref, SCREEN_SSR_STEPS), offset);
     if (!met.is_found || is_met_from_behind(&ray, &met))
         add(sum, (struct neph_vec3){0.0, 0.0, 0.0}, 1.0, weight);
     else
         add(sum, glossy_light(&ray, &met), 0.0, weight);
 }
 
-bool twin_screen_mirror(const struct twin_screen *twin, int x, int y, struct neph_vec3 *point_m)
+bool reference_mirror(const struct reference *ref, int x, int y, struct neph_vec3 *point_m)
 {
-    const struct neph_vec3 normal = twin_screen_normal(twin, x, y);
-    const struct neph_vec3 from_m = twin_screen_surface_m(twin, x, y);
-    const struct neph_vec3 eye = twin_screen_to_camera(twin, from_m);
+    const struct neph_vec3 normal = reference_normal(ref, x, y);
+    const struct neph_vec3 from_m = reference_surface_m(ref, x, y);
+    const struct neph_vec3 eye = reference_to_camera(ref, from_m);
     const struct neph_vec3 direction = neph_vec3_along(neph_vec3_scale(eye, -1.0), normal,
                                                        2.0 * neph_vec3_dot(normal, eye));
-    const struct ray ray = ray_of(twin, x, y, from_m, direction, NEPH_GPU_FAR_M);
-    const struct meeting met = march(&ray, twin_screen_choice(twin, SCREEN_SSR_STEPS),
-                                     offset_of(twin, x, y, 4, twin->frame));
+    const struct ray ray = ray_of(ref, x, y, from_m, direction, NEPH_GPU_FAR_M);
+    const struct meeting met = march(&ray, reference_choice(ref, SCREEN_SSR_STEPS),
+                                     offset_of(ref, x, y, 4, ref->frame));
     *point_m = met.point_m;
     return met.is_found && !is_met_from_behind(&ray, &met);
 }
 
-struct texel twin_screen_ssr(const struct twin_screen *twin, int x, int y)
+struct texel reference_ssr(const struct reference *ref, int x, int y)
 {
     struct texel sum = {{0.0}};
-    const struct twin_pixel at = twin_screen_pixel_in(twin, SCREEN_SSR_RESOLUTION, x, y);
-    if (twin_screen_is_sky(twin, at.x, at.y) ||
-        !(twin_screen_load(twin, SCREEN_BASE, at.x, at.y).v[3] > 0.0))
+    const struct reference_pixel at = reference_pixel_in(ref, SCREEN_SSR_RESOLUTION, x, y);
+    if (reference_is_sky(ref, at.x, at.y) ||
+        !(reference_load(ref, SCREEN_BASE, at.x, at.y).v[3] > 0.0))
         return sum;
-    const struct neph_vec3 normal = twin_screen_normal(twin, at.x, at.y);
-    const struct neph_vec3 eye = twin_screen_to_camera(twin,
-                                                       twin_screen_surface_m(twin, at.x, at.y));
-    const double roughness = twin_screen_load(twin, SCREEN_NORMAL, at.x, at.y).v[3];
+    const struct neph_vec3 normal = reference_normal(ref, at.x, at.y);
+    const struct neph_vec3 eye = reference_to_camera(ref, reference_surface_m(ref, at.x, at.y));
+    const double roughness = reference_load(ref, SCREEN_NORMAL, at.x, at.y).v[3];
     const double alpha = roughness * roughness;
-    if (roughness > twin->values[SCREEN_SSR_ROUGHEST]) {
-        sum.v[3] = twin_screen_open(twin, at.x, at.y);
+    if (roughness > ref->values[SCREEN_SSR_ROUGHEST]) {
+        sum.v[3] = reference_open(ref, at.x, at.y);
         return sum;
     }
-    const int rays = alpha > 0.0 ? twin_screen_choice(twin, SCREEN_SSR_RAYS) : 1;
+    const int rays = alpha > 0.0 ? reference_choice(ref, SCREEN_SSR_RAYS) : 1;
     struct neph_vec3 first, second;
-    twin_basis_across(normal, &first, &second);
+    neph_basis(normal, &first, &second);
     const struct neph_vec3 own_eye = {neph_vec3_dot(eye, first), neph_vec3_dot(eye, second),
                                       fmax(1e-4, neph_vec3_dot(eye, normal))};
     for (int i = 0; i < rays; i++) {
-        const uint32_t index = twin->frame * (uint32_t)rays + (uint32_t)i;
+        const uint32_t index = ref->frame * (uint32_t)rays + (uint32_t)i;
         struct neph_vec3 facet = {0.0, 0.0, 1.0};
         if (alpha > 0.0)
-            facet = visible_facet(alpha, own_eye, twin_screen_ray_noise(x, y, 3, index));
+            facet = visible_facet(alpha, own_eye, reference_ray_noise(x, y, 3, index));
         const struct neph_vec3 own = neph_vec3_along(neph_vec3_scale(own_eye, -1.0), facet,
                                                      2.0 * neph_vec3_dot(facet, own_eye));
         if (!(own.z > 0.0))
             continue;
         struct neph_vec3 direction = neph_vec3_scale(normal, own.z);
         direction = neph_vec3_along(neph_vec3_along(direction, first, own.x), second, own.y);
-        add_reflection(twin, at, neph_vec3_normalize(direction),
-                       offset_of(twin, x, y, 4, twin->frame + (uint32_t)i),
+        add_reflection(ref, at, neph_vec3_normalize(direction),
+                       offset_of(ref, x, y, 4, ref->frame + (uint32_t)i),
                        (alpha > 0.0 ? masking(alpha, own.z) : 1.0) / rays, &sum);
     }
     return sum;

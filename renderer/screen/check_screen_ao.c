@@ -4,7 +4,7 @@
  * for ever, that of a block. The methods that claim no integral are held to what they were found to
  * be off by, so that a change shows.
  */
-#include "tests/renderer/screen_test.h"
+#include "renderer/screen/check_screen.h"
 
 enum { WIDTH = 81, HEIGHT = 45 };
 

@@ -3,8 +3,8 @@
  * What the tests of the screen share: pictures of small scenes, and what a pixel of them sees, in
  * double precision.
  */
-#ifndef NEPH_TESTS_SCREEN_TEST_H
-#define NEPH_TESTS_SCREEN_TEST_H
+#ifndef NEPH_SCREEN_CHECK_SCREEN_H
+#define NEPH_SCREEN_CHECK_SCREEN_H
 
 #include "tests/renderer/renderer_test.h"
 
