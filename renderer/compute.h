@@ -69,6 +69,18 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
 /* A zero buffer is fine. Waits for all that is on its way to the device. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
 
+/* Buffers row by row, up to the first that cannot be had; each is zero-initialised and freed like
+ * one of neph_buffer_create(). */
+struct neph_buffer_row {
+    struct neph_buffer *buffer;
+    enum neph_buffer_use use;
+    size_t size_bytes;
+    const char *name;
+};
+enum neph_status neph_buffers_create(const struct neph_vulkan *vulkan,
+                                     const struct neph_buffer_row *rows, size_t row_count,
+                                     struct neph_diag *diag);
+
 /* --- images ------------------------------------------------------------------------------- */
 
 /* One 3D image that kernels sample, with its sampler: made and destroyed by texture.h. */
@@ -99,10 +111,11 @@ struct neph_batch {
     struct neph_lane *lane;           /* borrowed */
     const struct neph_kernel *bound;
     VkDescriptorSet bound_set;
+    enum neph_status status; /* the first failure: after it nothing is recorded, and nothing sent */
 };
 
 /* Waits for an earlier batch when there are too many on their way. A batch that is not sent leaves
- * nothing behind. */
+ * nothing behind. A caller may leave the status of this and of _dispatch to _send. */
 enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
                                   struct neph_diag *diag);
 
@@ -120,10 +133,16 @@ void neph_batch_barrier(struct neph_batch *batch);
  * when the device has no clock); borrowed until then; NULL: nobody wants it. */
 void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
-/* Send it on its way. What its kernels read must stay as it is until the batch is home. `what`
- * names it in errors. NEPH_ERR_ENGINE: the device was lost. */
+/* Send it on its way, unless something failed before. What its kernels read must stay as it is until
+ * the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
                                  struct neph_diag *diag);
+
+/* A batch of one dispatch, sent on its way; its time is added to `*gpu_s` when it is home. */
+enum neph_status neph_dispatch_send(const struct neph_vulkan *vulkan,
+                                    const struct neph_kernel *kernel,
+                                    const struct neph_dispatch *dispatch, const char *what,
+                                    double *gpu_s, struct neph_diag *diag);
 
 /* How many batches the device was ever sent: for _wait. */
 uint64_t neph_batches_sent(const struct neph_vulkan *vulkan);

@@ -13,6 +13,7 @@
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/injection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,16 +21,6 @@
 #include <string.h>
 
 _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
-
-/* The only file that a render writes is the mask of blue noise. */
-static void name_cache(enum neph_status status, struct neph_diag *diag)
-{
-    char *cache = status == NEPH_ERR_IO ? neph_cache_path() : NULL;
-    if (cache)
-        neph_hint(diag, "masks of blue noise are kept in %s; XDG_CACHE_HOME is another place",
-                  cache);
-    free(cache);
-}
 
 /* Whether warm-up frames stay on the device. Without the split the passes behind the march need
  * them on the CPU; and on a CPU device frames that are not read take a kernel of their own, which
@@ -52,7 +43,6 @@ static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_re
                                       stays_on_device(vulkan, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
-    name_cache(status, diag);
     return status;
 }
 
@@ -61,19 +51,19 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
                                struct neph_diag *diag)
 {
     (void)engine;
-    char *cache = neph_cache_path();
+    char *blue_noise = neph_data_path("renderer/blue_noise.png");
     const struct neph_realtime_params params = {
         .width_px = shot->width_px,
         .height_px = shot->height_px,
         .settings = &shot->settings,
         .seed = (uint32_t)shot->seed,
-        .cache_folder = cache,
+        .blue_noise_path = blue_noise,
     };
     struct neph_realtime *realtime = NULL;
-    const enum neph_status status = cache ? neph_realtime_create(vulkan, shot->scene, &params,
-                                                                 &realtime, diag)
-                                          : neph_fail_memory(diag);
-    free(cache);
+    const enum neph_status status = blue_noise ? neph_realtime_create(vulkan, shot->scene, &params,
+                                                                      &realtime, diag)
+                                               : neph_fail_memory(diag);
+    free(blue_noise);
     *renderer = realtime;
     return status ? status : warm_up(vulkan, realtime, shot, diag);
 }
@@ -85,10 +75,7 @@ static void destroy(void *renderer)
 
 static enum neph_status resize(void *renderer, const struct neph_shot *shot, struct neph_diag *diag)
 {
-    const enum neph_status status = neph_realtime_resize(renderer, shot->scene, shot->width_px,
-                                                         shot->height_px, diag);
-    name_cache(status, diag);
-    return status;
+    return neph_realtime_resize(renderer, shot->scene, shot->width_px, shot->height_px, diag);
 }
 
 static enum neph_status label_passes(struct neph_image *image,
@@ -196,11 +183,10 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
     struct neph_realtime_stats stats;
     enum neph_status status = neph_realtime_render(renderer, &picture, image, &stats, diag);
-    name_cache(status, diag);
     if (!status)
         status = label(*image, &stats, diag);
     if (!status)
-        status = label_injections(*image, &shot->scene->injections, &stats, diag);
+        status = label_injections(*image, neph_scene_injections(shot->scene), &stats, diag);
     if (!status)
         status = label_cycles(*image, &shot->settings, diag);
     if (!status)
@@ -213,9 +199,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
 {
     (void)cost;
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
-    const enum neph_status status = neph_realtime_render(renderer, &picture, NULL, NULL, diag);
-    name_cache(status, diag);
-    return status;
+    return neph_realtime_render(renderer, &picture, NULL, NULL, diag);
 }
 
 /* What is done before the passes, if it is. */
@@ -247,6 +231,11 @@ static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *d
     return neph_realtime_watch(renderer, bad, diag);
 }
 
+static void leave_variants(void *renderer, bool leaves)
+{
+    neph_realtime_leave_variants(renderer, leaves);
+}
+
 static const struct neph_gpu_renderer gpu = {.create = create,
                                              .destroy = destroy,
                                              .resize = resize,
@@ -254,6 +243,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .submit = submit,
                                              .collect = collect,
                                              .watch = watch,
+                                             .leave_variants = leave_variants,
                                              .set_up_is_free = true};
 
 /* Where another lighting could, the reason says so. */
@@ -298,7 +288,7 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
         [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
         [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = neph_rt_passes[index];
-    if (!record->name)
+    if (!record)
         return false;
     const struct neph_option *setting = &neph_rt_options[record->condition.setting];
     *pass = (struct neph_engine_pass){
@@ -327,7 +317,7 @@ const struct neph_engine neph_engine_realtime = {
     .remembers = true,
     .takes_given = true,
     .injects = true,
-    .version = 5, /* 5: steps far from a lamp keep their length */
+    .version = 6, /* 6: one mask of blue noise, which the seed shifts */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

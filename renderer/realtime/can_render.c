@@ -6,6 +6,7 @@
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/pipeline.h"
 #include "scenes/emission.h"
+#include "scenes/injection.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
@@ -17,7 +18,7 @@ _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
                          char *reason, size_t reason_size)
 {
-    const struct neph_injected_view *around = &scene->injections.view;
+    const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
     if (settings->values[RT_TAA] == RT_TAA_OFF) {
         snprintf(reason, reason_size,
                  "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "

@@ -4,6 +4,11 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
+/* Light of higher orders is found over many frames: a round of paths and two cycles of diffusion in
+ * each, and paths of the last 32. */
+enum { LIGHT_TEXEL_PX = 8, LIGHT_ROUNDS = 1, LIGHT_MEMORY = 32, DIFFUSION_CYCLES = 2 };
+static const double light_blur_texels = 1.0;
+
 bool neph_rt_is_upsampled(const struct neph_settings *settings)
 {
     return settings->values[RT_SCREEN_PERCENT] < 100.0;
@@ -51,18 +56,17 @@ struct neph_march_params neph_rt_march_params(const struct neph_scene *scene,
                                  .extent_m = values[RT_CLOUD_SHADOW_EXTENT_M],
                                  .plane = (enum neph_shadow_plane)(
                                      int)values[RT_CLOUD_SHADOW_PLANE],
-                                 .frames = (int)values[RT_CLOUD_SHADOW_FRAMES]}},
-        .light = {.texel_px = (int)values[RT_LIGHT_TEXEL_PX],
+                                 .frames = (int)values[RT_SUN_CACHE_FRAMES]}},
+        .light = {.texel_px = LIGHT_TEXEL_PX,
                   .paths = (int)values[RT_LIGHT_PATHS],
-                  .rounds = (int)values[RT_LIGHT_ROUNDS],
-                  .memory = (int)values[RT_LIGHT_MEMORY],
-                  .blur_texels = values[RT_LIGHT_BLUR],
+                  .rounds = LIGHT_ROUNDS,
+                  .memory = LIGHT_MEMORY,
+                  .blur_texels = light_blur_texels,
                   .similar = values[RT_LIGHT_SIMILAR],
                   .looks_ahead = values[RT_LIGHT_AHEAD] != 0.0,
                   .ends_ahead = values[RT_LIGHT_AHEAD] == 2.0,
                   .seed = seed},
-        .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS],
-                      .cycles = (int)values[RT_DIFFUSION_CYCLES]},
+        .diffusion = {.cells = (int)values[RT_DIFFUSION_CELLS], .cycles = DIFFUSION_CYCLES},
         .sky = neph_sky_for_march(
             (struct neph_march_sky_choices){.is_on = values[RT_SKY] != 0.0,
                                             .has_shadows = values[RT_SKY_SHADOWS] != 0.0,

@@ -47,11 +47,76 @@ static const char *const arounds[] = {"off", "on", "moved", NULL};
 static const char *const motions[] = {"centre", "cross", "square", NULL};
 static const char *const taa_spaces[] = {"linear", "reinhard", "ycocg", NULL};
 static const char *const taa_boxes[] = {"none", "min_max", "variance", "distance", NULL};
-static const char *const depth_map_passes[] = {"auto", "own", NULL};
-static const char *const change_passes[] = {"auto", "own", NULL};
-static const char *const steadies[] = {"auto", "unasked", NULL};
-static const char *const compositions[] = {"auto", "pass", "taa", "upscale", NULL};
 static const char *const roundings[] = {"nearest", "stochastic", NULL};
+
+/* Gone on 2026-11-29; their words go with the next release. */
+static const char *const gone[] = {
+    "override_depth",
+    "it was 0.25 in every preset",
+    "override_sky_m",
+    "it was 1e6 in every preset",
+    "depth_format",
+    "target_format is the format of all images",
+    "color_format",
+    "target_format is the format of all images",
+    "taa_format",
+    "target_format is the format of all images",
+    "history_filter",
+    "it was bilinear in every preset",
+    "box_sigma",
+    "it was 1 in every preset",
+    "box_least",
+    "it was 0 in every preset",
+    "reproject_least_m",
+    "it was 0 in every preset",
+    "reject_scene_m",
+    "it was 0 in every preset; reject_depth is left",
+    "reject_within_m",
+    "it belonged to reject_scene_m, which was 0 in every preset",
+    "reject_nearest_m",
+    "it was 0 in every preset; reject_depth is left",
+    "upscale_sky_m",
+    "it was 1e6 in every preset",
+    "taa_alpha_moving",
+    "it was 0.2 in every preset",
+    "taa_velocity_px",
+    "it was 20 in every preset",
+    "taa_rest_px",
+    "it was 0.02 in every preset",
+    "taa_antighost",
+    "it was off in every preset; solid_motion and the neighbourhood clamp are left",
+    "sharpen_amount",
+    "it was 0.5 in every preset",
+    "light_texel_px",
+    "it was 8 in every preset; engine march_traced has it",
+    "light_rounds",
+    "it was 1 in every preset; engine march_traced has it",
+    "light_memory",
+    "it was 32 in every preset",
+    "light_blur",
+    "it was 1 in every preset; engine march_traced has it",
+    "diffusion_cycles",
+    "it was 2 in every preset; engine march_diffused has it",
+    "cloud_shadow_frames",
+    "sun_cache_frames is of the shadow map of clouds, too",
+    "lock_ratio",
+    "it was 1.05 in every preset",
+    "lock_separation",
+    "it was 0.02 in every preset",
+    "atrous_sigma",
+    "it was 4 in every preset",
+    "atrous_depth",
+    "it was 0.1 in every preset",
+    "composition",
+    "the pipeline chooses it; all of its values gave the same bits",
+    "depth_map_pass",
+    "the pipeline chooses it; all of its values gave the same bits",
+    "change_pass",
+    "the pipeline chooses it; all of its values gave the same bits",
+    "steady",
+    "the pipeline chooses it; all of its values gave the same bits",
+    NULL,
+};
 
 _Static_assert(RT_SETTING_COUNT < NEPH_OPTIONS_MAX, "room for every setting");
 
@@ -85,12 +150,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "a tile may march another slot than the one whose turn it is, so that the depths around "
         "have a ray: all tiles at once, each taking its neighbours to keep their turn (bars as "
         "wide apart as tiles then flash), or in four passes that see what others chose"),
-    [RT_OVERRIDE_DEPTH] = REAL(
-        "override_depth", 0.25, 0, 10,
-        "relative difference of depth up to which a neighbouring ray stands for a depth"),
-    [RT_OVERRIDE_SKY_M] = REAL("override_sky_m", 1e6, 1, 1e15,
-                               "depth of the sky in the override [m]; 1e6 is what Unreal makes of "
-                               "a depth buffer's 0, which the article reads here"),
     [RT_OVERRIDE_REST] = WHOLE("override_rest", 0, 0, 64,
                                "every Nth cycle of four frames is without override, so that no "
                                "slot goes without rays for ever; 0: none is"),
@@ -108,10 +167,10 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "clamp_pixel_depth", 1, switches,
         "sky_m and ray_depth_max_m limit the depth of a half-resolution texel as they do those of "
         "rays; off: a solid beyond halfway between both takes the sky's clouds"),
-    [RT_DEPTH_FORMAT] = CHOICE("depth_format", RT_FORMAT_HALF, formats,
-                               "format of tile depths, cloud distances and history states"),
-    [RT_COLOR_FORMAT] = CHOICE("color_format", RT_FORMAT_HALF, formats,
-                               "format of rays, histories and the upscaled volume"),
+    [RT_TARGET_FORMAT] = CHOICE(
+        "target_format", RT_FORMAT_HALF, formats,
+        "format of the images that passes hand on: tile depths, cloud distances, rays, histories, "
+        "the upscaled volume, the history of the anti-aliasing"),
     [RT_EDGE_TILES] = CHOICE(
         "edge_tiles", RT_EDGE_TILES_KEPT, edge_tiles,
         "the last, cut row and column of tiles as neighbours in the reconstruction; dropped: "
@@ -147,8 +206,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_HISTORY_FADE] = REAL(
         "history_fade", 1, 0, 1,
         "with history_age_max, factor of the history's weight beside a fresh ray"),
-    [RT_HISTORY_FILTER] = CHOICE("history_filter", RT_FILTER_BILINEAR, filters,
-                                 "how the history is sampled where it was in the frame before"),
     [RT_FALLBACK] = CHOICE(
         "fallback", RT_FALLBACK_NEAREST, fallbacks,
         "what a half-resolution texel without ray and history takes: of the nine tiles around the "
@@ -173,8 +230,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_BOX_SAME_KIND] = CHOICE("box_same_kind", 0, switches,
                                 "in the box only rays that end as the half-resolution texel does, "
                                 "in the sky or on a solid"),
-    [RT_BOX_SIGMA] = REAL("box_sigma", 1, 0, 10,
-                          "half width of the variance box, in standard deviations"),
     [RT_BOX_SPACE] = CHOICE("box_space", RT_SPACE_LINEAR, spaces,
                             "colour space of the box: reinhard divides by 1 + luminance, channels "
                             "each channel by 1 + itself"),
@@ -188,9 +243,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_BOX_CENTRE] = CHOICE("box_centre", 1, switches,
                              "the tile's own ray may be in the box; off: it is left out of it "
                              "unless it is the nearest in depth"),
-    [RT_BOX_LEAST] = WHOLE(
-        "box_least", 0, 0,
-        9, "with fewer accepted rays all nine make the box; a box of one ray erases the history"),
     [RT_BOX_MOTION_PX] = REAL(
         "box_motion_px", 0, 0, 100,
         "history that has moved by less than this and whose nearest ray sees what its place "
@@ -210,8 +262,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "reproject_jitter", 0, switches,
         "history is looked up by the rays of both frames and not by the centres of half-resolution "
         "texels; counts with jittered_depth=on"),
-    [RT_REPROJECT_LEAST_M] = REAL("reproject_least_m", 0, 0, 1e6,
-                                  "a medium nearer than this has no history [m]"),
     [RT_WIND] = CHOICE(
         "wind", 1, switches,
         "history follows the wind; off: it is looked up as if the medium stood still"),
@@ -222,16 +272,7 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_REJECT_DEPTH] = REAL("reject_depth", 0, 0, 10,
                              "relative change of the scene's depth behind a half-resolution texel "
                              "from which its history is void (disocclusion); 0: never"),
-    [RT_REJECT_SCENE_M] = REAL(
-        "reject_scene_m", 0, 0, 1e6,
-        "change of the scene's depth behind a half-resolution texel from which its history is void "
-        "[m], where the scene is or was nearer than reject_within_m; 0: never"),
-    [RT_REJECT_WITHIN_M] = REAL("reject_within_m", 5000, 0, 1e6,
-                                "how near the scene must be, then or now, for reject_scene_m [m]"),
 
-    [RT_REJECT_NEAREST_M] = REAL("reject_nearest_m", 0, 0, 1e6,
-                                 "change of the nearest depth of its tile beyond which a "
-                                 "half-resolution texel's history is void [m]; 0: never"),
     [RT_REJECT_AROUND] = CHOICE(
         "reject_around", RT_AROUND_ON, arounds,
         "history is kept if one of the 3x3 half-resolution texels about its place passes "
@@ -246,7 +287,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "distance in place, of 3x3"),
     [RT_UPSCALE_DEPTH] = REAL("upscale_depth", 0.25, 0, 10,
                               "relative difference of depth up to which four taps are averaged"),
-    [RT_UPSCALE_SKY_M] = REAL("upscale_sky_m", 1e6, 1, 1e15, "depth of the sky in the upscale [m]"),
     [RT_UPSCALE_CONTRAST] = REAL(
         "upscale_contrast", 0, 0, 1,
         "least contrast of transmittance for which depth matters; 0: always"),
@@ -302,16 +342,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_TAA_HISTORY] = CHOICE("taa_history", RT_FILTER_CATMULL_ROM, filters,
                               "how the history of the anti-aliasing is sampled"),
     [RT_TAA_ALPHA] = REAL("taa_alpha", 0.04, 0, 1, "weight of the frame against the history"),
-    [RT_TAA_ALPHA_MOVING] = REAL("taa_alpha_moving", 0.2, 0, 1,
-                                 "weight of the frame at taa_velocity_px and above"),
-    [RT_TAA_VELOCITY_PX] = REAL("taa_velocity_px", 20, 0.01, 1000,
-                                "speed of full taa_alpha_moving [px per frame]; Unreal counts "
-                                "halves of pixels: its 40 are 20"),
     [RT_TAA_CONTRAST] = REAL("taa_contrast", 0.01, 0, 1,
                              "least weight of the frame is this times Y of the history over the "
                              "difference of both; 0: off"),
-    [RT_TAA_FORMAT] = CHOICE("taa_format", RT_FORMAT_HALF, formats,
-                             "format of the history of the anti-aliasing"),
     [RT_TAA_ROUNDING] = CHOICE("taa_rounding", RT_ROUNDING_STOCHASTIC, roundings,
                                "how the history of the anti-aliasing is rounded to its format"),
     [RT_TAA_GUARD] = CHOICE("taa_guard", 1, switches,
@@ -325,25 +358,20 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SHARPEN] = CHOICE("sharpen", 0, switches,
                           "the finished picture away from the mean of its four neighbours, held "
                           "between the least and the largest of the five"),
-    [RT_SHARPEN_AMOUNT] = REAL("sharpen_amount", 0.5, 0, 4, "of the distance from that mean"),
 
     [RT_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,
     [RT_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS,
     [RT_SUN_CACHE_FRAMES] = WHOLE("sun_cache_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
-                                  "pictures that it takes to fill that lattice anew, a part of it "
-                                  "in each; 1: all of it in each, so that light never lags"),
+                                  "pictures that it takes to fill that lattice, or the shadow map "
+                                  "of clouds, anew, a part of it in each; 1: all of it in each, "
+                                  "so that light never lags"),
     [RT_SKIP] = NEPH_OPTION_SKIP,
     [RT_EARLY_OUT] = NEPH_OPTION_EARLY_OUT,
     [RT_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,
     [RT_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,
     [RT_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,
 
-    [RT_LIGHT_TEXEL_PX] = NEPH_OPTION_LIGHT_TEXEL,
     [RT_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(2),
-    [RT_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(1),
-    [RT_LIGHT_MEMORY] = WHOLE("light_memory", 32, 1, NEPH_LIGHT_MEMORY_MAX,
-                              "pictures over which traced light fades; 1: each has its own"),
-    [RT_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
 
     [RT_GRADIENT] = CHOICE(
         "gradient", 0, switches,
@@ -361,15 +389,11 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "where nothing moves and, by gradient=on, nothing changes a pixel is the mean of its "
         "frames, at most so many and as many as are alike but for taa_change, without box and "
         "contrast law; 0: taa_alpha, as elsewhere"),
-    [RT_TAA_REST_PX] = REAL("taa_rest_px", 0.02, 0, 100,
-                            "with taa_age_max, motion up to which a pixel is at rest; it moves "
-                            "from twice this on [px per frame]"),
     [RT_TAA_CHANGE] = REAL("taa_change", 0.02, 0, 1,
                            "with taa_age_max, relative change of the light, by gradient=on, from "
                            "which a pixel is no longer at rest; full at twice this"),
 
     [RT_DIFFUSION_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
-    [RT_DIFFUSION_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(2),
 
     [RT_SOLID_MOTION] = CHOICE(
         "solid_motion", 1, switches,
@@ -387,9 +411,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,
     [RT_CLOUD_SHADOW_EXTENT_M] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,
     [RT_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE,
-    [RT_CLOUD_SHADOW_FRAMES] = WHOLE("cloud_shadow_frames", 1, 1, NEPH_SUN_CACHE_FRAMES_MAX,
-                                     "pictures that it takes to fill that map anew when sun or "
-                                     "clouds have moved, a part of it in each; 1: all of it"),
     [RT_RELIGHT] = REAL(
         "relight", 0, 0, 0.5,
         "history at rest takes the change of light along that 3x3 tiles have in common, by "
@@ -424,13 +445,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
                               "a froxel with a surface in it is looked at before that; off: light "
                               "leaks through from behind"),
 
-    [RT_COMPOSITION] = CHOICE(
-        "composition", RT_COMPOSITION_AUTO, compositions,
-        "where the volume is laid over what is behind it: in a pass of its own, or where the "
-        "anti-aliasing reads both, which spares a picture, or where the upscale makes it, which "
-        "spares a pass (not with froxels); auto: by the anti-aliasing on a GPU, else by the "
-        "upscale. Same bits"),
-
     [RT_SCREEN_PERCENT] = WHOLE(
         "screen_percent", 100, 50, 100,
         "side of what is rendered, in percent of the picture's, rounded up; the anti-aliasing "
@@ -438,10 +452,6 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         "jitter, taa_jitter=ue is plain Halton, and taa_box=min_max is distance, within 1.51 px, "
         "1.3 at 50 %, as in Unreal"),
 
-    [RT_TAA_ANTIGHOST] = CHOICE(
-        "taa_antighost", 0, switches,
-        "pixels remember that they were of a solid that may move; what it uncovers has no history. "
-        "Counts with solid_motion=on"),
     [RT_TAA_RESPONSIVE] = CHOICE(
         "taa_responsive", RT_RESPONSIVE_OFF, responsives,
         "where the media hide more than half of what is behind them the frame weighs a quarter or "
@@ -460,30 +470,12 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
     [RT_SKY_SLICES] = NEPH_OPTION_SKY_SLICES,
     [RT_SKY_FAR_M] = NEPH_OPTION_SKY_FAR,
     [RT_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS,
-    [RT_DEPTH_MAP_PASS] = CHOICE(
-        "depth_map_pass", RT_DEPTH_MAP_PASS_AUTO, depth_map_passes,
-        "auto: on a GPU the tile index makes the depth map, too, with override=sequential, "
-        "gather=texel and tile_origin=view. Same bits"),
-
-    [RT_LOCK_RATIO] = REAL("lock_ratio", 1.05, 1, 10,
-                           "with taa=locks, ratio of lumas up to which neighbours are alike; a "
-                           "pixel that is like no three at a corner, and brighter or darker than "
-                           "all that are unlike, is locked"),
-    [RT_LOCK_SEPARATION] = REAL("lock_separation", 0.02, 0, 1,
-                                "with taa=locks, part of the depth by which what was seen at a "
-                                "place must have been nearer for its history to be void"),
 
     [RT_ATROUS] = CHOICE(
         "atrous", 0, switches,
         "the volume at half resolution is filtered three times, over 5x5 texels 1, "
         "2 and 4 apart, by place, depth and luma against its deviation, as in "
         "SVGF; needs split=four and gradient=off"),
-    [RT_ATROUS_SIGMA] = REAL("atrous_sigma", 4, 0.01, 100,
-                             "with atrous, difference of luma that counts by 1 / e, in standard "
-                             "deviations of the 3x3 around"),
-    [RT_ATROUS_DEPTH] = REAL("atrous_depth", 0.1, 1e-4, 10,
-                             "with atrous, difference of depth that counts by 1 / e, in parts of "
-                             "the depth"),
     [RT_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,
     [RT_CHANGE_STROBE] = CHOICE(
         "change_strobe", 0, switches,
@@ -494,18 +486,9 @@ const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {
         NEPH_RT_SUNS_MAX - 1,
         "frames, after the sun has jumped by a tenth from one to the next, in which every second "
         "cycle of four has no override: what it keeps from being marched sees the new light, too"),
-    [RT_CHANGE_PASS] = CHOICE(
-        "change_pass", RT_CHANGE_PASS_AUTO, change_passes,
-        "auto: on a GPU the reconstruction finds what has changed around a tile, by gradient=on, "
-        "by itself. Same bits"),
     [RT_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH,
     [RT_SUN_CONE] = NEPH_OPTION_SUN_CONE,
-    [RT_STEADY] = CHOICE(
-        "steady", RT_STEADY_AUTO, steadies,
-        "auto: where nothing that is looked at has changed for so long that gradient=on sees no "
-        "change, it does not look, and what it would decide is left out; unasked: it looks. Same "
-        "bits"),
     [RT_FOG] = NEPH_OPTION_FOG,
     [RT_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,
-    {.name = NULL},
+    {.choices = gone},
 };

@@ -5,7 +5,7 @@
 #ifndef NEPH_TESTS_RENDERER_TEST_H
 #define NEPH_TESTS_RENDERER_TEST_H
 
-#include "tests/scene_builders.h"
+#include "tests/renderer/owned.h"
 
 #include "base/option.h"
 #include "renderer/vulkan.h"

@@ -200,13 +200,13 @@ static bool is_open_fraction(const struct module *module, uint32_t id)
 static int count_open_fractions(const struct shader *shader)
 {
     size_t word_count = 0;
+    OWNED(memory)
     uint32_t *words = test_shader_words(shader->code, shader->code_bytes, NULL, 0, &word_count);
     struct module module = read_module(words, word_count);
     int count = 0;
     for (uint32_t id = 0; id < module.bound; id++)
         count += is_open_fraction(&module, id);
     finish_module(&module);
-    free(words);
     return count;
 }
 

@@ -65,7 +65,7 @@ static void open_plain(struct neph_vulkan *vulkan, double alpha, const char *mor
                        const int size_px[2], struct test_passes *film)
 {
     char text[256];
-    snprintf(text, sizeof(text), PLAIN "taa_alpha=%g taa_alpha_moving=%g %s", alpha, alpha, more);
+    snprintf(text, sizeof(text), PLAIN "taa_alpha=%g %s", alpha, more);
     film_open(vulkan, text, size_px, film);
 }
 
@@ -83,7 +83,7 @@ static void test_noise_is_averaged_by_what_alpha_says(void **state)
                         table_samples[] = {49, 19, 9, 3};
     for (int a = 0; a < ALPHAS; a++) {
         struct test_passes film;
-        open_plain(*state, alphas[a], "taa_format=float", (int[2]){64, 64}, &film);
+        open_plain(*state, alphas[a], "target_format=float", (int[2]){64, 64}, &film);
         film_start(&film, 1.0f);
         uint64_t seed = 20261123;
         const double p = pow(1.0 - alphas[a], 2.0);
@@ -119,7 +119,7 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
     static const float four[] = {2.0f, 1.0f, 0.0f, 1.0f}, two[] = {2.0f, 0.0f};
     for (int a = 0; a < ALPHAS; a++) {
         struct test_passes film;
-        open_plain(*state, alphas[a], "taa_format=float", (int[2]){1, 1}, &film);
+        open_plain(*state, alphas[a], "target_format=float", (int[2]){1, 1}, &film);
         film_start(&film, 1.0f);
         double left_before = 1.0, crossed_half = 0.0, last_four[4];
         int one_percent = 0;
@@ -155,7 +155,10 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
     static const double sigma_px = 2.0;
     const int frames = (int)(10.0 / alpha);
     struct test_passes film;
-    open_plain(vulkan, alpha, words, (int[2]){WALL_PX, 1}, &film);
+    /* The frame's weight is 0.2 from 20 px on: the weight without motion that makes it `alpha`. */
+    const double quickness = speed_px / 20.0;
+    open_plain(vulkan, (alpha - 0.2 * quickness) / (1.0 - quickness), words, (int[2]){WALL_PX, 1},
+               &film);
     film.view.now.half_width = film.view.before.half_width = 1.0f;
     film.view.before.position_m[0] = -(float)speed_px;
     for (int frame = 0; frame < frames; frame++) {
@@ -186,7 +189,7 @@ static void test_bilinear_history_blurs_as_alpha_says(void **state)
 {
     static const double table_px[] = {2.45, 1.50, 1.00, 0.50};
     for (int a = 0; a < ALPHAS; a++) {
-        static const char words[] = "taa_format=float taa_history=bilinear";
+        static const char words[] = "target_format=float taa_history=bilinear";
         double centre_px, variance_px2;
         pan(*state, alphas[a], words, 0.5, &centre_px, &variance_px2);
         neph_assert_close(sqrt(variance_px2), table_px[a], 0.02, 0.0);
@@ -200,7 +203,7 @@ static void test_bilinear_history_blurs_as_alpha_says(void **state)
  * up to 1 each frame, at up to 128 px from the middle; the Gaussian's sum is 5. */
 static void test_catmull_rom_does_not_widen(void **state)
 {
-    static const char words[] = "taa_format=float taa_history=catmull_rom";
+    static const char words[] = "target_format=float taa_history=catmull_rom";
     double centre_px, variance_px2;
     pan(*state, 0.04, words, 0.5, &centre_px, &variance_px2);
     neph_assert_close(variance_px2, 0.0, 0.0, 0.02);
@@ -215,7 +218,7 @@ static void test_catmull_rom_does_not_widen(void **state)
 static void test_a_history_in_halves_stalls(void **state)
 {
     struct test_passes film;
-    open_plain(*state, 0.04, "taa_format=half taa_rounding=nearest", (int[2]){64, 1}, &film);
+    open_plain(*state, 0.04, "target_format=half taa_rounding=nearest", (int[2]){64, 1}, &film);
     film_start(&film, 1.0f);
     for (size_t x = 0; x < 64; x++) {
         const float value = 1.0f + (float)x * 0x1p-10f;
@@ -235,7 +238,7 @@ static void test_a_history_in_halves_stalls(void **state)
 static void test_rounding_by_chance_does_not_stall(void **state)
 {
     struct test_passes film;
-    open_plain(*state, 0.04, "taa_format=half taa_rounding=stochastic", (int[2]){64, 64}, &film);
+    open_plain(*state, 0.04, "target_format=half taa_rounding=stochastic", (int[2]){64, 64}, &film);
     film_start(&film, 1.0f);
     const float value = 1.0f + 6.0f * 0x1p-10f;
     for (size_t i = 0; i < 64 * 64; i++)
@@ -285,7 +288,7 @@ static void test_the_contrast_law_keeps_faint_noise(void **state)
     static const double deviations[] = {0.005, 0.05, 0.2}, known[] = {0.90, 0.35, 0.18};
     for (int d = 0; d < 3; d++) {
         struct test_passes film;
-        film_open(*state, "taa_filter=off taa_box=none taa_hdr_weight=off taa_format=float",
+        film_open(*state, "taa_filter=off taa_box=none taa_hdr_weight=off target_format=float",
                   (int[2]){64, 64}, &film);
         film_start(&film, 1.0f);
         uint64_t seed = 5;

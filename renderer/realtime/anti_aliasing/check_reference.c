@@ -482,14 +482,15 @@ static double frame_weight(const struct twin *twin, double part, double luma, do
                            double speed_px)
 {
     const double contrast = setting(twin, RT_TAA_CONTRAST);
-    const double way = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
-    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) +
-                         way * setting(twin, RT_TAA_ALPHA_MOVING);
+    const double way = fmin(speed_px / 20.0, 1.0);
+    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) + way * (double)0.2f;
     if (contrast == 0.0 || (choice(twin, RT_TAA_GUARD) && !(history_luma > 0.0)))
         return alpha;
     const double least = contrast * history_luma / fabs(luma - history_luma);
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
+
+static const double rest_px = 0.02f;
 
 /* How far a pixel is from being at rest. */
 static double unrest(const struct twin *twin, int x, int y, double speed_px)
@@ -497,7 +498,7 @@ static double unrest(const struct twin *twin, int x, int y, double speed_px)
     float changes[2][4];
     if (!find_changes(twin, x, y, changes))
         return 1.0;
-    return fmax(beyond(speed_px, setting(twin, RT_TAA_REST_PX)),
+    return fmax(beyond(speed_px, rest_px),
                 beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
 }
 
@@ -525,7 +526,7 @@ static struct colour relit(const struct twin *twin, int x, int y, struct colour 
         !around->counts[4])
         return history;
     twin_fetch_full(twin, RT_VOLUME, x, y, volume);
-    const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
+    const double moved = beyond(speed_px, rest_px);
     for (int c = 0; c < 3; c++) {
         const double colour = around->colours[4].c[c];
         const double medium = taa_hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
@@ -545,34 +546,7 @@ static double age_at(const struct twin *twin, const float place_px[2])
         return fmin(most, 1.0);
     twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
                        value);
-    return value[3] >= 1.0f && value[3] != RT_OF_MOVER ? fmin(value[3], most) : 1.0;
-}
-
-static bool flags_movers(const struct twin *twin)
-{
-    return choice(twin, RT_TAA_ANTIGHOST) && choice(twin, RT_SOLID_MOTION);
-}
-
-/* A mover in the plus about the source. */
-static bool is_at_mover(const struct twin *twin, struct place at)
-{
-    static const int plus[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-    bool is_one = false;
-    for (int i = 0; i < 5 && flags_movers(twin); i++) {
-        float moved[4];
-        twin_fetch_full(twin, RT_MOVED, at.source_x + plus[i][0], at.source_y + plus[i][1], moved);
-        is_one |= moved[3] != 0.0f;
-    }
-    return is_one;
-}
-
-/* The history is that of a mover which is no longer there. */
-static bool is_ghost(const struct twin *twin, struct place at, const float before_px[2])
-{
-    float value[4];
-    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
-                       value);
-    return flags_movers(twin) && !is_at_mover(twin, at) && value[3] == RT_OF_MOVER;
+    return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
 /* A medium that hides more than half. */
@@ -628,7 +602,7 @@ void taa_write(const struct twin *twin, int x, int y, struct colour colour, doub
     const struct neph_gpu_view *view = twin->view;
     float numbers[3], value[4] = {[3] = (float)age};
     random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
-    const bool by_chance = choice(twin, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
+    const bool by_chance = choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF &&
                            choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
         const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
@@ -656,7 +630,6 @@ static struct colour pixel_colour(const struct twin *twin, struct place at, doub
     double speed_px = 0.0;
     struct colour history, filtered;
     const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
-                             !is_ghost(twin, at, before_px) &&
                              taa_fetch_history(twin, before_px, &history);
     const struct surroundings around = taa_look_around(twin, at);
     *age = age_at(twin, has_history ? before_px : NULL);
@@ -687,6 +660,6 @@ void twin_taa(const struct twin *twin)
             double age;
             const struct place at = taa_place_of(twin, x, y);
             const struct colour colour = pixel_colour(twin, at, &age);
-            taa_write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
+            taa_write(twin, x, y, colour, age);
         }
 }

@@ -84,7 +84,7 @@ static bool is_uncovered(const struct twin *twin, struct place at, const float b
     const float slant = view->now.is_parallel ? 1.0f : taa_dot(ray, view->before.forward);
     const float here_m = nearest_depth_m(twin, at, 2) * slant -
                          taa_dot(view->before.position_m, view->before.forward);
-    return then_m < (1.0f - setting(twin, RT_LOCK_SEPARATION)) * here_m;
+    return then_m < (1.0f - 0.02f) * here_m;
 }
 
 /* --- locks: float32 ------------------------------------------------------------------------- */
@@ -99,10 +99,10 @@ static float luma_of(const struct surroundings *around, int i)
     return (float)c[0] + 2.0f * (float)c[1] + (float)c[2];
 }
 
-static bool is_thin(const struct twin *twin, const struct surroundings *around)
+static bool is_thin(const struct surroundings *around)
 {
     static const int corners[4][3] = {{0, 1, 3}, {1, 2, 5}, {3, 6, 7}, {5, 7, 8}};
-    const float own = luma_of(around, 4), ratio = setting(twin, RT_LOCK_RATIO);
+    const float own = luma_of(around, 4), ratio = 1.05f;
     bool alike[9], brighter = true, darker = true, counts = true;
     for (int i = 0; i < 9; i++) {
         const float other = luma_of(around, i);
@@ -143,7 +143,7 @@ static struct lock lock_of(const struct twin *twin, struct place at, const float
     const float x = shift_px[0] / twin->view->rendered_per_px[0];
     const float y = shift_px[1] / twin->view->rendered_per_px[1];
     squared = x * x + y * y;
-    if (squared <= 0.5f && is_thin(twin, around))
+    if (squared <= 0.5f && is_thin(around))
         lock = (struct lock){1.0f, luma_of(around, 4)};
     return lock;
 }
@@ -180,7 +180,7 @@ static void pixel(const struct twin *twin, struct place at)
         colour = has_history ? history : (struct colour){{0.0}};
         seen = 0.0;
     } else if (has_history) {
-        const double quickness = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
+        const double quickness = fmin(speed_px / 20.0, 1.0);
         weight = weight_before(twin, at, before_px, quickness);
         struct colour held = taa_hold_history(twin, history, around, colour, 3.0 - 2.0 * quickness);
         for (int c = 0; c < 3; c++)

@@ -11,11 +11,11 @@
 // Whether the choices are constants; else they are read from the view.
 layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 
-#if RT_SETTING_COUNT > 160
+#if RT_NUMBER_COUNT > 160
 #error "more constants, please"
 #endif
 
-// A hexadecimal digit for each setting, eight to a constant, the lowest first: the choice, or
+// A hexadecimal digit for each number of the view, eight to a constant, the lowest first: the choice, or
 // whether the number is other than 0; of taa_jitter_length itself, up to 15.
 layout(constant_id = 8) const uint DIGITS_0 = 0;
 layout(constant_id = 9) const uint DIGITS_1 = 0;
