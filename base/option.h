@@ -7,8 +7,7 @@
 #define NEPH_BASE_OPTION_H
 
 #include "base/status.h"
-
-#define NEPH_OPTIONS_MAX 160
+#include "settings/capacity.h" /* NEPH_OPTIONS_MAX: options of the longest table */
 
 enum neph_option_kind {
     NEPH_OPTION_INTEGER,
