@@ -443,6 +443,8 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
     print_times(pass->name, pass->gpu_s, "", out);
     if (isfinite(pass->traffic_bytes))
         fprintf(out, "  %.4g MB", 1e-6 * pass->traffic_bytes);
+    if (isfinite(pass->variant_gain))
+        fprintf(out, "  %.3g times as fast as its readable shader", pass->variant_gain);
     if (isfinite(pass->density_evaluations))
         fprintf(out, "  %.4g M evaluations%s%s, %.4g M/s", 1e-6 * pass->density_evaluations,
                 pass->with[0] ? " with " : "", pass->with,

@@ -192,20 +192,27 @@ static const struct neph_finding *find_finding(const struct neph_findings *list,
     return NULL;
 }
 
-/* What is said in words of a sequence; how many lines. */
-static int print_findings(const struct neph_compared *compared, const char *mask, bool is_brief)
+struct told {
+    const char *finding, *words;
+};
+
+/* The flicker of a sequence. */
+static const struct told answers[] = {{"seen", "flicker"},
+                                      {"flicker", "four-frame cycle"},
+                                      {"edge_ratio", "at depth edges"},
+                                      {"half_life", "lag"}};
+
+/* Reasons to trust the numbers less. */
+static const struct told cautions[] = {{"reference_limited", "the reference"},
+                                       {"noise_floor", "the reference"},
+                                       {"clipped", "the display"}};
+
+/* Returns the number of lines. */
+static int print_findings(const struct neph_compared *compared, const char *mask,
+                          const struct told *told, int count, int lines_max)
 {
-    static const struct {
-        const char *finding, *words;
-    } told[] = {{"seen", "flicker"},
-                {"flicker", "four-frame cycle"},
-                {"edge_ratio", "at depth edges"},
-                {"reference_limited", "the reference"},
-                {"noise_floor", "the reference"},
-                {"clipped", "the display"},
-                {"half_life", "lag"}};
     int lines = 0;
-    for (size_t i = 0; i < sizeof(told) / sizeof(told[0]) && !(is_brief && lines > 0); i++) {
+    for (int i = 0; i < count && lines < lines_max; i++) {
         const struct neph_finding *finding = find_finding(&compared->findings, told[i].finding,
                                                           mask);
         if (!finding)
@@ -295,15 +302,18 @@ void neph_verdict_print(const struct neph_compared *compared, const struct neph_
         print_difference(difference);
         lines++;
     }
-    const int before = lines;
-    if (!form->is_brief || lines == 0)
-        lines += print_findings(compared, mask, form->is_brief);
-    if (lines == before && !form->shows_metrics && (!form->is_brief || lines == 0))
+    const int lines_max = form->is_brief ? 1 : LINES_MAX - LAST_LINES;
+    const int answered = print_findings(compared, mask, answers,
+                                        sizeof(answers) / sizeof(answers[0]), lines_max - lines);
+    lines += answered;
+    if (answered == 0 && !form->shows_metrics && lines < lines_max)
         lines += print_error(compared, mask);
-    if (!form->is_brief)
+    if (!form->is_brief) {
+        lines += print_findings(compared, mask, cautions, sizeof(cautions) / sizeof(cautions[0]),
+                                lines_max - lines);
         lines += print_left_out(compared);
-    print_numbers(compared, mask, form->is_brief ? lines == 0 : LINES_MAX - LAST_LINES - lines,
-                  form->shows_metrics);
+    }
+    print_numbers(compared, mask, lines_max - lines, form->shows_metrics);
     if (form->is_brief)
         return;
     printf("display: %g frames a second, %g pixels per degree, %g EV, white %g cd/m2, dark "

@@ -233,6 +233,11 @@ static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *d
     return neph_realtime_watch(renderer, bad, diag);
 }
 
+static void leave_variants(void *renderer, bool leaves)
+{
+    neph_realtime_leave_variants(renderer, leaves);
+}
+
 static const struct neph_gpu_renderer gpu = {.create = create,
                                              .destroy = destroy,
                                              .resize = resize,
@@ -240,6 +245,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .submit = submit,
                                              .collect = collect,
                                              .watch = watch,
+                                             .leave_variants = leave_variants,
                                              .set_up_is_free = true};
 
 /* Where another lighting could, the reason says so. */

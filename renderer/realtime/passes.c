@@ -149,15 +149,18 @@ const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view
     return can_run(view, &pass->variants[kind]) ? &pass->variants[kind] : &pass->shader;
 }
 
-void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind)
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants)
 {
     for (int p = 0; neph_rt_passes[p]; p++) {
-        const struct neph_rt_pass *pass = neph_rt_passes[p];
-        const struct neph_rt_pass *absorbed = neph_rt_shader_for(view, pass, kind)->absorbs;
-        if (absorbed && neph_rt_holds(view, pass->condition) &&
-            neph_rt_holds(view, absorbed->condition))
-            view->settings[absorbed->done_by_other[0].setting] =
-                (float)absorbed->done_by_other[0].choice;
+        const struct neph_rt_shader *variant = &neph_rt_passes[p]->variants[kind];
+        if (!variant->absorbs)
+            continue;
+        const struct neph_rt_condition other = variant->absorbs->done_by_other[0];
+        const bool absorbs = has_variants && can_run(view, variant) &&
+                             neph_rt_holds(view, neph_rt_passes[p]->condition) &&
+                             neph_rt_holds(view, variant->absorbs->condition);
+        view->settings[other.setting] = absorbs ? (float)other.choice : 0.0f;
     }
 }
 

@@ -71,8 +71,8 @@ struct neph_rt_pass {
      * run; {0}: it does. tests/renderer/test_realtime_passes.c compares both. */
     struct neph_rt_shader variants[NEPH_RT_DEVICE_KINDS];
     struct neph_rt_condition condition; /* of being in the frame */
-    /* Where one of these holds; ends early with {0}, which never does (above). The first is set where
-     * a variant absorbs the pass. */
+    /* Where one of these holds; ends early with {0}, which never does (above). The setting of the
+     * first is 0 but where a variant absorbs the pass. */
     struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
     int resolution;        /* RT_FULL, ..: of the texels that it makes */
     int unread_resolution; /* of those in pictures that nobody reads (unread.h); 0: the same */
@@ -139,8 +139,10 @@ const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view
                                                 const struct neph_rt_pass *pass,
                                                 enum neph_rt_device_kind kind);
 
-/* Set in a view that passes are done by others, where variants on this kind of device absorb them. */
-void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind);
+/* Set in a view which passes are done by others, because variants on this kind of device absorb them:
+ * none if the variants do not run. */
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants);
 
 /* Threads of a dispatch of a pass with one of its shaders. */
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,

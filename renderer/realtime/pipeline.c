@@ -267,7 +267,7 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
 {
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    neph_rt_absorb_passes(view, kind_of(realtime->vulkan));
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
 }
 
 /* Their kernels, where the device compiles them in no time. */
@@ -443,6 +443,12 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 {
     realtime->observer = observer;
     realtime->observer_context = context;
+}
+
+void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves)
+{
+    realtime->device.has_no_variants = leaves;
+    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
 }
 
 void neph_realtime_set_test_hooks(struct neph_realtime *realtime,

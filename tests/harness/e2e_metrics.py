@@ -156,6 +156,41 @@ class Metrics(neph_case.NephCase):
         self.assertRegex(text, "^worse: mae .* p < 0.001")
         self.neph(*run, self.folder / "nowhere", code=66, silent=True)
 
+    def test_the_answer_comes_first_and_is_short(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 1.25)
+        error = "radiance is off by 25 % (RMSE over the mean of the reference), in the mean 25 % " \
+                "too bright"
+        lines = self.neph("compare", reference, test).stdout.splitlines()
+        self.assertEqual(lines[0], error)
+        self.assertTrue(len(lines) <= 10 and "--all" in lines[-1], lines)
+        self.assertEqual(self.neph("compare", reference, test, "-q").stdout, error + "\n")
+        limits = ("--fail-above", "rmse=0.3", "--fail-below", "rmse=0.3")
+        lines = self.neph("compare", reference, test, *limits, code=1).stdout.splitlines()
+        self.assertEqual(lines[:3], ["PASS rmse 0.25 <= 0.3", "FAIL rmse 0.25 < 0.3", error])
+        self.assertLessEqual(len(lines), 10)
+        self.assertIn("PASS pu_psnr: the images are equal",
+                      self.neph("compare", test, test, "--fail-below", "pu_psnr=40", "-q").stdout)
+        table = self.neph("compare", reference, test, "--all").stdout
+        self.assertGreater(len(table.splitlines()), 20)
+        self.assertRegex(table, r"radiance +all +rel_rmse +2.5000")
+
+    def test_better_and_worse_go_by_the_metric(self):
+        # Noise at each pixel, twice as strong in one: tiles tell the two apart.
+        draw = random.Random(42)
+        grain = [[draw.gauss(0, 1) for _ in range(WIDTH)] for _ in range(HEIGHT)]
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        weak, strong = (self.write(f"{name}.exr", lambda x, y: 1.0 + part * grain[y][x])
+                        for name, part in (("weak", 0.02), ("strong", 0.04)))
+        for metric in ("rel_rmse", "pu_psnr"):  # one is better when small, one when large
+            for test, other, word in ((weak, strong, "better"), (strong, weak, "worse")):
+                text = self.neph("compare", reference, test, "--versus", other, "-m", metric,
+                                 "-q").stdout
+                self.assertRegex(text, rf"^{word}: {metric} [0-9.]+.*, of --versus [0-9.]+ "
+                                       r"\(difference .*, p < 0.001\)$")
+        text = self.neph("compare", reference, weak, "--versus", weak, "-m", "mae", "-q").stdout
+        self.assertRegex(text, "^equal: mae ")
+
     def test_names_of_masks_and_units_in_csv(self):
         layers = {channel: [0.5] * 256 for channel in "RGB"}
         path = self.folder / "mask.exr"

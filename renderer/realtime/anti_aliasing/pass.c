@@ -24,12 +24,20 @@
 static const uint32_t taa_code[] = {
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
+static const uint32_t taa_cpu_code[] = {
+#include "realtime/anti_aliasing/taa_cpu.comp.inc"
+};
+static const uint32_t taa_gpu_code[] = {
+#include "realtime/anti_aliasing/taa_gpu.comp.inc"
+};
 
 const struct neph_rt_pass neph_rt_taa = {
     .name = "anti-aliasing",
     .note = "the mean over jittered frames, held in a neighbourhood clamp",
-    .shader = {"taa", taa_code, sizeof(taa_code), .column = RT_TAA_COLUMN},
-    .variants = {[NEPH_RT_GPU] = {"taa", taa_code, sizeof(taa_code),
+    .shader = {"taa", taa_code, sizeof(taa_code)},
+    .variants = {[NEPH_RT_CPU] = {"taa_cpu", taa_cpu_code, sizeof(taa_cpu_code),
+                                  .column = RT_TAA_COLUMN},
+                 [NEPH_RT_GPU] = {"taa_gpu", taa_gpu_code, sizeof(taa_gpu_code),
                                   .block = {RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT}}},
     .condition = {RT_TAA, RT_TAA_ON},
     .resolution = RT_PICTURE,

@@ -59,9 +59,9 @@ void extend_by_variance(inout Box box, int space)
             vec4 difference = to_space(space, ray_at(i).value) - mean;
             variance += difference * difference;
         }
-    vec4 half_width = sqrt(variance / count);
-    extend(box, mean - half_width);
-    extend(box, mean + half_width);
+    Box about = variance_box(mean, variance / count, 1.0);
+    extend(box, about.low);
+    extend(box, about.high);
 }
 
 // History clamped to the box of the accepted rays, which has the nearest ray in any case.
@@ -77,7 +77,7 @@ vec4 clamp_to_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
         extend_by_rays(box, space);
     else
         extend_by_variance(box, space);
-    return held_in_space(space, value, nearest_value, box);
+    return clamp_in_space(space, value, nearest_value, box);
 }
 
 #endif

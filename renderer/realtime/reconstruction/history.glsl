@@ -81,7 +81,7 @@ History history_about(vec2 place_px)
         add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
     if (!history.is_void)
-        history.value = held(mean.sum / mean.weights, mean.range);
+        history.value = clamp_to(mean.range, mean.sum / mean.weights);
     return history;
 }
 
