@@ -186,7 +186,8 @@ def names(settings):
     lines = ["// By renderer/settings.py of the files settings.toml.",
              "#ifndef NEPH_GENERATED_REALTIME_NAMES_H", "#define NEPH_GENERATED_REALTIME_NAMES_H"]
     lines += [f"#define {setting.id} {index}" for index, setting in enumerate(all_numbers)]
-    lines += [f"#define RT_SETTING_COUNT {len(rows)}", f"#define RT_NUMBER_COUNT {len(all_numbers)}",
+    lines += [f"#define RT_SETTING_COUNT {len(rows)}",
+              f"#define RT_NUMBER_COUNT {len(all_numbers)}",
               f"#define RT_CHOICE_CONSTANT_COUNT {constant_count(settings)}", ""]
     for prefix, words in constants(all_numbers).items():
         lines += [f"#define RT_{prefix}_{word.upper()} {i}" for i, word in enumerate(words)] + [""]
@@ -208,12 +209,12 @@ def header(settings):
     rows = of_realtime(settings)
     folders = sorted({setting.folder for setting in rows} - {""})
     lines = ["/* By renderer/settings.py of the files settings.toml. */",
-             "#ifndef NEPH_GENERATED_REALTIME_SETTINGS_H", "#define NEPH_GENERATED_REALTIME_SETTINGS_H",
-             "", "#include <stdbool.h>", ""]
+             "#ifndef NEPH_GENERATED_REALTIME_SETTINGS_H",
+             "#define NEPH_GENERATED_REALTIME_SETTINGS_H", "", "#include <stdbool.h>", ""]
     for folder in folders:
         lines += [f"struct neph_rt_{folder}_settings {{", *fields_of(folder, rows), "};", ""]
-    lines += ["/* By the folder of a pass; `shared`: that several passes read. Those of the march are read",
-              " * into struct neph_march_params. */", "struct neph_rt_settings {"]
+    lines += ["/* By the folder of a pass; `shared`: that several passes read. Those of the march are",
+              " * read into struct neph_march_params. */", "struct neph_rt_settings {"]
     lines += [f"    struct neph_rt_{folder}_settings {folder};" for folder in folders]
     return "\n".join(lines + ["};", "", "#endif", ""])
 
@@ -238,8 +239,9 @@ def realtime_table(settings):
              "const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1] = {"]
     lines += [f"    {setting.row('realtime')}," for setting in rows]
     lines += ["    {.choices = gone},", "};", ""]
-    lines += ["struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings)", "{",
-              "    const double *values = settings->values;", "    return (struct neph_rt_settings){"]
+    lines += ["struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings)",
+              "{", "    const double *values = settings->values;",
+              "    return (struct neph_rt_settings){"]
     lines += [f"        .{setting.folder}.{setting.fields[0]} = {setting.read(setting.id)},"
               for setting in rows if setting.folder]
     return "\n".join(lines + ["    };", "}", ""])
@@ -294,9 +296,10 @@ def capacity(settings):
 def page(settings):
     """docs/settings.md"""
     lines = ["# The settings of `realtime`", "",
-             "Written by `renderer/settings.py . --docs` of the files `settings.toml`, each in the folder of",
-             "the pass that it is of. Engines `march*` have those of the march, but for the last that are",
-             "said to be of `realtime`, and those that name their engines.", ""]
+             "Written by `renderer/settings.py . --docs` from the files `settings.toml`: each pass has one",
+             "in its folder, and `shared` what several passes read. The engines `march*` have the settings",
+             "of the march; where not all of them have one, it names those that do: `traced` is",
+             "`march_traced`, `diffused` is `march_diffused`.", ""]
     for folder in [""] + sorted({setting.folder for setting in settings} - {""}):
         rows = [s for s in settings if s.folder == folder and s.kind != "pipeline"]
         if not rows:
@@ -310,7 +313,7 @@ def page(settings):
             values = (", ".join(setting.choices) if setting.choices else
                       f"{setting.limit(0):g} .. {setting.limit(1):g}")
             engines = setting.table.get("engines")
-            text = setting.help.replace("|", "\\|") + (f" ({', '.join(engines)})" if engines else "")
+            text = setting.help + (f" ({', '.join(engines)})" if engines else "")
             lines.append(f"| `{setting.name}` | {default} | {values} | {text} |")
         lines.append("")
     return "\n".join(lines)

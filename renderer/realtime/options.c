@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings as the files settings.toml define them (renderer/settings.py), and the words of those
- * that are gone. "The article" in them is the one on the frame split: the weather of Red Dead
+ * The settings as the files settings.toml define them (renderer/settings.py), and the words of
+ * those that are gone. "The article" in them is the one on the frame split: the weather of Red Dead
  * Redemption 2 after F. Bauer, SIGGRAPH 2019, written down for Unreal Engine 4.24. A tile is 2x2
  * half-resolution texels, 4x4 pixels; its slots are these texels in the order in which they are
  * marched. docs/realtime.md lists the article's steps and faults with their settings.

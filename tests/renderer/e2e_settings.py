@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""renderer/settings.py: the page of the settings is that of their files, and an error in a file names
-file and setting."""
+"""renderer/settings.py: the page of the settings is that of their files, and an error in a file
+names file and setting."""
 import os
 import pathlib
 import subprocess
@@ -31,16 +31,17 @@ class Settings(unittest.TestCase):
         self.assertEqual(page.stdout, (SOURCE / "docs" / "settings.md").read_text(),
                          "renderer/settings.py . --docs > docs/settings.md")
 
-    def of(self, text, march="", argument=None):
-        """What the script says of a file of a pass."""
+    def of(self, text):
+        """What the script says of a file of a pass, and the names that it makes."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            for name, content in (("march_settings.toml", march), ("march_params.h", ""),
-                                  ("shaders/constants.h", ""), ("realtime/fog/settings.toml", text)):
+            for name, content in (("march_settings.toml", ""), ("march_params.h", ""),
+                                  ("shaders/constants.h", ""),
+                                  ("realtime/fog/settings.toml", text)):
                 path = root / "renderer" / name
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(content)
-            done = run(root, argument or root / "out")
+            done = run(root, root / "out")
             names = root / "out" / "realtime_names.h"
             return done, names.read_text() if names.exists() else ""
 
@@ -67,7 +68,8 @@ help = "two"
                 (GOOD.replace('kind = "switch"\ndefault = "off"',
                               'kind = "real"\ndefault = 3\nrange = [0, 1]'), "outside 0 .. 1"),
                 (GOOD.replace('kind = "switch"\ndefault = "off"',
-                              'kind = "real"\ndefault = 3\nrange = [0, "MOST"]'), "MOST is no number"),
+                              'kind = "real"\ndefault = 3\nrange = [0, "MOST"]'),
+                 "MOST is no number"),
                 (GOOD + GOOD.replace("first", "other"), "has number 0, too; the next is 1")):
             done, _ = self.of(text)
             self.assertEqual(done.returncode, 1, words)

@@ -5,8 +5,8 @@
 #ifndef NEPH_REALTIME_NAMES_H
 #define NEPH_REALTIME_NAMES_H
 
-// The settings of the files settings.toml, by their index in the table of options, what the pipeline
-// chooses for a view behind them, and the words of choices (renderer/settings.py).
+// The settings of the files settings.toml, by their index in the table of options, what the
+// pipeline chooses for a view behind them, and the words of choices (renderer/settings.py).
 #include "settings/realtime_names.h"
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
