@@ -4,13 +4,12 @@
 the checks that the layer adds to shaders (NEPH_VULKAN_VALIDATION=1 and =shaders). Any message fails
 the frame. By hand, on any machine with the layers, such as a newer Mesa's:
 
-    NEPH=build/release/neph NEPH_SOURCE_DIR=. NEPH_TEST_NIGHT=1 python3 tests/harness/e2e_layers.py
+    NEPH=build/release/neph NEPH_SOURCE_DIR=. python3 tests/harness/e2e_layers.py
 """
 import re
 import unittest
 
 import neph_case
-import night
 
 # Words of `neph render` for each family of kernels. Frames are a few work groups large.
 MARCHES = {
@@ -46,7 +45,6 @@ REALTIME = {
 POST = ("-p unreal", "-s upscale=catmull_rom -s screen_percent=50", "-s tone=on -s sharpen=rcas", "-s tone=on -s fxaa=quality_12")
 
 
-@night.of_the_night
 class Layers(neph_case.NephCase):
     def validated(self, family, *words):
         for checks in ("1", "shaders"):
