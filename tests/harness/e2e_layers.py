@@ -16,7 +16,7 @@ MARCHES = {
     "fog": "two_layer_fog -e march",
     "point lights": "spot_fence -e march",
     "voxels": "voxel_grid -e march",
-    "voxels in a texture": "voxel_grid -e march -s grid_sampling=texture",
+    "voxels in a texture": "voxel_grid -e march -s grid_sampling=texture -s sun=marched",
     "sun cache": "voxel_grid -e march -s sun_cache=grid -s sun_cache_voxels=32 -s skip=majorant",
     "cloud shadows": "cloud_shadow -e march -s cloud_shadow=map -s cloud_shadow_texels=64",
     "octaves": "cloud_beside -e march_octaves",
