@@ -275,7 +275,7 @@ static void test_kernels_of_a_gpu_need_no_int64(void **state)
         size_t code_bytes;
     } passes[] = {{taa_code, sizeof(taa_code)},
                   {reconstruct_code, sizeof(reconstruct_code)},
-                  {ray_march_code, sizeof(rt_march_code)}};
+                  {ray_march_code, sizeof(ray_march_code)}};
     for (size_t i = 0; i < COUNT(passes); i++)
         for (uint32_t variant = 0; variant < 4; variant++) {
             uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
