@@ -25,7 +25,7 @@ static const struct {
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
+                                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,
@@ -141,6 +141,17 @@ void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *b
     *buffer = (struct neph_buffer){0};
 }
 
+enum neph_status neph_buffers_create(const struct neph_vulkan *vulkan,
+                                     const struct neph_buffer_row *rows, size_t row_count,
+                                     struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (size_t i = 0; i < row_count && !status; i++)
+        status = neph_buffer_create(vulkan, rows[i].use, rows[i].size_bytes, rows[i].name,
+                                    rows[i].buffer, diag);
+    return status;
+}
+
 /* --- running ------------------------------------------------------------------------------ */
 
 static void record_copy(const struct neph_vulkan *vulkan, const struct neph_lane *lane,
@@ -159,7 +170,9 @@ enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_
 {
     *batch = (struct neph_batch){.vulkan = vulkan};
     const VkResult result = neph_lane_begin(vulkan, &batch->lane);
-    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "begin a batch", diag);
+    if (result != VK_SUCCESS)
+        batch->status = neph_vulkan_fail(result, "begin a batch", diag);
+    return batch->status;
 }
 
 static void bind(struct neph_batch *batch, const struct neph_kernel *kernel, VkDescriptorSet set)
@@ -204,13 +217,18 @@ static enum neph_status await_kernel(struct neph_batch *batch, const struct neph
     return neph_kernel_finish(kernel, diag);
 }
 
-enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
-                                     const struct neph_dispatch *dispatch, struct neph_diag *diag)
+static enum neph_status record(struct neph_batch *batch, const struct neph_kernel *kernel,
+                               const struct neph_dispatch *dispatch, struct neph_diag *diag)
 {
     const struct VolkDeviceTable *api = &batch->vulkan->api;
     const enum neph_status status = await_kernel(batch, kernel, diag);
     if (status)
         return status;
+    const uint32_t groups_max = batch->vulkan->limits.maxComputeWorkGroupCount[0];
+    if (dispatch->group_count > groups_max)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "the kernel '%s' needs %u work groups at once; the device allows %u",
+                         kernel->params.name, dispatch->group_count, groups_max);
     VkDescriptorSet set;
     const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
     const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);
@@ -225,22 +243,46 @@ enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph
     return NEPH_OK;
 }
 
+enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
+                                     const struct neph_dispatch *dispatch, struct neph_diag *diag)
+{
+    if (!batch->status)
+        batch->status = record(batch, kernel, dispatch, diag);
+    return batch->status;
+}
+
 void neph_batch_barrier(struct neph_batch *batch)
 {
-    neph_lane_barrier(batch->vulkan, batch->lane, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                      VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                      VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+    if (!batch->status)
+        neph_lane_barrier(batch->vulkan, batch->lane, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
 }
 
 void neph_batch_stamp(struct neph_batch *batch, double *seconds)
 {
-    neph_lane_stamp(batch->vulkan, batch->lane, seconds);
+    if (!batch->status)
+        neph_lane_stamp(batch->vulkan, batch->lane, seconds);
 }
 
 enum neph_status neph_batch_send(struct neph_batch *batch, const char *what, struct neph_diag *diag)
 {
+    if (batch->status)
+        return batch->status;
     const VkResult result = neph_lane_send(batch->vulkan, batch->lane);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, what, diag);
+}
+
+enum neph_status neph_dispatch_send(const struct neph_vulkan *vulkan,
+                                    const struct neph_kernel *kernel,
+                                    const struct neph_dispatch *dispatch, const char *what,
+                                    double *gpu_s, struct neph_diag *diag)
+{
+    struct neph_batch batch;
+    neph_batch_begin(vulkan, &batch, diag);
+    neph_batch_dispatch(&batch, kernel, dispatch, diag);
+    neph_batch_stamp(&batch, gpu_s);
+    return neph_batch_send(&batch, what, diag);
 }
 
 uint64_t neph_batches_sent(const struct neph_vulkan *vulkan)
@@ -261,13 +303,10 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
 {
     struct neph_batch batch;
     double measured_s = 0.0;
-    enum neph_status status = neph_batch_begin(vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, kernel, dispatch, diag);
-    if (status)
-        return status;
+    neph_batch_begin(vulkan, &batch, diag);
+    enum neph_status status = neph_batch_dispatch(&batch, kernel, dispatch, diag);
     neph_batch_stamp(&batch, &measured_s);
-    if (dispatch->copy_to)
+    if (!status && dispatch->copy_to)
         record_copy(vulkan, batch.lane, dispatch->copy_from, dispatch->copy_to,
                     dispatch->copy_size_bytes);
     status = neph_batch_send(&batch, kernel->params.name, diag);

@@ -41,9 +41,10 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
 
-/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as an image of 1, 2 or 4 whole numbers of
- * 32 bits a texel, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for
- * each, and a texel of such an image in a few instructions for all. On a GPU nothing is done.
+/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of 1, 2 or 4 whole numbers of 32
+ * bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for each, and
+ * such a texel in a few instructions for all. Shaders have them as usamplerBuffer, which does not
+ * say how many words a texel has. On a GPU nothing is done.
  * NEPH_ERR_UNSUPPORTED: it has more texels than the device lets a kernel see. */
 enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
                                         struct neph_buffer *buffer, struct neph_diag *diag);
@@ -67,6 +68,18 @@ enum neph_status neph_buffer_download(const struct neph_vulkan *vulkan,
 
 /* A zero buffer is fine. Waits for all that is on its way to the device. */
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer);
+
+/* Buffers row by row, up to the first that cannot be had; each is zero-initialised and freed like
+ * one of neph_buffer_create(). */
+struct neph_buffer_row {
+    struct neph_buffer *buffer;
+    enum neph_buffer_use use;
+    size_t size_bytes;
+    const char *name;
+};
+enum neph_status neph_buffers_create(const struct neph_vulkan *vulkan,
+                                     const struct neph_buffer_row *rows, size_t row_count,
+                                     struct neph_diag *diag);
 
 /* --- images ------------------------------------------------------------------------------- */
 
@@ -98,15 +111,17 @@ struct neph_batch {
     struct neph_lane *lane;           /* borrowed */
     const struct neph_kernel *bound;
     VkDescriptorSet bound_set;
+    enum neph_status status; /* the first failure: after it nothing is recorded, and nothing sent */
 };
 
 /* Waits for an earlier batch when there are too many on their way. A batch that is not sent leaves
- * nothing behind. */
+ * nothing behind. A caller may leave the status of this and of _dispatch to _send. */
 enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_batch *batch,
                                   struct neph_diag *diag);
 
 /* Add a dispatch; its copy is left out. Waits for its kernel, and meanwhile sends what the batch
- * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. */
+ * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: more work groups
+ * than the device allows. */
 enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      const struct neph_dispatch *dispatch, struct neph_diag *diag);
 
@@ -118,10 +133,16 @@ void neph_batch_barrier(struct neph_batch *batch);
  * when the device has no clock); borrowed until then; NULL: nobody wants it. */
 void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
-/* Send it on its way. What its kernels read must stay as it is until the batch is home. `what`
- * names it in errors. NEPH_ERR_ENGINE: the device was lost. */
+/* Send it on its way, unless something failed before. What its kernels read must stay as it is until
+ * the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
                                  struct neph_diag *diag);
+
+/* A batch of one dispatch, sent on its way; its time is added to `*gpu_s` when it is home. */
+enum neph_status neph_dispatch_send(const struct neph_vulkan *vulkan,
+                                    const struct neph_kernel *kernel,
+                                    const struct neph_dispatch *dispatch, const char *what,
+                                    double *gpu_s, struct neph_diag *diag);
 
 /* How many batches the device was ever sent: for _wait. */
 uint64_t neph_batches_sent(const struct neph_vulkan *vulkan);

@@ -219,14 +219,13 @@ static enum neph_status clear(const struct neph_diffused_light *light, struct ne
 
 static enum neph_status create_buffers(struct neph_diffused_light *light, struct neph_diag *diag)
 {
-    enum neph_status status = neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE,
-                                                 all_cells(light) *
-                                                     sizeof(struct neph_gpu_diffusion_cell),
-                                                 "diffusion cells", &light->cells, diag);
-    if (!status)
-        status = neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE,
-                                    cell_count(&light->levels[0]) * 4 * sizeof(float),
-                                    "diffused light", &light->field, diag);
+    const struct neph_buffer_row rows[] = {
+        {&light->cells, NEPH_BUFFER_DEVICE,
+         all_cells(light) * sizeof(struct neph_gpu_diffusion_cell), "diffusion cells"},
+        {&light->field, NEPH_BUFFER_DEVICE, cell_count(&light->levels[0]) * 4 * sizeof(float),
+         "diffused light"},
+    };
+    const enum neph_status status = neph_buffers_create(light->vulkan, rows, 2, diag);
     return status ? status : clear(light, diag);
 }
 
@@ -329,10 +328,8 @@ static enum neph_status begin(struct work *work, struct neph_diag *diag)
     return neph_batch_begin(work->light->vulkan, &work->batch, diag);
 }
 
-static enum neph_status end(struct work *work, enum neph_status status, struct neph_diag *diag)
+static enum neph_status end(struct work *work, struct neph_diag *diag)
 {
-    if (status)
-        return status;
     neph_batch_stamp(&work->batch, work->gpu_s);
     return neph_batch_send(&work->batch, "diffused light", diag);
 }
@@ -346,16 +343,17 @@ static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *con
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &work->light->cells; /* nothing is there */
     dispatch.push = run;
     dispatch.group_count = (run->ray_count + local_size - 1) / local_size;
-    enum neph_status status = begin(work, diag);
-    if (!status)
-        status = neph_batch_dispatch(&work->batch, work->fill, &dispatch, diag);
-    return end(work, status, diag);
+    const enum neph_status status = begin(work, diag);
+    if (status)
+        return status;
+    neph_batch_dispatch(&work->batch, work->fill, &dispatch, diag);
+    return end(work, diag);
 }
 
 /* --- passes over levels ---------------------------------------------------------------------- */
 
-static enum neph_status add_pass(struct work *work, const struct neph_kernel *kernel, int level,
-                                 int other, enum job job, struct neph_diag *diag)
+static void add_pass(struct work *work, const struct neph_kernel *kernel, int level, int other,
+                     enum job job, struct neph_diag *diag)
 {
     struct neph_diffused_light *light = work->light;
     const struct neph_dispatch dispatch = {
@@ -366,44 +364,31 @@ static enum neph_status add_pass(struct work *work, const struct neph_kernel *ke
     work->run.level = light->levels[level];
     work->run.other = light->levels[other];
     work->run.job = job;
-    const enum neph_status status = neph_batch_dispatch(&work->batch, kernel, &dispatch, diag);
+    neph_batch_dispatch(&work->batch, kernel, &dispatch, diag);
     neph_batch_barrier(&work->batch);
-    return status;
 }
 
-static enum neph_status add_sweeps(struct work *work, int level, int count, struct neph_diag *diag)
+static void add_sweeps(struct work *work, int level, int count, struct neph_diag *diag)
 {
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < 2 * count && !status; i++)
-        status = add_pass(work, work->cycle, level, level, i % 2 ? BLACK : RED, diag);
-    return status;
+    for (int i = 0; i < 2 * count; i++)
+        add_pass(work, work->cycle, level, level, i % 2 ? BLACK : RED, diag);
 }
 
-static enum neph_status add_links(struct work *work, struct neph_diag *diag)
-{
-    enum neph_status status = add_pass(work, work->cycle, 0, 0, LIMIT, diag);
-    for (int level = 1; level < work->light->level_count && !status; level++)
-        status = add_pass(work, work->cycle, level, level - 1, COARSEN, diag);
-    return status;
-}
-
-static enum neph_status add_cycle(struct work *work, struct neph_diag *diag)
+static void add_cycle(struct work *work, struct neph_diag *diag)
 {
     const int last = work->light->level_count - 1;
-    enum neph_status status = add_links(work, diag);
-    for (int level = 0; level < last && !status; level++) {
-        status = add_sweeps(work, level, SWEEPS, diag);
-        if (!status)
-            status = add_pass(work, work->cycle, level + 1, level, LEAVE, diag);
+    add_pass(work, work->cycle, 0, 0, LIMIT, diag);
+    for (int level = 1; level <= last; level++)
+        add_pass(work, work->cycle, level, level - 1, COARSEN, diag);
+    for (int level = 0; level < last; level++) {
+        add_sweeps(work, level, SWEEPS, diag);
+        add_pass(work, work->cycle, level + 1, level, LEAVE, diag);
     }
-    if (!status)
-        status = add_sweeps(work, last, COARSEST_SWEEPS, diag);
-    for (int level = last - 1; level >= 0 && !status; level--) {
-        status = add_pass(work, work->cycle, level, level + 1, CORRECT, diag);
-        if (!status)
-            status = add_sweeps(work, level, SWEEPS, diag);
+    add_sweeps(work, last, COARSEST_SWEEPS, diag);
+    for (int level = last - 1; level >= 0; level--) {
+        add_pass(work, work->cycle, level, level + 1, CORRECT, diag);
+        add_sweeps(work, level, SWEEPS, diag);
     }
-    return status;
 }
 
 static enum neph_status run_cycles(struct work *work, int count, struct neph_diag *diag)
@@ -411,30 +396,25 @@ static enum neph_status run_cycles(struct work *work, int count, struct neph_dia
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < count && !status; i++) {
         status = begin(work, diag);
-        if (!status)
-            status = add_cycle(work, diag);
-        if (!status && i + 1 == count)
-            status = add_pass(work, work->field, 0, 0, CLEAR, diag);
-        status = end(work, status, diag);
+        if (status)
+            break;
+        add_cycle(work, diag);
+        if (i + 1 == count)
+            add_pass(work, work->field, 0, 0, CLEAR, diag);
+        status = end(work, diag);
     }
     return status;
 }
 
-static enum neph_status link_levels(struct work *work, struct neph_diag *diag)
+/* All cells of the finest level by `kernel`: they are linked, or forget what they had. */
+static enum neph_status run_cells(struct work *work, const struct neph_kernel *kernel,
+                                  struct neph_diag *diag)
 {
-    enum neph_status status = begin(work, diag);
-    if (!status)
-        status = add_pass(work, work->links, 0, 0, CLEAR, diag);
-    return end(work, status, diag);
-}
-
-static enum neph_status forget(struct work *work, struct neph_diag *diag)
-{
-    work->light->settled = 0;
-    enum neph_status status = begin(work, diag);
-    if (!status)
-        status = add_pass(work, work->cycle, 0, 0, CLEAR, diag);
-    return end(work, status, diag);
+    const enum neph_status status = begin(work, diag);
+    if (status)
+        return status;
+    add_pass(work, kernel, 0, 0, CLEAR, diag);
+    return end(work, diag);
 }
 
 /* --- a picture ------------------------------------------------------------------------------- */
@@ -479,7 +459,7 @@ static enum neph_status fill(struct work *work, const struct neph_scene *scene,
         return NEPH_OK;
     enum neph_status status = neph_march_cut_run(&light->cut, fill_run, work, diag);
     if (!status)
-        status = link_levels(work, diag);
+        status = run_cells(work, work->links, diag);
     if (!status)
         status = keep_solids(light, scene, diag);
     light->is_filled = !status;
@@ -532,8 +512,10 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
         return NEPH_OK; /* the same again */
     work.run = run_of(light, scene, &gpu->frame->light_lattice);
     enum neph_status status = get_kernels(&work, gpu, diag);
+    if (!continues)
+        light->settled = 0;
     if (!status && !continues)
-        status = forget(&work, diag);
+        status = run_cells(&work, work.cycle, diag);
     if (!status)
         status = fill(&work, scene, diag);
     light->is_filled &= !will_change;

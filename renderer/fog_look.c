@@ -135,12 +135,11 @@ static enum neph_status create_buffers(struct neph_fog_looks *looks, struct neph
     if (!status)
         status = neph_turns_create(looks->vulkan, &looks->gpu.buffers[1], "scene solids",
                                    &looks->solid_turns, diag);
-    if (!status)
-        status = neph_buffer_create(looks->vulkan, NEPH_BUFFER_DEVICE, bytes, "fog pixels",
-                                    &looks->pixels, diag);
-    return status ? status
-                  : neph_buffer_create(looks->vulkan, NEPH_BUFFER_READBACK, bytes, "fog readback",
-                                       &looks->readback, diag);
+    const struct neph_buffer_row rows[] = {
+        {&looks->pixels, NEPH_BUFFER_DEVICE, bytes, "fog pixels"},
+        {&looks->readback, NEPH_BUFFER_READBACK, bytes, "fog readback"},
+    };
+    return status ? status : neph_buffers_create(looks->vulkan, rows, 2, diag);
 }
 
 enum neph_status neph_fog_looks_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
@@ -233,20 +232,14 @@ static enum neph_status read_pixels(const struct work *work, struct neph_diag *d
 static enum neph_status send_run(const struct work *work, struct neph_diag *diag)
 {
     struct neph_fog_looks *looks = work->looks;
-    struct neph_batch batch;
     struct neph_dispatch dispatch = {
         .buffers = {[NEPH_GPU_SCENE_BUFFERS] = &looks->pixels},
         .push = &work->run,
         .group_count = (work->run.ray_count + LOCAL_SIZE - 1) / LOCAL_SIZE,
     };
     neph_gpu_scene_bind(&looks->gpu, &dispatch);
-    enum neph_status status = neph_batch_begin(looks->vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, looks->kernel, &dispatch, diag);
-    if (status)
-        return status;
-    neph_batch_stamp(&batch, work->gpu_s);
-    status = neph_batch_send(&batch, "fog_look", diag);
+    const enum neph_status status = neph_dispatch_send(looks->vulkan, looks->kernel, &dispatch,
+                                                       "fog_look", work->gpu_s, diag);
     return !status && work->layers ? read_pixels(work, diag) : status;
 }
 

@@ -329,15 +329,12 @@ static enum neph_status create_buffers(struct neph_march *march, struct neph_dia
 {
     const size_t pixels_bytes = march->cut.rays_max * sizeof(struct neph_gpu_march_pixel);
     const size_t states_bytes = march->cut.rays_max * NEPH_MARCH_STATE_BYTES;
-    enum neph_status status = neph_buffer_create(march->vulkan, NEPH_BUFFER_DEVICE, pixels_bytes,
-                                                 "march pixels", &march->pixels, diag);
-    if (!status)
-        status = neph_buffer_create(march->vulkan, NEPH_BUFFER_DEVICE, states_bytes, "march states",
-                                    &march->states, diag);
-    if (!status)
-        status = neph_buffer_create(march->vulkan, NEPH_BUFFER_READBACK, pixels_bytes,
-                                    "march readback", &march->readback, diag);
-    return status;
+    const struct neph_buffer_row rows[] = {
+        {&march->pixels, NEPH_BUFFER_DEVICE, pixels_bytes, "march pixels"},
+        {&march->states, NEPH_BUFFER_DEVICE, states_bytes, "march states"},
+        {&march->readback, NEPH_BUFFER_READBACK, pixels_bytes, "march readback"},
+    };
+    return neph_buffers_create(march->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
 enum neph_status neph_march_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
@@ -480,14 +477,8 @@ static enum neph_status march_run(const struct neph_gpu_march_run *run, void *co
     struct work *work = context;
     struct neph_march *march = work->march;
     const struct neph_dispatch dispatch = dispatch_of(march, run);
-    struct neph_batch batch;
-    enum neph_status status = neph_batch_begin(march->vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, work->kernel, &dispatch, diag);
-    if (status)
-        return status;
-    neph_batch_stamp(&batch, work->gpu_s);
-    status = neph_batch_send(&batch, "march", diag);
+    const enum neph_status status = neph_dispatch_send(march->vulkan, work->kernel, &dispatch,
+                                                       "march", work->gpu_s, diag);
     work->stats.dispatches++;
     const bool is_last = run->end_step == march->cut.step_count;
     return !status && is_last && work->is_read ? read_pixels(work, run, diag) : status;

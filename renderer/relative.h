@@ -16,6 +16,7 @@
 float neph_relative_m(double position_m, double camera_m);
 void neph_relative_position(float out[3], struct neph_vec3 position_m, struct neph_vec3 camera_m);
 
+/* A direction, or a way from place to place: rounded as it is. */
 void neph_gpu_direction(float out[3], struct neph_vec3 direction);
 
 /* A sphere as large as a planet, as seen from the camera. */

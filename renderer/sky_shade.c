@@ -75,18 +75,12 @@ static enum neph_status send_run(const struct neph_gpu_march_run *run, void *con
                                  struct neph_diag *diag)
 {
     struct work *work = context;
-    struct neph_batch batch;
     work->dispatch.push = run;
     work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
                                  NEPH_MARCH_LOCAL_SIZE;
-    enum neph_status status = neph_batch_begin(work->shade->vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, work->kernel, &work->dispatch, diag);
-    if (status)
-        return status;
-    neph_batch_stamp(&batch, work->gpu_s);
     work->cost->dispatches++;
-    return neph_batch_send(&batch, "the sky's shadows", diag);
+    return neph_dispatch_send(work->shade->vulkan, work->kernel, &work->dispatch,
+                              "the sky's shadows", work->gpu_s, diag);
 }
 
 /* Solids that move are not compared. */

@@ -49,19 +49,14 @@ static enum neph_status send_run(const struct neph_gpu_march_run *run, void *con
 {
     struct work *work = context;
     struct neph_gpu_march_run entries = *run;
-    struct neph_batch batch;
     entries.first_ray += (uint32_t)work->first_entry;
     work->dispatch.push = &entries;
     work->dispatch.group_count = (run->ray_count + NEPH_MARCH_LOCAL_SIZE - 1) /
                                  NEPH_MARCH_LOCAL_SIZE;
-    enum neph_status status = neph_batch_begin(work->fill->vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, work->kernel, &work->dispatch, diag);
-    if (status)
-        return status;
-    neph_batch_stamp(&batch, &work->cost->gpu_s[work->fill->shader.table]);
     work->cost->dispatches++;
-    return neph_batch_send(&batch, work->fill->shader.name, diag);
+    return neph_dispatch_send(work->fill->vulkan, work->kernel, &work->dispatch,
+                              work->fill->shader.name, &work->cost->gpu_s[work->fill->shader.table],
+                              diag);
 }
 
 static enum neph_status get_kernel(struct neph_sun_fill *fill, const struct neph_gpu_scene *gpu,

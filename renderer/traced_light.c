@@ -52,28 +52,19 @@ static void destroy_sized(struct neph_traced_light *light)
     neph_buffer_destroy(light->vulkan, &light->paths);
 }
 
-static enum neph_status create(const struct neph_traced_light *light, size_t count,
-                               size_t element_bytes, const char *name, struct neph_buffer *buffer,
-                               struct neph_diag *diag)
-{
-    return neph_buffer_create(light->vulkan, NEPH_BUFFER_DEVICE, count * element_bytes, name,
-                              buffer, diag);
-}
-
 static enum neph_status create_sized(struct neph_traced_light *light, struct neph_diag *diag)
 {
-    const size_t texels = texel_count(light), paths = path_count(light);
-    enum neph_status status = create(light, paths, sizeof(struct neph_gpu_light_path),
-                                     "light paths", &light->paths, diag);
-    if (!status)
-        status = create(light, paths, sizeof(struct neph_gpu_light_texel), "light found",
-                        &light->found, diag);
-    for (int i = 0; i < 2 && !status; i++)
-        status = create(light, texels, sizeof(struct neph_gpu_light_texel), "light texels",
-                        &light->texels[i], diag);
-    return status
-               ? status
-               : create(light, texels, 4 * sizeof(float), "light smoothed", &light->smoothed, diag);
+    const size_t texels = texel_count(light), paths = path_count(light),
+                 texel_bytes = sizeof(struct neph_gpu_light_texel);
+    const struct neph_buffer_row rows[] = {
+        {&light->paths, NEPH_BUFFER_DEVICE, paths * sizeof(struct neph_gpu_light_path),
+         "light paths"},
+        {&light->found, NEPH_BUFFER_DEVICE, paths * texel_bytes, "light found"},
+        {&light->texels[0], NEPH_BUFFER_DEVICE, texels * texel_bytes, "light texels"},
+        {&light->texels[1], NEPH_BUFFER_DEVICE, texels * texel_bytes, "light texels"},
+        {&light->smoothed, NEPH_BUFFER_DEVICE, texels * 4 * sizeof(float), "light smoothed"},
+    };
+    return neph_buffers_create(light->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
 /* Buffers for pictures of another size, if it is another; then nothing is known of the past. */
@@ -100,7 +91,8 @@ enum neph_status neph_traced_light_create(struct neph_vulkan *vulkan,
     light->vulkan = vulkan;
     light->params = *params;
     if (params->lighting != NEPH_MARCH_TRACED)
-        return create(light, 1, 4 * sizeof(float), "no traced light", &light->smoothed, diag);
+        return neph_buffer_create(vulkan, NEPH_BUFFER_DEVICE, 4 * sizeof(float), "no traced light",
+                                  &light->smoothed, diag);
     uint64_t events;
     const enum neph_status status = neph_march_cut_events(vulkan, scene, gpu, params, turns,
                                                           &events, diag);
@@ -183,8 +175,7 @@ static enum neph_status get_kernels(struct work *work, const struct neph_gpu_sce
     return status ? status : neph_kernel_get(vulkan, &smooth, &work->smooth, diag);
 }
 
-static enum neph_status add_walk(struct work *work, struct neph_batch *batch,
-                                 struct neph_diag *diag)
+static void add_walk(struct work *work, struct neph_batch *batch, struct neph_diag *diag)
 {
     struct neph_traced_light *light = work->light;
     struct neph_dispatch dispatch = *work->bound;
@@ -193,11 +184,10 @@ static enum neph_status add_walk(struct work *work, struct neph_batch *batch,
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &light->found;
     dispatch.push = &work->run;
     dispatch.group_count = groups_of(work->run.count);
-    return neph_batch_dispatch(batch, work->walk, &dispatch, diag);
+    neph_batch_dispatch(batch, work->walk, &dispatch, diag);
 }
 
-static enum neph_status add_settle(struct work *work, struct neph_batch *batch,
-                                   struct neph_diag *diag)
+static void add_settle(struct work *work, struct neph_batch *batch, struct neph_diag *diag)
 {
     struct neph_traced_light *light = work->light;
     const uint32_t now = light->round % 2;
@@ -207,11 +197,10 @@ static enum neph_status add_settle(struct work *work, struct neph_batch *batch,
         .push = &work->fade,
         .group_count = groups_of(texel_count(light)),
     };
-    return neph_batch_dispatch(batch, work->settle, &dispatch, diag);
+    neph_batch_dispatch(batch, work->settle, &dispatch, diag);
 }
 
-static enum neph_status add_smooth(struct work *work, struct neph_batch *batch,
-                                   struct neph_diag *diag)
+static void add_smooth(struct work *work, struct neph_batch *batch, struct neph_diag *diag)
 {
     struct neph_traced_light *light = work->light;
     const struct neph_gpu_light_smooth smooth = {
@@ -223,21 +212,7 @@ static enum neph_status add_smooth(struct work *work, struct neph_batch *batch,
         .push = &smooth,
         .group_count = groups_of(texel_count(light)),
     };
-    return neph_batch_dispatch(batch, work->smooth, &dispatch, diag);
-}
-
-static enum neph_status add_round(struct work *work, struct neph_batch *batch, bool is_last,
-                                  struct neph_diag *diag)
-{
-    enum neph_status status = add_walk(work, batch, diag);
-    if (status)
-        return status;
-    neph_batch_barrier(batch);
-    status = add_settle(work, batch, diag);
-    if (status || !is_last)
-        return status;
-    neph_batch_barrier(batch);
-    return add_smooth(work, batch, diag);
+    neph_batch_dispatch(batch, work->smooth, &dispatch, diag);
 }
 
 static enum neph_status run_round(struct work *work, bool is_last, double *gpu_s,
@@ -247,23 +222,19 @@ static enum neph_status run_round(struct work *work, bool is_last, double *gpu_s
     if (neph_interrupted())
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "traced light: interrupted");
     work->light->round++;
-    enum neph_status status = neph_batch_begin(work->light->vulkan, &batch, diag);
-    if (!status)
-        status = add_round(work, &batch, is_last, diag);
-    if (status)
-        return status;
+    neph_batch_begin(work->light->vulkan, &batch, diag);
+    add_walk(work, &batch, diag);
+    neph_batch_barrier(&batch);
+    add_settle(work, &batch, diag);
+    if (is_last) {
+        neph_batch_barrier(&batch);
+        add_smooth(work, &batch, diag);
+    }
     neph_batch_stamp(&batch, gpu_s);
     return neph_batch_send(&batch, "traced light", diag);
 }
 
 /* --- a picture ------------------------------------------------------------------------------- */
-
-static void set_vector(float out[3], struct neph_vec3 vector)
-{
-    out[0] = (float)vector.x;
-    out[1] = (float)vector.y;
-    out[2] = (float)vector.z;
-}
 
 /* How far what drifts with the wind has gone past the camera. */
 static struct neph_vec3 shift_of(const struct neph_light_moment *from,
@@ -287,10 +258,10 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
         .texel_px = (uint32_t)light->params.light.texel_px,
         .is_parallel = view->camera.orthographic_height_m > 0.0,
     };
-    set_vector(fade->right, before->camera.right);
-    set_vector(fade->up, before->camera.up);
-    set_vector(fade->forward, before->camera.forward);
-    set_vector(fade->position_m, shift_of(before, view));
+    neph_gpu_direction(fade->right, before->camera.right);
+    neph_gpu_direction(fade->up, before->camera.up);
+    neph_gpu_direction(fade->forward, before->camera.forward);
+    neph_gpu_direction(fade->position_m, shift_of(before, view));
 }
 
 /* Rounds before the first picture of a row. */
@@ -313,7 +284,7 @@ static enum neph_status run_rounds(struct work *work, int unseen, double *gpu_s,
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < unseen + seen && !status; i++) {
         status = run_round(work, i + 1 == unseen + seen, gpu_s, diag);
-        set_vector(work->run.shift_m, (struct neph_vec3){0.0, 0.0, 0.0});
+        neph_gpu_direction(work->run.shift_m, (struct neph_vec3){0.0, 0.0, 0.0});
         work->run.is_fresh = 0;
         if (i >= unseen) {
             work->fade.keep = 1.0f;
@@ -353,7 +324,7 @@ enum neph_status neph_traced_light_trace(struct neph_traced_light *light,
     };
     set_fade(light, view, continues, &work.fade);
     if (continues)
-        set_vector(work.run.shift_m, shift_of(&light->past, view));
+        neph_gpu_direction(work.run.shift_m, shift_of(&light->past, view));
     status = run_rounds(&work, unseen_rounds(light, continues), gpu_s, diag);
     light->has_past = !status;
     light->past = *view;

@@ -367,12 +367,7 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
                          NEPH_TRACER_BATCH_SAMPLES;
     const size_t threads = (queues < window_queues_max ? queues : window_queues_max) *
                            render->local_size;
-    const struct {
-        struct neph_buffer *buffer;
-        enum neph_buffer_use use;
-        size_t size_bytes;
-        const char *name;
-    } wanted[] = {
+    const struct neph_buffer_row rows[] = {
         {&render->buffers[BINDING_STATES], NEPH_BUFFER_DEVICE,
          threads * sizeof(struct neph_gpu_tracer_state), "tracer states"},
         {&render->buffers[BINDING_RESULTS], NEPH_BUFFER_DEVICE,
@@ -406,13 +401,11 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
         {&render->progress_readback, NEPH_BUFFER_READBACK, sizeof(struct neph_gpu_progress),
          "tracer progress readback"},
     };
-    enum neph_status status = neph_tracer_parts_create(
+    const enum neph_status status = neph_tracer_parts_create(
         render->vulkan, render->pixel_count, render->chunk_pixels, render->params->part_pixels,
         &render->parts, diag);
-    for (size_t i = 0; !status && i < sizeof(wanted) / sizeof(wanted[0]); i++)
-        status = neph_buffer_create(render->vulkan, wanted[i].use, wanted[i].size_bytes,
-                                    wanted[i].name, wanted[i].buffer, diag);
-    return status;
+    return status ? status
+                  : neph_buffers_create(render->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
 /* Go on from a checkpoint. */

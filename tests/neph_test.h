@@ -21,6 +21,16 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
+/* Before the declaration of a local variable: it ends with its block, as test_end_KIND() ends it. A
+ * test that fails does not get there. */
+#define OWNED(kind) __attribute__((cleanup(test_end_##kind)))
+
+/* Of malloc() and its kin. */
+static inline void test_end_memory(void *pointer)
+{
+    free(*(void **)pointer);
+}
+
 /* |actual - expected| <= absolute + relative * |expected|; NaN never passes. */
 #define neph_assert_close(actual, expected, relative, absolute)                                    \
     neph_assert_close_at((actual), (expected), (relative), (absolute), #actual, __FILE__, __LINE__)

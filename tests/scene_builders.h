@@ -206,6 +206,13 @@ static inline void test_scene_init(struct test_scene *test)
     scene->solids = test->solids;
 }
 
+/* What `build` adds to that. */
+static inline void test_scene_build(struct test_scene *test, void (*build)(struct test_scene *test))
+{
+    test_scene_init(test);
+    build(test);
+}
+
 static inline struct neph_medium *test_add(struct test_scene *test, struct neph_medium medium)
 {
     struct neph_medium *added = &test->scene.media[test->scene.medium_count++];

@@ -80,6 +80,11 @@ bool neph_povray_has_phase(enum neph_phase_kind kind)
     return povray_phase(kind) != NULL;
 }
 
+double neph_povray_phase_excess(enum neph_phase_kind kind)
+{
+    return povray_phase(kind)->excess;
+}
+
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
 {
     return a->kind == b->kind && a->g == b->g;

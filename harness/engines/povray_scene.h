@@ -36,4 +36,7 @@ bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase 
 /* Whether POV-Ray has a phase function. */
 bool neph_povray_has_phase(enum neph_phase_kind kind);
 
+/* By how much POV-Ray's phase factor exceeds 4 pi times one that it has. */
+double neph_povray_phase_excess(enum neph_phase_kind kind);
+
 #endif

@@ -221,21 +221,19 @@ static void fill_view(const struct work *work, int at, struct size to,
 
 /* ---- a stage --------------------------------------------------------------------------------- */
 
-static enum neph_status dispatch(struct work *work, const struct neph_kernel *kernel,
-                                 struct neph_dispatch *whole, size_t thread_count, int level,
-                                 struct neph_diag *diag)
+static void dispatch(struct work *work, const struct neph_kernel *kernel,
+                     struct neph_dispatch *whole, size_t thread_count, int level,
+                     struct neph_diag *diag)
 {
     const size_t groups_max = work->vulkan->limits.maxComputeWorkGroupCount[0];
-    enum neph_status status = NEPH_OK;
-    for (size_t first = 0; first < thread_count && !status; first += groups_max * local_size) {
+    for (size_t first = 0; first < thread_count; first += groups_max * local_size) {
         const size_t groups = (thread_count - first + local_size - 1) / local_size;
         const struct neph_gpu_post_run run = {.first_thread = (uint32_t)first,
                                               .level = (uint32_t)level};
         whole->push = &run;
         whole->group_count = (uint32_t)(groups < groups_max ? groups : groups_max);
-        status = neph_batch_dispatch(&work->batch, kernel, whole, diag);
+        neph_batch_dispatch(&work->batch, kernel, whole, diag);
     }
-    return status;
 }
 
 /* Threads of a run of the stage that writes this level; 0 of all but those of bloom. */
@@ -268,21 +266,19 @@ static bool makes_picture(const struct neph_post_stage *stage)
 }
 
 /* One run, or one a level. */
-static enum neph_status run_stage(struct work *work, const struct neph_post_stage *stage,
-                                  const struct neph_kernel *kernel, struct neph_dispatch *whole,
-                                  struct size to, struct neph_diag *diag)
+static void run_stage(struct work *work, const struct neph_post_stage *stage,
+                      const struct neph_kernel *kernel, struct neph_dispatch *whole, struct size to,
+                      struct neph_diag *diag)
 {
     struct size sizes[POST_LEVELS_MAX + 1];
     const int levels = level_sizes(&work->params->settings, work->size, sizes);
     const bool is_down = stage->makes == NEPH_POST_MAKES_PYRAMID;
     const int runs = is_down || stage->makes == NEPH_POST_MAKES_BLOOM ? levels : 1;
-    enum neph_status status = NEPH_OK;
-    for (int i = 0; i < runs && !status; i++) {
+    for (int i = 0; i < runs; i++) {
         const int level = is_down ? i + 1 : runs - 1 - i;
-        status = dispatch(work, kernel, whole, thread_count(work, stage, to, level), level, diag);
+        dispatch(work, kernel, whole, thread_count(work, stage, to, level), level, diag);
         neph_batch_barrier(&work->batch);
     }
-    return status;
 }
 
 /* What a stage is run with: `*view`, which is made, as it is set at `at` of the chain. */
@@ -321,12 +317,11 @@ static enum neph_status heat(struct work *work, struct neph_diag *diag)
         at++;
     if (work->params->heat_runs == 0 || at == work->stage_count)
         return NEPH_OK;
-    enum neph_status status = prepare_stage(work, at, work->size, &work->heat_view, &whole, &kernel,
-                                            diag);
+    const enum neph_status status = prepare_stage(work, at, work->size, &work->heat_view, &whole,
+                                                  &kernel, diag);
     for (int i = 0; i < work->params->heat_runs && !status; i++)
-        status = run_stage(work, work->stages[at], kernel, &whole, work->size, diag);
-    if (!status)
-        neph_batch_stamp(&work->batch, NULL);
+        run_stage(work, work->stages[at], kernel, &whole, work->size, diag);
+    neph_batch_stamp(&work->batch, NULL);
     return status;
 }
 
@@ -336,11 +331,11 @@ static enum neph_status add_stage(struct work *work, int at, double *gpu_s, stru
     const struct size to = size_after(work, at, work->size);
     struct neph_dispatch whole;
     const struct neph_kernel *kernel;
-    enum neph_status status = prepare_stage(work, at, to, &work->views[at], &whole, &kernel, diag);
-    if (!status)
-        status = run_stage(work, stage, kernel, &whole, to, diag);
+    const enum neph_status status = prepare_stage(work, at, to, &work->views[at], &whole, &kernel,
+                                                  diag);
     if (status)
         return status;
+    run_stage(work, stage, kernel, &whole, to, diag);
     neph_batch_stamp(&work->batch, gpu_s);
     if (makes_picture(stage)) {
         const struct neph_buffer newest = work->pictures[1];
@@ -434,22 +429,16 @@ static enum neph_status make_room(struct work *work, struct size last, struct ne
     const size_t table_bytes = (size_t)POST_LUT_SIDE * POST_LUT_SIDE * POST_LUT_SIDE * texel_bytes;
     const bool blooms = work->params->settings.values[POST_BLOOM] != 0.0;
     const size_t levels = blooms ? pyramid_texels(&work->params->settings, last) : 1;
-    const struct {
-        struct neph_buffer *buffer;
-        enum neph_buffer_use use;
-        size_t bytes;
-    } all[] = {{&work->pictures[0], NEPH_BUFFER_DEVICE, bytes},
-               {&work->pictures[1], NEPH_BUFFER_DEVICE, bytes},
-               {&work->table, NEPH_BUFFER_DEVICE, table_bytes},
-               {&work->eye, NEPH_BUFFER_DEVICE, sizeof(struct eye)},
-               {&work->pyramid, NEPH_BUFFER_DEVICE, levels * texel_bytes},
-               {&work->readback, NEPH_BUFFER_READBACK, bytes},
-               {&work->eye_readback, NEPH_BUFFER_READBACK, sizeof(struct eye)}};
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]) && !status; i++)
-        status = neph_buffer_create(work->vulkan, all[i].use, all[i].bytes, "picture",
-                                    all[i].buffer, diag);
-    return status;
+    const struct neph_buffer_row rows[] = {
+        {&work->pictures[0], NEPH_BUFFER_DEVICE, bytes, "picture"},
+        {&work->pictures[1], NEPH_BUFFER_DEVICE, bytes, "picture"},
+        {&work->table, NEPH_BUFFER_DEVICE, table_bytes, "picture"},
+        {&work->eye, NEPH_BUFFER_DEVICE, sizeof(struct eye), "picture"},
+        {&work->pyramid, NEPH_BUFFER_DEVICE, levels * texel_bytes, "picture"},
+        {&work->readback, NEPH_BUFFER_READBACK, bytes, "picture"},
+        {&work->eye_readback, NEPH_BUFFER_READBACK, sizeof(struct eye), "picture"},
+    };
+    return neph_buffers_create(work->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
 static void finish(struct work *work)

@@ -225,8 +225,3 @@ bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_se
     return pass->settings[0] < 0 || (settings->values[pass->settings[0]] != 0.0 &&
                                      settings->values[pass->settings[1]] != 0.0);
 }
-
-bool neph_screen_is_half(const struct neph_screen_pass *pass, const struct neph_settings *settings)
-{
-    return pass->resolution && settings->values[pass->resolution] == SCREEN_HALF;
-}

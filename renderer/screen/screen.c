@@ -73,7 +73,7 @@ static size_t target_bytes(const struct neph_screening *screen, int target)
 /* --- making ----------------------------------------------------------------------------------- */
 
 /* What no pass that is on has in hand is one word, for the binding. */
-static unsigned targets_in_use(const struct neph_settings *settings)
+unsigned neph_screen_targets_used(const struct neph_settings *settings)
 {
     unsigned used = 0;
     for (const struct neph_screen_pass *pass = neph_screen_passes; pass->name; pass++)
@@ -84,23 +84,22 @@ static unsigned targets_in_use(const struct neph_settings *settings)
 
 static enum neph_status create_buffers(struct neph_screening *screen, struct neph_diag *diag)
 {
-    screen->used = targets_in_use(&screen->params.settings);
-    enum neph_status status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
-                                                 sizeof(struct neph_gpu_screen_view), "screen view",
-                                                 &screen->view, diag);
-    if (!status)
-        status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_UPLOAD,
-                                    NEPH_SCENE_SOLIDS_MAX * sizeof(struct neph_gpu_screen_surface),
-                                    "screen surfaces", &screen->surfaces, diag);
+    screen->used = neph_screen_targets_used(&screen->params.settings);
+    const struct neph_buffer_row rows[] = {
+        {&screen->view, NEPH_BUFFER_UPLOAD, sizeof(struct neph_gpu_screen_view), "screen view"},
+        {&screen->surfaces, NEPH_BUFFER_UPLOAD,
+         NEPH_SCENE_SOLIDS_MAX * sizeof(struct neph_gpu_screen_surface), "screen surfaces"},
+        {&screen->readback, NEPH_BUFFER_READBACK,
+         pixel_count(screen) * SCREEN_WORDS_32 * sizeof(uint32_t), "screen readback"},
+    };
+    enum neph_status status = neph_buffers_create(screen->vulkan, rows,
+                                                  sizeof(rows) / sizeof(rows[0]), diag);
     for (int t = 0; t < SCREEN_TARGET_COUNT && !status; t++)
         status = neph_buffer_create(screen->vulkan, NEPH_BUFFER_DEVICE,
                                     screen->used >> t & 1u ? target_bytes(screen, t)
                                                            : sizeof(uint32_t),
                                     neph_screen_targets[t], &screen->targets[t], diag);
-    return status ? status
-                  : neph_buffer_create(screen->vulkan, NEPH_BUFFER_READBACK,
-                                       pixel_count(screen) * SCREEN_WORDS_32 * sizeof(uint32_t),
-                                       "screen readback", &screen->readback, diag);
+    return status;
 }
 
 static enum neph_status get_kernels(struct neph_screening *screen, struct neph_diag *diag)
@@ -368,8 +367,8 @@ static uint32_t tile_count(int size_px, const struct neph_gpu_screen_run *run, b
     return (cells + (makes_whole ? run->own_px[axis] : 0) + TILE_PX - 1) / TILE_PX;
 }
 
-static enum neph_status add_turn(struct neph_screening *screen, int pass, unsigned turn,
-                                 struct neph_batch *batch, struct neph_diag *diag)
+static void add_turn(struct neph_screening *screen, int pass, unsigned turn,
+                     struct neph_batch *batch, struct neph_diag *diag)
 {
     const uint32_t groups_max = screen->vulkan->limits.maxComputeWorkGroupCount[0];
     struct neph_gpu_screen_run run = run_of(screen, pass, turn);
@@ -382,14 +381,12 @@ static enum neph_status add_turn(struct neph_screening *screen, int pass, unsign
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &screen->surfaces;
     for (int t = 0; t < SCREEN_TARGET_COUNT; t++)
         dispatch.buffers[BUFFERS + t] = &screen->targets[t];
-    enum neph_status status = NEPH_OK;
-    for (; run.first_group < groups && !status; run.first_group += dispatch.group_count) {
+    for (; run.first_group < groups; run.first_group += dispatch.group_count) {
         const uint32_t left = groups - run.first_group;
         dispatch.group_count = left < groups_max ? left : groups_max;
-        status = neph_batch_dispatch(batch, screen->kernels[pass], &dispatch, diag);
+        neph_batch_dispatch(batch, screen->kernels[pass], &dispatch, diag);
     }
     neph_batch_barrier(batch);
-    return status;
 }
 
 static unsigned turns_of(const struct neph_screening *screen, int pass)
@@ -402,16 +399,15 @@ static enum neph_status run_passes(struct neph_screening *screen, struct neph_sc
                                    struct neph_diag *diag)
 {
     struct neph_batch batch;
-    enum neph_status status = neph_batch_begin(screen->vulkan, &batch, diag);
-    for (int i = 0; neph_screen_passes[i].name && !status; i++) {
+    neph_batch_begin(screen->vulkan, &batch, diag);
+    for (int i = 0; neph_screen_passes[i].name; i++) {
         if (!screen->kernels[i])
             continue;
-        for (unsigned turn = 0; turn < turns_of(screen, i) && !status; turn++)
-            status = add_turn(screen, i, turn, &batch, diag);
+        for (unsigned turn = 0; turn < turns_of(screen, i); turn++)
+            add_turn(screen, i, turn, &batch, diag);
         neph_batch_stamp(&batch, &stats->gpu_s[i]);
     }
-    if (!status)
-        status = neph_batch_send(&batch, "screen", diag);
+    const enum neph_status status = neph_batch_send(&batch, "screen", diag);
     return status ? status
                   : neph_batches_wait(screen->vulkan, neph_batches_sent(screen->vulkan), "screen",
                                       diag);

@@ -40,8 +40,8 @@ extern const char *const neph_screen_targets[];
 
 bool neph_screen_is_on(const struct neph_screen_pass *pass, const struct neph_settings *settings);
 
-/* Whether it looks at one of 2x2 pixels. */
-bool neph_screen_is_half(const struct neph_screen_pass *pass, const struct neph_settings *settings);
+/* The targets of the passes that are on, a bit each. */
+unsigned neph_screen_targets_used(const struct neph_settings *settings);
 
 /* False, with the reason in words: media, which the screen does not see. */
 bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size);

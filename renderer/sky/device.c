@@ -95,11 +95,11 @@ static enum neph_status prepare(struct neph_sky_pictures *pictures, struct neph_
                                         .push_size_bytes = sizeof(struct neph_gpu_sky_part)};
     neph_sky_constants(&pictures->tables, &params);
     const size_t bytes = part_pixels(pictures) * sizeof(struct neph_gpu_sky_pixel);
-    enum neph_status status = neph_buffer_create(pictures->vulkan, NEPH_BUFFER_DEVICE, bytes,
-                                                 "sky pixels", &pictures->pixels, diag);
-    if (!status)
-        status = neph_buffer_create(pictures->vulkan, NEPH_BUFFER_READBACK, bytes, "sky readback",
-                                    &pictures->readback, diag);
+    const struct neph_buffer_row rows[] = {
+        {&pictures->pixels, NEPH_BUFFER_DEVICE, bytes, "sky pixels"},
+        {&pictures->readback, NEPH_BUFFER_READBACK, bytes, "sky readback"},
+    };
+    const enum neph_status status = neph_buffers_create(pictures->vulkan, rows, 2, diag);
     return status ? status : neph_kernel_get(pictures->vulkan, &params, &pictures->kernel, diag);
 }
 
@@ -151,14 +151,8 @@ static enum neph_status send_part(struct neph_sky_pictures *pictures, struct nep
         .push = &part,
         .group_count = (part.pixel_count + local_size - 1) / local_size,
     };
-    struct neph_batch batch;
-    enum neph_status status = neph_batch_begin(pictures->vulkan, &batch, diag);
-    if (!status)
-        status = neph_batch_dispatch(&batch, pictures->kernel, &dispatch, diag);
-    if (status)
-        return status;
-    neph_batch_stamp(&batch, gpu_s);
-    return neph_batch_send(&batch, "the sky", diag);
+    return neph_dispatch_send(pictures->vulkan, pictures->kernel, &dispatch, "the sky", gpu_s,
+                              diag);
 }
 
 /* All parts, and into the layers of an image where there is one. */

@@ -262,23 +262,16 @@ static enum neph_status create_buffers(struct neph_sky_tables *tables, struct ne
 {
     const struct neph_sky_params *params = &tables->params;
     const size_t texel = 4 * sizeof(float);
-    const struct {
-        struct neph_buffer *buffer;
-        const char *name;
-        enum neph_buffer_use use;
-        size_t bytes;
-    } rows[] = {
-        {&tables->told, "sky", NEPH_BUFFER_UPLOAD, sizeof(struct told)},
-        {&tables->nodes, "sky nodes", NEPH_BUFFER_DEVICE, node_count(&tables->air, params) * texel},
-        {&tables->caps, "sky caps", NEPH_BUFFER_UPLOAD,
-         (size_t)(params->field.above + params->field.below) * 2 * sizeof(float)},
-        {&tables->arrivals, "sky arrivals", NEPH_BUFFER_DEVICE,
-         place_count(params) * direction_count(&params->field) * texel},
+    const struct neph_buffer_row rows[] = {
+        {&tables->told, NEPH_BUFFER_UPLOAD, sizeof(struct told), "sky"},
+        {&tables->nodes, NEPH_BUFFER_DEVICE, node_count(&tables->air, params) * texel, "sky nodes"},
+        {&tables->caps, NEPH_BUFFER_UPLOAD,
+         (size_t)(params->field.above + params->field.below) * 2 * sizeof(float), "sky caps"},
+        {&tables->arrivals, NEPH_BUFFER_DEVICE,
+         place_count(params) * direction_count(&params->field) * texel, "sky arrivals"},
     };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]) && !status; i++)
-        status = neph_buffer_create(tables->vulkan, rows[i].use, rows[i].bytes, rows[i].name,
-                                    rows[i].buffer, diag);
+    const enum neph_status status = neph_buffers_create(tables->vulkan, rows,
+                                                        sizeof(rows) / sizeof(rows[0]), diag);
     return status ? status
                   : neph_turns_create(tables->vulkan, &tables->told, "sky", &tables->turns, diag);
 }
@@ -337,19 +330,16 @@ void neph_sky_tables_destroy(struct neph_sky_tables *tables)
 
 /* --- filling ---------------------------------------------------------------------------------- */
 
-static enum neph_status add(const struct neph_sky_tables *tables, struct neph_batch *batch,
-                            enum kernel kernel, size_t threads, const void *push,
-                            struct neph_diag *diag)
+static void add(const struct neph_sky_tables *tables, struct neph_batch *batch, enum kernel kernel,
+                size_t threads, const void *push, struct neph_diag *diag)
 {
     const struct neph_dispatch dispatch = {
         .buffers = {&tables->told, &tables->nodes, &tables->caps, &tables->arrivals},
         .push = push,
         .group_count = (uint32_t)((threads + local_size - 1) / local_size),
     };
-    const enum neph_status status = neph_batch_dispatch(batch, tables->kernels[kernel], &dispatch,
-                                                        diag);
+    neph_batch_dispatch(batch, tables->kernels[kernel], &dispatch, diag);
     neph_batch_barrier(batch);
-    return status;
 }
 
 /* A table by itself. */
@@ -359,11 +349,8 @@ static enum neph_status fill(const struct neph_sky_tables *tables, enum kernel k
     struct neph_batch batch;
     if (threads == 0)
         return NEPH_OK;
-    enum neph_status status = neph_batch_begin(tables->vulkan, &batch, diag);
-    if (!status)
-        status = add(tables, &batch, kernel, threads, NULL, diag);
-    if (status)
-        return status;
+    neph_batch_begin(tables->vulkan, &batch, diag);
+    add(tables, &batch, kernel, threads, NULL, diag);
     neph_batch_stamp(&batch, gpu_s);
     return neph_batch_send(&batch, "the sky", diag);
 }
@@ -382,13 +369,9 @@ static enum neph_status add_order(const struct neph_sky_tables *tables, bool is_
     struct neph_batch batch;
     if (neph_interrupted())
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "the sky: interrupted");
-    enum neph_status status = neph_batch_begin(tables->vulkan, &batch, diag);
-    if (!status)
-        status = add(tables, &batch, GATHER, rays, &pass, diag);
-    if (!status)
-        status = add(tables, &batch, SUM, field_count(&tables->params), &pass, diag);
-    if (status)
-        return status;
+    neph_batch_begin(tables->vulkan, &batch, diag);
+    add(tables, &batch, GATHER, rays, &pass, diag);
+    add(tables, &batch, SUM, field_count(&tables->params), &pass, diag);
     neph_batch_stamp(&batch, gpu_s);
     return neph_batch_send(&batch, "the sky", diag);
 }

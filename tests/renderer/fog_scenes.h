@@ -128,13 +128,4 @@ static inline double slab_per_sr(const struct test_scene *test, const struct nep
     return radiance;
 }
 
-/* Its grids and clouds. */
-static inline void scene_teardown(struct test_scene *test)
-{
-    for (int m = 0; m < test->scene.medium_count; m++) {
-        neph_grid_destroy(test->scene.media[m].grid);
-        neph_horizon_destroy(test->scene.media[m].horizon);
-    }
-}
-
 #endif

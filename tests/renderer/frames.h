@@ -11,6 +11,7 @@
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
 #include "renderer/tracer.h"
+#include "scenes/motion.h"
 #include "truth/oracle.h"
 #include "truth/transport.h"
 
@@ -25,6 +26,15 @@ static inline struct neph_scene *test_load(const char *name)
     snprintf(path, sizeof(path), NEPH_SOURCE_DIR "/scenes/%s.yaml", name);
     neph_assert_ok(neph_scene_load(path, &scene, &diag), &diag);
     return scene;
+}
+
+/* The scene as it stands in a frame. */
+static inline struct neph_scene *test_still(const struct neph_scene *scene, double frame)
+{
+    struct neph_scene *still = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_scene_at(scene, frame, &still, &diag), &diag);
+    return still;
 }
 
 /* A preset of the real-time renderer (NULL: all defaults) with "key=value key=value". */
@@ -63,6 +73,28 @@ static inline struct neph_image *test_march_next(struct neph_march *march,
     struct neph_diag diag = {0};
     neph_assert_ok(neph_march_frame(march, scene, 0.0, NULL, &frame, stats, &diag), &diag);
     return frame;
+}
+
+/* A march of several frames. */
+static inline struct neph_march *test_march_open(struct neph_vulkan *vulkan,
+                                                 const struct neph_scene *scene,
+                                                 const struct neph_march_params *params)
+{
+    struct neph_march *march = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_march_create(vulkan, scene, params, &march, &diag), &diag);
+    return march;
+}
+
+/* Of a tracer that ends with its samples. */
+static inline struct neph_tracer_params test_samples(int width_px, int height_px, uint64_t seed,
+                                                     int samples)
+{
+    return (struct neph_tracer_params){.width_px = width_px,
+                                       .height_px = height_px,
+                                       .seed = seed,
+                                       .samples = samples,
+                                       .time_limit_s = INFINITY};
 }
 
 static inline struct neph_image *test_trace(struct neph_vulkan *vulkan,
@@ -107,6 +139,16 @@ static inline struct neph_image *test_film(struct neph_vulkan *vulkan,
     }
     neph_realtime_destroy(realtime);
     return image;
+}
+
+/* The sky of a planet, on the CPU. */
+static inline struct neph_sky *test_sky(const struct neph_scene *scene,
+                                        const struct neph_sky_params *params)
+{
+    struct neph_sky *sky = NULL;
+    struct neph_diag diag = {0};
+    neph_assert_ok(neph_sky_create(scene, params, &sky, &diag), &diag);
+    return sky;
 }
 
 /* --- rays ------------------------------------------------------------------------------------- */

@@ -55,10 +55,9 @@ static void measure(struct neph_vulkan *vulkan, const struct test_scene *test,
     static const char *const names[3] = {"R", "G", "B"};
     const double sun[3] = {10.0, 9.0, 8.0}, albedo[3] = {0.5, 0.4, 0.3};
     const double full = sun[c] * albedo[c] / M_PI * test->scene.sun.direction.y;
-    struct neph_image *image = test_march(vulkan, &test->scene, params, NULL);
+    OWNED(image) struct neph_image *image = test_march(vulkan, &test->scene, params, NULL);
     for (int p = 0; p < PIXELS; p++)
         through[p] = (double)neph_image_channel(image, names[c])[p] / full;
-    neph_image_destroy(image);
 }
 
 static double depth_of(const struct neph_scene *scene, struct neph_vec3 point_m, int c)
@@ -222,39 +221,31 @@ static void test_a_blob_is_of_second_order(void **state)
 /* All texels are the same ray: nothing is left out between them. */
 static void test_a_slab_is_exact(void **state)
 {
-    enum { NODES = 3 * 2 * 3 };
-    struct test_scene test;
-    struct neph_diag diag = {0};
-    struct neph_grid *grid = NULL;
+    OWNED(media) struct test_scene test;
+    uint64_t random = 1;
     double through[PIXELS];
-    const struct neph_vec3 corner_m = {-200.0, 10.0, -200.0}, spacing_m = {200.0, 3.0, 200.0};
     look_down(&test, 40.0);
-    neph_assert_ok(neph_grid_create((const int[3]){3, 2, 3}, corner_m, spacing_m, &grid, &diag),
-                   &diag);
-    for (int i = 0; i < NODES; i++)
-        grid->values[i] = 1.0f;
-    neph_assert_ok(neph_grid_seal(grid, &diag), &diag);
-    test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.2)->grid = grid;
+    test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.2)->grid = random_lattice(
+        (const int[3]){3, 2, 3}, (struct neph_vec3){-200.0, 10.0, -200.0},
+        (struct neph_vec3){200.0, 3.0, 200.0}, 1.0, &random);
     const struct neph_march_params params = mapped(64, 2);
     measure(*state, &test, &params, 0, through);
     /* Half of each of the two cells beside it, in which the density falls to 0. */
     const double truth = exp(-0.2 * (3.0 + 2.0 * 0.5 * 3.0) / test.scene.sun.direction.y);
     for (int p = 0; p < PIXELS; p++)
         assert_float_equal(through[p], truth, 2e-6);
-    neph_grid_destroy(grid);
 }
 
 /* Voxels from nothing to dense, as clouds are; 512 texels, and how it gets there. */
 static void test_voxels_are_within_two_per_cent(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     uint64_t random = 5;
     double through[PIXELS], sunlit = 0.0;
     look_down(&test, 40.0);
-    struct neph_grid *grid = random_lattice((const int[3]){24, 6, 24},
-                                            (struct neph_vec3){0.0, 8.0, -28.0},
-                                            (struct neph_vec3){1.2, 0.8, 1.2}, -2.0, &random);
-    test_add_cloud(&test, NEPH_MEDIUM_GRID, 1.5)->grid = grid;
+    test_add_cloud(&test, NEPH_MEDIUM_GRID, 1.5)->grid = random_lattice(
+        (const int[3]){24, 6, 24}, (struct neph_vec3){0.0, 8.0, -28.0},
+        (struct neph_vec3){1.2, 0.8, 1.2}, -2.0, &random);
     for (int p = 0; p < PIXELS; p++)
         sunlit += exp(-depth_of(&test.scene, place_of(&test, p), 0)) / PIXELS;
     assert_true(sunlit > 0.2 && sunlit < 0.8);
@@ -276,7 +267,6 @@ static void test_voxels_are_within_two_per_cent(void **state)
         measure(*state, &test, &skipping, 0, skipped);
         assert_memory_equal(skipped, through, sizeof(through));
     }
-    neph_grid_destroy(grid);
 }
 
 /* Where half of what the cloud takes comes through along a row of pixels [m]. */
@@ -337,20 +327,18 @@ static struct neph_image *between(struct neph_vulkan *vulkan, const struct neph_
 /* Fog between the clouds of two floors, and a tower through both. */
 static void test_layers_tell_what_is_between(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     uint64_t random = 21;
     test_scene_init(&test);
-    struct neph_grid *floors[2];
-    for (int i = 0; i < 2; i++) {
-        floors[i] = random_lattice((const int[3]){10, 3, 10},
-                                   (struct neph_vec3){-12.0, i == 0 ? -1.0 : 9.0, -30.0},
-                                   (struct neph_vec3){2.0, 1.0, 2.0}, -1.5, &random);
-        test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.6)->grid = floors[i];
-    }
+    for (int i = 0; i < 2; i++)
+        test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.6)->grid = random_lattice(
+            (const int[3]){10, 3, 10}, (struct neph_vec3){-12.0, i == 0 ? -1.0 : 9.0, -30.0},
+            (struct neph_vec3){2.0, 1.0, 2.0}, -1.5, &random);
     test_add_medium(&test, 0.02, 0.05, 0.0)->bounds = (struct neph_bounds){{-20.0, -4.0, -40.0},
                                                                            {20.0, 20.0, 0.0}};
     test_add_box(&test, (struct neph_vec3){-1.0, -4.0, -16.0},
                  (struct neph_vec3){1.0, 20.0, -14.0});
+    OWNED(image)
     struct neph_image *truth = between(*state, &test.scene, 0),
                       *with_one = between(*state, &test.scene, 1),
                       *with_sixteen = between(*state, &test.scene, 16);
@@ -358,11 +346,6 @@ static void test_layers_tell_what_is_between(void **state)
     const double sixteen = test_distance(with_sixteen, truth, "R");
     print_message("one layer: off by %.2e; sixteen: %.2e\n", one, sixteen);
     assert_true(one > 2e-3 && sixteen < 0.2 * one);
-    neph_image_destroy(with_sixteen);
-    neph_image_destroy(with_one);
-    neph_image_destroy(truth);
-    neph_grid_destroy(floors[1]);
-    neph_grid_destroy(floors[0]);
 }
 
 /* Where there are but fogs there is no cloud, and without clouds no map. */
@@ -483,36 +466,31 @@ static void test_the_map_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
-    struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
     struct neph_march_stats first, rest, stats;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
     struct neph_march_params params = mapped(64, 1);
     params.shortcuts.shadow.extent_m = 60.0;
     params.shortcuts.shadow.frames = PICTURES;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     neph_image_destroy(test_march_next(march, &test.scene, &first));
     neph_image_destroy(test_march_next(march, &test.scene, &rest));
     assert_int_equal(first.closed_forms - rest.closed_forms, 64 * 64);
     for (int picture = -1; picture <= PICTURES; picture++) {
         if (picture == 0)
             test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){0.49, 0.7, -0.6});
-        struct neph_image *frame = test_march_next(march, &test.scene, &stats);
-        struct neph_image *fresh = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march_next(march, &test.scene, &stats);
+        OWNED(image) struct neph_image *fresh = test_march(*state, &test.scene, &params, NULL);
         const bool is_filling = picture >= 0 && picture < PICTURES;
         assert_int_equal(stats.closed_forms - rest.closed_forms,
                          is_filling ? 64 * 64 / PICTURES : 0);
         assert_true(same_radiance(frame, fresh) || (is_filling && picture < PICTURES - 1));
         assert_false(picture == 0 && same_radiance(frame, fresh));
-        neph_image_destroy(fresh);
-        neph_image_destroy(frame);
     }
     test.key.position_m.x += 20.0;
     test.key.look_at_m.x += 20.0;
     neph_image_destroy(test_march_next(march, &test.scene, &stats));
     assert_int_equal(stats.closed_forms - rest.closed_forms, 64 * 64);
-    neph_march_destroy(march);
 }
 
 /* --- in real time ---------------------------------------------------------------------------- */
@@ -532,16 +510,14 @@ static void test_in_real_time_the_ground_is_the_same(void **state)
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
     const struct neph_realtime_params params = {SIDE_PX, SIDE_PX, &settings, 7, NULL};
-    struct neph_image *image = test_film(*state, &test.scene, &params, 1, &stats);
+    OWNED(image) struct neph_image *image = test_film(*state, &test.scene, &params, 1, &stats);
     struct neph_march_params march = mapped(64, 2);
     march.shortcuts.shadow.levels = 2;
     march.shortcuts.shadow.plane = NEPH_SHADOW_SUN;
-    struct neph_image *marched = test_march(*state, &test.scene, &march, NULL);
+    OWNED(image) struct neph_image *marched = test_march(*state, &test.scene, &march, NULL);
     assert_true(same_radiance(image, marched));
     if (neph_test_is_night())
         assert_true(stats.shadow_gpu_s > 0.0 || isnan(stats.shadow_gpu_s));
-    neph_image_destroy(marched);
-    neph_image_destroy(image);
 }
 
 /* --- refusals -------------------------------------------------------------------------------- */

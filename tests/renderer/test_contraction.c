@@ -39,6 +39,9 @@ SHADER(rt_scene){
 SHADER(rt_taa){
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
+SHADER(rt_taa_gpu){
+#include "realtime/anti_aliasing/taa_gpu.comp.inc"
+};
 SHADER(rt_tile_index){
 #include "realtime/tile_index/tile_index.comp.inc"
 };
@@ -73,11 +76,11 @@ static const struct shader {
     {                                                                                              \
 #name, name, sizeof(name)                                                                  \
     }
-    ENTRY(march),        ENTRY(probe),         ENTRY(probe_media),    ENTRY(rt_compose),
-    ENTRY(rt_march),     ENTRY(rt_min_max),    ENTRY(rt_reconstruct), ENTRY(rt_scene),
-    ENTRY(rt_taa),       ENTRY(rt_tile_index), ENTRY(rt_upscale),     ENTRY(tracer),
-    ENTRY(tracer_first), ENTRY(tracer_guess),  ENTRY(tracer_lit),     ENTRY(tracer_sum),
-    ENTRY(tracer_view),
+    ENTRY(march),      ENTRY(probe),        ENTRY(probe_media),    ENTRY(rt_compose),
+    ENTRY(rt_march),   ENTRY(rt_min_max),   ENTRY(rt_reconstruct), ENTRY(rt_scene),
+    ENTRY(rt_taa),     ENTRY(rt_taa_gpu),   ENTRY(rt_tile_index),  ENTRY(rt_upscale),
+    ENTRY(tracer),     ENTRY(tracer_first), ENTRY(tracer_guess),   ENTRY(tracer_lit),
+    ENTRY(tracer_sum), ENTRY(tracer_view),
 };
 
 /* SPIR-V 1.5, section 3 */
@@ -200,13 +203,13 @@ static bool is_open_fraction(const struct module *module, uint32_t id)
 static int count_open_fractions(const struct shader *shader)
 {
     size_t word_count = 0;
+    OWNED(memory)
     uint32_t *words = test_shader_words(shader->code, shader->code_bytes, NULL, 0, &word_count);
     struct module module = read_module(words, word_count);
     int count = 0;
     for (uint32_t id = 0; id < module.bound; id++)
         count += is_open_fraction(&module, id);
     finish_module(&module);
-    free(words);
     return count;
 }
 

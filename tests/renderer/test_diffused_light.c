@@ -107,9 +107,9 @@ static void test_cells_balance(void **state)
     for (size_t r = 0; r < sizeof(rooms) / sizeof(rooms[0]); r++) {
         struct test_scene test;
         uint32_t size[3], at[3];
-        test_scene_init(&test);
-        rooms[r].build(&test);
+        test_scene_build(&test, rooms[r].build);
         make_sunlit(&test);
+        OWNED(memory)
         struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 24, size);
         double given = 0.0, gone = 0.0, left = 0.0;
         size_t i = 0;
@@ -126,7 +126,6 @@ static void test_cells_balance(void **state)
         assert_true(given > 0.0);
         /* After 24 cycles, each with faces limited anew; 2.8e-3 as measured, 6.1e-3 after 12. */
         assert_true(left / given < 5e-3);
-        free(cells);
     }
 }
 
@@ -241,6 +240,7 @@ static void test_a_slab_has_the_closed_solution(void **state)
         double worst = 0.0, largest = 0.0;
         layer_scene(&layers[s], &test);
         solve(&layers[s], &of);
+        OWNED(memory)
         struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 32, size);
         assert_true(size[0] == 1 && size[1] == 256 && size[2] == 1);
         for (uint32_t i = 0; i < size[1]; i++) {
@@ -251,7 +251,6 @@ static void test_a_slab_has_the_closed_solution(void **state)
         print_message("%s: fluence off by %.1e of its largest\n", layers[s].name, worst / largest);
         /* Midpoints: h^2 / 24 of a cell's optical depth h, 40 / 256 at most. */
         assert_true(worst / largest < 1.02e-3);
-        free(cells);
     }
 }
 
@@ -259,6 +258,7 @@ static void test_a_slab_has_the_closed_solution(void **state)
 static double *balanced(const struct neph_gpu_diffusion_cell *cells, uint32_t count)
 {
     double *fluence_of = malloc(count * sizeof(*fluence_of));
+    OWNED(memory)
     double *passed = malloc(count * sizeof(*passed)); /* of the next cell's, by what is below */
     double low = 0.0;
     for (uint32_t i = 0; i < count; i++) {
@@ -272,7 +272,6 @@ static double *balanced(const struct neph_gpu_diffusion_cell *cells, uint32_t co
     }
     for (uint32_t i = count - 1; i-- > 0;)
         fluence_of[i] += passed[i] * fluence_of[i + 1];
-    free(passed);
     return fluence_of;
 }
 
@@ -286,8 +285,9 @@ static void test_many_cells_balance_to_the_last_bits(void **state)
         uint32_t size[3];
         double worst = 0.0, largest = 0.0;
         layer_scene(&layers[s], &test);
+        OWNED(memory)
         struct neph_gpu_diffusion_cell *cells = cells_of(*state, &test.scene, 128, size);
-        double *truth = balanced(cells, size[1]);
+        OWNED(memory) double *truth = balanced(cells, size[1]);
         assert_int_equal(size[1], 1024);
         for (uint32_t i = 0; i < size[1]; i++) {
             worst = fmax(worst, fabs((double)cells[i].fluence - truth[i]));
@@ -296,8 +296,6 @@ static void test_many_cells_balance_to_the_last_bits(void **state)
         print_message("%s: 1024 cells off their balance by %.1e\n", layers[s].name,
                       worst / largest);
         assert_true(worst / largest < 4e-6);
-        free(truth);
-        free(cells);
     }
 }
 
@@ -342,7 +340,7 @@ static void test_pictures_of_slabs(void **state)
         const struct neph_march_params params = params_of(64);
         struct test_scene test;
         layer_scene(&layers[s], &test);
-        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         const struct neph_vec3 ray = neph_scene_camera(&test.scene, 0.0).forward;
         const double twin = radiance_of(&layers[s], &test, ray);
         const struct neph_slab_params slab = slab_of(&layers[s]);
@@ -354,7 +352,6 @@ static void test_pictures_of_slabs(void **state)
         assert_true(fabs(seen / twin - 1.0) <
                     5e-3); /* 0.28 % as measured: 512 cells' (above), and steps' */
         assert_true(fabs(seen / truth - 1.0) < layers[s].allowed);
-        neph_image_destroy(frame);
     }
 }
 
@@ -376,12 +373,11 @@ static void test_a_white_furnace(void **state)
         make_sunlit(&test);
         test.scene.sun.direction = suns[s];
         test.scene.sun.irradiance_w_per_m2 = make_grey(4.0 * M_PI / 6.0);
-        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++) {
             given += (double)neph_image_channel(frame, "volume.G")[p];
             taken += (1.0 - (double)neph_image_channel(frame, "transmittance.G")[p]) / 6.0;
         }
-        neph_image_destroy(frame);
     }
     print_message("white furnace: %.4f\n", given / taken);
     assert_true(given / taken > 0.85 && given / taken < 1.0);
@@ -411,15 +407,15 @@ static void test_a_row_comes_to_rest(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     const size_t count = (size_t)CELLS * CELLS * CELLS;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     params.diffusion.cycles = 1;
     alone.diffusion.cycles = PICTURES;
     neph_assert_ok(neph_march_scene_create(*state, &test.scene, &params, &row, &diag), &diag);
     neph_assert_ok(neph_march_scene_create(*state, &test.scene, &alone, &fresh, &diag), &diag);
-    struct neph_gpu_diffusion_cell *old = shown(&test.scene, &params, false, &row);
+    OWNED(memory) struct neph_gpu_diffusion_cell *old = shown(&test.scene, &params, false, &row);
     test.scene.sun.direction = (struct neph_vec3){-0.6, 0.8, 0.0};
+    OWNED(memory)
     struct neph_gpu_diffusion_cell *wanted = shown(&test.scene, &alone, false, &fresh);
     struct neph_gpu_diffusion_cell *first = NULL, *last = NULL, *after = NULL;
     for (int i = 0; i < PICTURES; i++) {
@@ -443,8 +439,6 @@ static void test_a_row_comes_to_rest(void **state)
     assert_true(apart(last, wanted, count) < 2e-4);
     free(last);
     free(first);
-    free(wanted);
-    free(old);
     neph_march_scene_destroy(*state, &fresh);
     neph_march_scene_destroy(*state, &row);
 }
@@ -458,8 +452,7 @@ static void test_solids_that_move_are_seen(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     const size_t count = (size_t)CELLS * CELLS * CELLS;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     test.scene.sun.direction = (struct neph_vec3){0.0, 1.0, 0.0};
     test_add_box(&test, (struct neph_vec3){90.0, 20.0, -19.0},
@@ -491,8 +484,7 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     struct neph_march_params params = params_of(16);
     neph_assert_ok(neph_march_check(&test.scene, &params, &diag), &diag);

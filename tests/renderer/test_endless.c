@@ -65,10 +65,12 @@ static void test_a_march_sees_no_end(void **state)
     static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
     for (int n = 0; n < 2; n++) {
         struct test_scene endless, finite;
+        OWNED(grid)
         struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0),
                          *some = make_columns(columns, 8, 50.0, 200.0, 40);
         set_stage(&endless, all, 200.0);
         set_stage(&finite, some, 200.0);
+        OWNED(image)
         struct neph_image *a = march(*state, &endless.scene, modes[n]),
                           *b = march(*state, &finite.scene, modes[n]);
         const double off = test_distance(a, b, "G"),
@@ -77,10 +79,6 @@ static void test_a_march_sees_no_end(void **state)
                       through_off);
         assert_true(off < 2e-5);
         assert_true(through_off < 2e-5);
-        neph_image_destroy(b);
-        neph_image_destroy(a);
-        neph_grid_destroy(some);
-        neph_grid_destroy(all);
     }
 }
 
@@ -89,6 +87,7 @@ static void test_a_march_sees_no_end(void **state)
 static void test_exact_sees_no_end(void **state)
 {
     struct test_scene endless, finite;
+    OWNED(grid)
     struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0),
                      *some = make_columns(columns, 8, 50.0, 200.0, 40);
     set_stage(&endless, all, 200.0);
@@ -99,15 +98,13 @@ static void test_exact_sees_no_end(void **state)
         neph_assert_close(a.volume.g, b.volume.g, 1e-7, 1e-9);
         neph_assert_close(a.transmittance.g, b.transmittance.g, 1e-9, 1e-12);
     }
-    neph_grid_destroy(some);
-    neph_grid_destroy(all);
 }
 
 /* What lies in a box around all shapes has none here, and says so. */
 static void test_tables_refuse(void **state)
 {
     struct test_scene test;
-    struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0);
+    OWNED(grid) struct neph_grid *all = make_columns(columns, 8, 50.0, 200.0, 0);
     set_stage(&test, all, 200.0);
     const struct neph_march_params params = {
         .width_px = 8,
@@ -120,7 +117,6 @@ static void test_tables_refuse(void **state)
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "sun_cache=grid"));
     assert_non_null(strstr(diag.message, "without end"));
-    neph_grid_destroy(all);
 }
 
 /* ---- the step cloud of I3RC ------------------------------------------------------------------ */
@@ -143,7 +139,7 @@ static struct neph_grid *make_step_cloud(int copies)
  * of the picture. All orders, the sun 60 degrees from the zenith, its light towards -x. */
 static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copies, int samples)
 {
-    struct neph_grid *grid = make_step_cloud(copies);
+    OWNED(grid) struct neph_grid *grid = make_step_cloud(copies);
     struct test_scene test;
     set_stage(&test, grid, high_m);
     struct neph_scene *scene = &test.scene;
@@ -157,14 +153,8 @@ static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copie
     const double middle_m = 0.5 * period_m - 0.5 * period_m / NODES;
     test.key.position_m = (struct neph_vec3){middle_m, 1000.0, 0.0};
     test.key.look_at_m = (struct neph_vec3){middle_m, 0.0, 0.0};
-    const struct neph_tracer_params params = {.width_px = ACROSS,
-                                              .height_px = DEEP,
-                                              .seed = 11,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
-    struct neph_image *image = test_trace(vulkan, scene, &params, NULL);
-    neph_grid_destroy(grid);
-    return image;
+    const struct neph_tracer_params params = test_samples(ACROSS, DEEP, 11, samples);
+    return test_trace(vulkan, scene, &params, NULL);
 }
 
 static double half_mean(const struct neph_image *image, int half)
@@ -182,6 +172,7 @@ static double half_mean(const struct neph_image *image, int half)
 static void test_paths_see_no_end(void **state)
 {
     const int samples = neph_test_by_day(16, 256);
+    OWNED(image)
     struct neph_image *endless = trace_step_cloud(*state, 0, samples),
                       *finite = trace_step_cloud(*state, 30, samples);
     for (int half = 0; half < 2; half++) {
@@ -189,8 +180,6 @@ static void test_paths_see_no_end(void **state)
         print_message("%s half: %.5f, of 30 periods %.5f\n", half ? "thick" : "thin", a, b);
         neph_assert_close(a, b, 2e-3, 0.0);
     }
-    neph_image_destroy(finite);
-    neph_image_destroy(endless);
 }
 
 /* The same ramps in steps of an eighth of a node: with walls in their place the thin half is 7 %
@@ -226,7 +215,7 @@ static void test_the_step_cloud(void **state)
                                                  .seed = 3,
                                                  .photons = 2000000};
     neph_assert_ok(neph_step_cloud_solve(&truth, &fluxes, nadir_per_sr, &diag), &diag);
-    struct neph_image *image = trace_step_cloud(*state, 0, 8192);
+    OWNED(image) struct neph_image *image = trace_step_cloud(*state, 0, 8192);
     for (int half = 0; half < 2; half++) {
         const double mean = half_mean(image, half);
         double expected = 0.0, variance = 0.0;
@@ -239,7 +228,6 @@ static void test_the_step_cloud(void **state)
                       expected, sqrt(variance));
         neph_assert_close(mean, expected, 4.0 * noise[half], 4.0 * sqrt(variance));
     }
-    neph_image_destroy(image);
 }
 
 int main(void)

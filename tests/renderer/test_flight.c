@@ -47,8 +47,8 @@ static void send(struct neph_realtime *realtime, const struct neph_scene *scene,
 static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                const struct neph_settings *settings)
 {
-    struct neph_realtime *read = open_realtime(vulkan, scene, settings);
-    struct neph_realtime *sent = open_realtime(vulkan, scene, settings);
+    OWNED(realtime) struct neph_realtime *read = open_realtime(vulkan, scene, settings);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(vulkan, scene, settings);
     struct neph_realtime_stats read_stats, sent_stats;
     struct neph_image *expected = NULL;
     for (int frame = 0; frame < FRAMES; frame++) {
@@ -57,35 +57,31 @@ static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_sce
         if (frame < FRAMES - 1)
             send(sent, scene, frame);
     }
-    struct neph_image *image = render(sent, scene, FRAMES - 1, &sent_stats);
+    OWNED(image) struct neph_image *image = render(sent, scene, FRAMES - 1, &sent_stats);
     assert_true(test_same_bits(image, expected));
     assert_true(sent_stats.density_evaluations > 0);
     assert_int_equal(sent_stats.density_evaluations, read_stats.density_evaluations);
     assert_int_equal(sent_stats.rays, read_stats.rays);
-    neph_image_destroy(image);
     neph_image_destroy(expected);
-    neph_realtime_destroy(sent);
-    neph_realtime_destroy(read);
 }
 
 static void test_the_picture_after_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = test_load("catalog/camera_dolly");
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
     check_after_flight(*state, scene, &settings);
-    neph_scene_destroy(scene);
 }
 
 /* Clouds drift: each frame fills the nodes anew that frames before it may still read, and of all
  * that is in flight the fill alone is counted. */
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
-    struct neph_scene *scene = test_load("stress/wind_cloud");
+    OWNED(scene) struct neph_scene *scene = test_load("stress/wind_cloud");
     const struct neph_settings settings = test_preset(
         "off", "steps=4 ray_dither=none upscale_dither=none split=four sun=marched "
                "sun_cache=grid sun_cache_voxels=16");
     check_after_flight(*state, scene, &settings);
-    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
     struct neph_realtime_stats home;
     struct neph_diag diag = {0};
     send(realtime, scene, 0);
@@ -94,16 +90,14 @@ static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
         neph_assert_ok(neph_realtime_home(realtime, &home, &diag), &diag);
         assert_true(home.density_evaluations > 0);
     }
-    neph_realtime_destroy(realtime);
-    neph_scene_destroy(scene);
 }
 
 /* What passes move is known before; counts are nobody's. */
 static void test_costs_come_home_in_order(void **state)
 {
-    struct neph_scene *scene = test_load("catalog/camera_dolly");
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
-    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
     struct neph_realtime_stats read, home;
     struct neph_diag diag = {0};
     neph_image_destroy(render(realtime, scene, 0, &read));
@@ -122,14 +116,12 @@ static void test_costs_come_home_in_order(void **state)
         assert_int_equal(traffic_bytes, home.traffic_bytes);
     }
     assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
-    neph_realtime_destroy(realtime);
-    neph_scene_destroy(scene);
 }
 
 /* The march of every pixel goes through the CPU to the passes behind it. */
 static void test_no_split_flies_alone(void **state)
 {
-    struct neph_scene *scene = test_load("catalog/camera_dolly");
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     struct neph_settings settings = few_steps("off");
     const struct neph_realtime_frame picture = {scene, 0, NULL};
     struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
@@ -145,19 +137,17 @@ static void test_no_split_flies_alone(void **state)
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "split=four"));
     neph_realtime_destroy(realtime);
-    neph_scene_destroy(scene);
 }
 
 static void test_the_march_in_flight(void **state)
 {
     const struct neph_march_params params = {
         .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .steps = 4, .sun_steps = 1};
-    struct neph_scene *scene = test_load("catalog/camera_dolly");
-    struct neph_march *march = NULL;
-    struct neph_image *alone = NULL, *after = NULL;
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
+    OWNED(image) struct neph_image *alone = NULL, *after = NULL;
     struct neph_diag diag = {0};
     double gpu_s;
-    neph_assert_ok(neph_march_create(*state, scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, scene, &params);
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &alone, NULL, &diag), &diag);
     for (int frame = 0; frame < FRAMES; frame++)
         neph_assert_ok(neph_march_frame(march, scene, frame, NULL, NULL, NULL, &diag), &diag);
@@ -169,10 +159,6 @@ static void test_the_march_in_flight(void **state)
     neph_assert_ok(neph_march_frame(march, scene, 0, NULL, NULL, NULL, &diag), &diag);
     neph_assert_ok(neph_march_frame(march, scene, FRAMES, NULL, &after, NULL, &diag), &diag);
     assert_true(test_same_bits(alone, after));
-    neph_image_destroy(after);
-    neph_image_destroy(alone);
-    neph_march_destroy(march);
-    neph_scene_destroy(scene);
 }
 
 int main(void)

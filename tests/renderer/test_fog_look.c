@@ -75,14 +75,11 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
                                               .code = probe_code,
                                               .code_bytes = sizeof(probe_code),
                                               .buffer_count = 2};
-    struct probe *probes = calloc((size_t)count, sizeof(*probes));
+    OWNED(memory) struct probe *probes = calloc((size_t)count, sizeof(*probes));
     assert_non_null(probes);
     for (int i = 0; i < count; i++)
         probes[i] = probe_of(&questions[i]);
-    struct answer *answers = test_probe(vulkan, &params, NULL, probes, sizeof(*probes),
-                                        sizeof(*answers), count);
-    free(probes);
-    return answers;
+    return test_probe(vulkan, &params, NULL, probes, sizeof(*probes), sizeof(struct answer), count);
 }
 
 static struct neph_fog_look_light twin_of(const struct question *question)
@@ -181,7 +178,7 @@ static bool is_at_an_edge(const struct question *question)
 static void test_the_shader_is_the_formula(void **state)
 {
     struct neph_vulkan *vulkan = *state;
-    struct question *questions = calloc(QUESTIONS_MAX, sizeof(*questions));
+    OWNED(memory) struct question *questions = calloc(QUESTIONS_MAX, sizeof(*questions));
     assert_non_null(questions);
     int count = 0;
     for (uint64_t trial = 0; count < QUESTIONS_MAX; trial++) {
@@ -189,13 +186,11 @@ static void test_the_shader_is_the_formula(void **state)
         questions[count] = some_question(&seed, (int)trial);
         count += !is_at_an_edge(&questions[count]);
     }
-    struct answer *answers = ask(vulkan, questions, count);
+    OWNED(memory) struct answer *answers = ask(vulkan, questions, count);
     double worst = 0.0;
     for (int i = 0; i < count; i++)
         check_answer(&questions[i], &answers[i], &worst);
     printf("off by %.1e at most, of %d rays\n", worst, count);
-    free(answers);
-    free(questions);
 }
 
 /* ---- where the engines' code is no number ---------------------------------------------------- */
@@ -238,7 +233,7 @@ static void test_the_points_where_engines_fail(void **state)
         questions[count / 2 + i] = questions[i];
         questions[count / 2 + i].model = NEPH_FOG_FILAMENT;
     }
-    struct answer *answers = ask(vulkan, questions, count);
+    OWNED(memory) struct answer *answers = ask(vulkan, questions, count);
     for (int i = 0; i < count; i++) {
         const struct neph_fog_look_light twin = twin_of(&questions[i]);
         neph_assert_close(answers[i].through, twin.transmittance, 1e-5, 1e-7);
@@ -247,7 +242,6 @@ static void test_the_points_where_engines_fail(void **state)
     assert_true(answers[0].through == 1.0f && answers[1].through == 1.0f);
     assert_true(answers[14].through > 0.1f && answers[14].through < 0.9f); /* at 2^127 d */
     assert_true(answers[7].through == 1.0f && answers[7].volume[0] == 0.0f);
-    free(answers);
 }
 
 /* ---- pictures -------------------------------------------------------------------------------- */
@@ -275,10 +269,8 @@ static struct neph_image *next_picture(struct neph_fog_looks *looks, const struc
 static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   bool sun_is_clear)
 {
-    struct neph_fog_looks *looks = looks_at(vulkan, scene, sun_is_clear);
-    struct neph_image *image = next_picture(looks, scene);
-    neph_fog_looks_destroy(looks);
-    return image;
+    OWNED(fog_looks) struct neph_fog_looks *looks = looks_at(vulkan, scene, sun_is_clear);
+    return next_picture(looks, scene);
 }
 
 /* Fog that absorbs and glows, over ground and a ball. */
@@ -307,7 +299,7 @@ static void test_the_physical_part_is_exact(void **state)
 {
     struct test_scene test;
     set_stage(&test);
-    struct neph_image *image = picture(*state, &test.scene, false);
+    OWNED(image) struct neph_image *image = picture(*state, &test.scene, false);
     const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
     const float *radiance = neph_image_channel(image, "G"),
                 *through = neph_image_channel(image, "transmittance.G"),
@@ -324,7 +316,6 @@ static void test_the_physical_part_is_exact(void **state)
         grounds += isfinite(exact.hit_m);
     }
     assert_true(grounds > 200 && grounds < 40 * 24 - 200);
-    neph_image_destroy(image);
 }
 
 /* A clear sun lights the ground by albedo / pi E cos, whatever the fog. */
@@ -332,7 +323,7 @@ static void test_a_clear_sun_is_not_dimmed(void **state)
 {
     struct test_scene test;
     set_stage(&test);
-    struct neph_image *image = picture(*state, &test.scene, true);
+    OWNED(image) struct neph_image *image = picture(*state, &test.scene, true);
     const size_t pixel = 23 * 40 + 20; /* the ground before the camera */
     const double behind = (neph_image_channel(image, "R")[pixel] -
                            neph_image_channel(image, "volume.R")[pixel]) /
@@ -342,7 +333,6 @@ static void test_a_clear_sun_is_not_dimmed(void **state)
                        scene->sun.direction.y;
     assert_true(lit > 0.0);
     neph_assert_close(behind, lit, 1e-5, 0.0);
-    neph_image_destroy(image);
 }
 
 /* Whatever was in flight before: a picture from another camera, with another sun, is that of a
@@ -351,7 +341,7 @@ static void test_pictures_in_a_row(void **state)
 {
     struct test_scene test;
     set_stage(&test);
-    struct neph_fog_looks *looks = looks_at(*state, &test.scene, false);
+    OWNED(fog_looks) struct neph_fog_looks *looks = looks_at(*state, &test.scene, false);
     struct neph_diag diag = {0};
     double gpu_s;
     for (int i = 0; i < 5; i++)
@@ -359,20 +349,16 @@ static void test_pictures_in_a_row(void **state)
     neph_assert_ok(neph_fog_looks_home(looks, &gpu_s, &diag), &diag);
     test.key.position_m.y += 7.0;
     test.scene.sun.irradiance_w_per_m2.g *= 2.0;
-    struct neph_image *later = next_picture(looks, &test.scene);
-    struct neph_image *alone = picture(*state, &test.scene, false);
+    OWNED(image) struct neph_image *later = next_picture(looks, &test.scene);
+    OWNED(image) struct neph_image *alone = picture(*state, &test.scene, false);
     assert_memory_equal(neph_image_channel(later, "G"), neph_image_channel(alone, "G"),
                         40 * 24 * sizeof(float));
     assert_int_equal(neph_fog_looks_home(looks, &gpu_s, &diag), NEPH_ERR_USAGE);
     test.scene.medium_count = 0; /* all media are away */
-    struct neph_image *clear = next_picture(looks, &test.scene);
+    OWNED(image) struct neph_image *clear = next_picture(looks, &test.scene);
     for (int i = 0; i < 40 * 24; i++)
         assert_true(neph_image_channel(clear, "transmittance.G")[i] == 1.0f &&
                     neph_image_channel(clear, "volume.G")[i] == 0.0f);
-    neph_image_destroy(clear);
-    neph_image_destroy(later);
-    neph_image_destroy(alone);
-    neph_fog_looks_destroy(looks);
 }
 
 /* The device of NEPH_VULKAN_DEVICE, if there is one: where it is, layers that validate may not be.

@@ -71,12 +71,11 @@ static void test_a_glowing_fog_and_clouds_are_exact(void **state)
     }
     for (int fog = neph_test_by_day(1, 0); fog < 2; fog++) {
         const struct neph_march_params params = params_of(fog);
-        struct neph_image *image = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *image = test_march(*state, &test.scene, &params, NULL);
         const double off = distance(neph_image_channel(image, "G"), radiance);
         print_message("fog as a %s: off by %.2g\n", fog ? "look" : "medium", off);
         assert_true(off < (fog ? 1e-5 : 5e-3)); /* the fog's own steps are longer than clouds' */
         assert_true(distance(neph_image_channel(image, "transmittance.G"), through) < 1e-5);
-        neph_image_destroy(image);
     }
 }
 
@@ -103,7 +102,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     test.scene.fog_look.max_opacity = 0.8;
     test.scene.fog_look.directional_w_per_m2_sr = make_grey(0.5);
     const struct neph_march_params params = params_of(1);
-    struct neph_image *whole = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *whole = test_march(*state, &test.scene, &params, NULL);
     struct neph_medium *media = test.scene.media;
     cut_in_two(&test.scene, 1);
     cut_in_two(&test.scene, 2);
@@ -112,12 +111,10 @@ static void test_any_order_of_layers_is_the_same(void **state)
     const struct neph_fog_layer layer = media[4].layers[0];
     media[4].layers[0] = media[4].layers[1];
     media[4].layers[1] = layer;
-    struct neph_image *cut = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *cut = test_march(*state, &test.scene, &params, NULL);
     const double off = test_distance(cut, whole, "G");
     print_message("cut and turned round: off by %.2g\n", off);
     assert_true(off < 3e-6);
-    neph_image_destroy(cut);
-    neph_image_destroy(whole);
 }
 
 /* Near fog included, which a march leaves to nobody. */
@@ -127,13 +124,12 @@ static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_
     struct neph_fog_look_params params = {
         .width_px = WIDTH, .height_px = HEIGHT, .look = scene->fog_look, .model = model};
     params.look.volumetric_fog_distance_m = 0.0;
-    struct neph_fog_looks *looks = NULL;
+    OWNED(fog_looks) struct neph_fog_looks *looks = NULL;
     struct neph_image *image = NULL;
     struct neph_diag diag = {0};
     double gpu_s;
     neph_assert_ok(neph_fog_looks_create(vulkan, scene, &params, &looks, &diag), &diag);
     neph_assert_ok(neph_fog_looks_frame(looks, scene, 0.0, &image, &gpu_s, &diag), &diag);
-    neph_fog_looks_destroy(looks);
     return image;
 }
 
@@ -147,16 +143,14 @@ static void test_without_clouds_it_is_the_look(void **state)
                  {"catalog/fog_look_ridge", NEPH_FOG_UNREAL},
                  {"catalog/fog_look_ridge", NEPH_FOG_FILAMENT}};
     for (int n = 0; n < neph_test_by_day(1, 3); n++) {
-        struct neph_scene *scene = test_load(looks[n].scene);
+        OWNED(scene) struct neph_scene *scene = test_load(looks[n].scene);
         const struct neph_march_params params = params_of(1 + (int)looks[n].model);
+        OWNED(image)
         struct neph_image *marched = test_march(*state, scene, &params, NULL),
                           *look = look_at(*state, scene, looks[n].model);
         assert_true(test_distance(marched, look, "R") < 1e-5);
         assert_true(test_distance(marched, look, "volume.B") < 1e-5);
         assert_true(test_distance(marched, look, "transmittance.G") < 1e-5);
-        neph_image_destroy(look);
-        neph_image_destroy(marched);
-        neph_scene_destroy(scene);
     }
 }
 
@@ -192,13 +186,12 @@ static void test_realtime_has_the_same_fog(void **state)
         if (!cases[n].has_clouds)
             test.scene.medium_count = 1;
         const struct neph_march_params params = params_of(1);
+        OWNED(image)
         struct neph_image *marched = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, cases[n].words);
         const double off = test_distance(image, marched, "G");
         print_message("fog in real time, %s: off by %.2g\n", cases[n].words, off);
         assert_true(off < cases[n].most);
-        neph_image_destroy(image);
-        neph_image_destroy(marched);
     }
 }
 
@@ -206,8 +199,7 @@ static void test_realtime_has_the_same_fog(void **state)
 
 static const char handed_over[] =
     "split=four ray_dither=none upscale_dither=none fog=unreal steps=64 froxels=on froxel_px=1 "
-    "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 color_format=float "
-    "depth_format=float";
+    "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 target_format=float";
 
 /* A glow is the same by physics and by its look, wherever the one ends and the other begins, on
  * this side of all that is seen and beyond it. Clouds are all in froxels, and come with the errors
@@ -225,14 +217,13 @@ static void test_a_glow_is_handed_over_anywhere(void **state)
             hide_clouds(&test);
         test.scene.fog_look.volumetric_fog_distance_m = cases[n].handed_m;
         const struct neph_march_params params = params_of(1);
+        OWNED(image)
         struct neph_image *whole = test_march(*state, &test.scene, &params, NULL),
                           *image = render_realtime(*state, &test.scene, handed_over);
         const double off = test_distance(image, whole, "G");
         print_message("handed over at %g m, %s: off by %.2g\n", cases[n].handed_m,
                       cases[n].is_clear ? "fog alone" : "with clouds", off);
         assert_true(off < (cases[n].is_clear ? 1e-5 : 2e-3));
-        neph_image_destroy(image);
-        neph_image_destroy(whole);
     }
 }
 
@@ -268,7 +259,7 @@ static void test_near_fog_is_physics(void **state)
     test.scene.fog_look.volumetric_fog_distance_m = handed_m;
     test.scene.fog_look.max_opacity = 0.7;
     const struct neph_camera camera = neph_scene_camera(&test.scene, 0.0);
-    struct neph_image *image = render_realtime(*state, &test.scene, handed_over);
+    OWNED(image) struct neph_image *image = render_realtime(*state, &test.scene, handed_over);
     float expected[PIXELS];
     for (int i = 0; i < PIXELS; i++) {
         const struct neph_pixel_ray ray = test_ray(&test.scene, WIDTH, HEIGHT, i);
@@ -277,13 +268,11 @@ static void test_near_fog_is_physics(void **state)
     }
     const double off = distance(neph_image_channel(image, "G"), expected);
     const struct neph_march_params params = params_of(1);
-    struct neph_image *looked = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *looked = test_march(*state, &test.scene, &params, NULL);
     const double look_off = distance(neph_image_channel(looked, "G"), expected);
     print_message("near fog by physics: off by %.2g; by its look: by %.2g\n", off, look_off);
     assert_true(off < 1e-5);
     assert_true(look_off > 0.05);
-    neph_image_destroy(looked);
-    neph_image_destroy(image);
 }
 
 /* ---- with the air of a planet ---------------------------------------------------------------- */
@@ -293,7 +282,7 @@ static void test_near_fog_is_physics(void **state)
 static void test_fog_before_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
-    struct neph_scene *scene = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/sky_earth");
     struct neph_march_params params = params_of(0);
     params.steps = 8;
     params.sky = neph_sky_for_march((struct neph_march_sky_choices){true, false, 8, 8, 8, 6e4, 0});
@@ -301,12 +290,12 @@ static void test_fog_before_the_sky(void **state)
     params.sky.tables.field.suns = 16;
     params.sky.tables.field.orders = 1;
     scene->scattering = NEPH_SCATTERING_SINGLE;
-    struct neph_image *clear = test_march(*state, scene, &params, NULL);
+    OWNED(image) struct neph_image *clear = test_march(*state, scene, &params, NULL);
     scene->media[scene->medium_count++] = make_height_fog(1e-4, 0.01);
     scene->fog_look = neph_fog_look_only(&(struct neph_fog_look){.present = true}, 0);
     scene->fog_look.inscattering_w_per_m2_sr.g = 0.5;
     params.fog = neph_fog_for_march(1);
-    struct neph_image *fogged = test_march(*state, scene, &params, NULL);
+    OWNED(image) struct neph_image *fogged = test_march(*state, scene, &params, NULL);
     const float *clear_r = neph_image_channel(clear, "R"),
                 *clear_g = neph_image_channel(clear, "G"), *r = neph_image_channel(fogged, "R"),
                 *g = neph_image_channel(fogged, "G");
@@ -323,9 +312,6 @@ static void test_fog_before_the_sky(void **state)
         skies++;
     }
     assert_true(skies > 100);
-    neph_image_destroy(fogged);
-    neph_image_destroy(clear);
-    neph_scene_destroy(scene);
 }
 
 /* ---- refusals -------------------------------------------------------------------------------- */
@@ -365,12 +351,11 @@ static void test_says_what_it_cannot(void **state)
     other = test.scene;
     other.scattering = NEPH_SCATTERING_MULTIPLE; /* of clouds */
     refuses(&other, 1, NEPH_MARCH_SINGLE, "multiple scattering");
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     earth->media[earth->medium_count++] = make_height_fog(1e-4, 0.01);
     earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
     refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)}, NEPH_MARCH_OCTAVES,
                   "sky_light under sky=tables");
-    neph_scene_destroy(earth);
     other.medium_count = 1; /* of nothing that is left */
     char reason[256];
     const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};

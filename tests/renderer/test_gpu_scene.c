@@ -78,16 +78,15 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
 {
     const struct neph_vec3 origin_m = {-1, 0, -9}, spacing_m = {1, 1, 1};
     uint64_t seed = 5;
-    struct neph_grid *grids[2] = {
-        random_lattice((int[3]){3, 4, 2}, origin_m, spacing_m, -0.2, &seed),
-        random_lattice((int[3]){2, 2, 3}, origin_m, spacing_m, 0.1, &seed)};
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_gpu_scene gpu = {.frame = NULL};
     struct neph_buffer readback = {0};
     struct neph_diag diag = {0};
     test_scene_init(&test);
-    for (int i = 0; i < 2; i++)
-        test_add(&test, make_voxels(0.5, grids[i]));
+    test_add(&test,
+             make_voxels(0.5, random_lattice((int[3]){3, 4, 2}, origin_m, spacing_m, -0.2, &seed)));
+    test_add(&test,
+             make_voxels(0.5, random_lattice((int[3]){2, 2, 3}, origin_m, spacing_m, 0.1, &seed)));
     neph_assert_ok(neph_gpu_scene_create(*state, &test.scene, 0.0, 8, 8, false, &gpu, &diag),
                    &diag);
     assert_int_equal((gpu.constants[1] & NEPH_GPU_PAIRS) != 0, gpu.is_on_cpu);
@@ -96,7 +95,7 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
     neph_assert_ok(neph_buffer_create(*state, NEPH_BUFFER_READBACK, 2 * count * sizeof(float),
                                       "readback", &readback, &diag),
                    &diag);
-    float *values = malloc(count * sizeof(*values));
+    OWNED(memory) float *values = malloc(count * sizeof(*values));
     neph_assert_ok(neph_buffer_download(*state, &gpu.buffers[NEPH_GPU_VALUES_BUFFER], &readback,
                                         count * sizeof(float), &diag),
                    &diag);
@@ -113,11 +112,8 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
                 assert_true(pairs[2 * i + 1] == values[i + 1]);
         }
     }
-    free(values);
     neph_buffer_destroy(*state, &readback);
     neph_gpu_scene_destroy(*state, &gpu);
-    for (int i = 0; i < 2; i++)
-        neph_grid_destroy(grids[i]);
 }
 
 int main(void)

@@ -21,31 +21,15 @@ static const uint32_t probe_code[] = {
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 16, POINTS = 1500 };
 
-/* Two grids of sides that no two are alike, one of them with fine voxels. The caller's to destroy.
- */
-struct two_grids {
-    struct neph_grid *grids[2];
-};
-
-static struct two_grids add_grids(struct test_scene *test)
+/* Two grids of sides that no two are alike, one of them with fine voxels. */
+static void add_grids(struct test_scene *test)
 {
     static const struct neph_vec3 spacings_m[2] = {{0.6, 0.5, 0.7}, {0.3, 0.25, 0.4}};
-    struct two_grids two;
     uint64_t random = 11;
-    for (int i = 0; i < 2; i++) {
-        struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9 + i);
-        medium->grid = random_lattice((const int[3]){12 + i, 11, 10},
-                                      (struct neph_vec3){-3.0 + 4.0 * i, -1.0, -15.0},
-                                      spacings_m[i], -2.0, &random);
-        two.grids[i] = medium->grid;
-    }
-    return two;
-}
-
-static void destroy_two(struct two_grids two)
-{
-    neph_grid_destroy(two.grids[0]);
-    neph_grid_destroy(two.grids[1]);
+    for (int i = 0; i < 2; i++)
+        test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9 + i)->grid = random_lattice(
+            (const int[3]){12 + i, 11, 10}, (struct neph_vec3){-3.0 + 4.0 * i, -1.0, -15.0},
+            spacings_m[i], -2.0, &random);
 }
 
 /* --- values ----------------------------------------------------------------------------------- */
@@ -142,14 +126,13 @@ static void test_values_are_within_weights_and_texels(void **state)
 {
     struct neph_vulkan *vulkan = *state;
     struct point points[POINTS];
-    struct test_scene test;
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, add_grids);
     choose_points(&test, points);
     for (int f = 0; f < NEPH_TEXEL_FORMAT_COUNT; f++) {
         const struct neph_shortcuts shortcuts = {.grid_texture = true,
                                                  .grid_format = (enum neph_texel_format)f};
-        float *answers = ask(vulkan, &test, points, &shortcuts);
+        OWNED(memory) float *answers = ask(vulkan, &test, points, &shortcuts);
         double largest = 0.0, worst = 0.0;
         for (int i = 0; i < POINTS; i++) {
             const struct neph_medium *medium = &test.scene.media[i % 2];
@@ -165,9 +148,7 @@ static void test_values_are_within_weights_and_texels(void **state)
         print_message("%d: off by %.2e of the largest, %.2f of what is allowed\n", f, largest,
                       worst);
         assert_true(worst <= 1.0);
-        free(answers);
     }
-    destroy_two(two);
 }
 
 /* --- marches ---------------------------------------------------------------------------------- */
@@ -183,17 +164,17 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
  * empty are passed as without: what is 0 at eight nodes is 0 between them by any weights. */
 static void test_a_march_changes_by_the_values_alone(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_march_stats plain_stats, texture_stats;
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
-    struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
+    OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
     params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
                                                .grid_format = NEPH_TEXEL_R16F};
+    OWNED(image)
     struct neph_image *texture = test_march(*state, &test.scene, &params, &texture_stats);
     params.shortcuts.skip = true;
-    struct neph_image *skipped = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *skipped = test_march(*state, &test.scene, &params, NULL);
     const double off = test_largest_difference(plain, texture, NULL);
     print_message("by a texture: radiance off by %.2e\n", off);
     assert_true(off > 0.0 && off < 0.01);
@@ -201,41 +182,35 @@ static void test_a_march_changes_by_the_values_alone(void **state)
     assert_true(test_largest_difference(texture, skipped, NULL) == 0.0);
     params.shortcuts.sun_cache = true;
     params.shortcuts.sun_cache_voxels = 48;
-    struct neph_image *cached = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *cached = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.grid_texture = false;
-    struct neph_image *plain_cached = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *plain_cached = test_march(*state, &test.scene, &params, NULL);
     const double off_cached = test_largest_difference(plain_cached, cached, NULL);
     assert_true(off_cached > 0.0 && off_cached < 0.01);
-    neph_image_destroy(plain_cached);
-    neph_image_destroy(cached);
     params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* of what is off */
-    struct neph_image *off_again = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *off_again = test_march(*state, &test.scene, &params, NULL);
     assert_true(test_largest_difference(plain, off_again, NULL) == 0.0);
-    neph_image_destroy(off_again);
-    neph_image_destroy(skipped);
-    neph_image_destroy(texture);
-    neph_image_destroy(plain);
-    destroy_two(two);
 }
 
 /* Rays through an only medium pass clear air before anything else is done, and in a texture they
  * have its own coordinates; with another medium behind the camera they take each step by itself. */
 static void test_clear_air_adds_nothing(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_march_stats passed_stats, plain_stats;
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
     neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
-    struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
+    OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
     params.shortcuts.grid_texture = true;
-    struct neph_image *plain_texture = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *plain_texture = test_march(*state, &test.scene, &params, NULL);
     test.scene.medium_count = 1;
-    struct neph_image *passed_texture = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *passed_texture = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.skip = true;
+    OWNED(image)
     struct neph_image *skipped_texture = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts = (struct neph_shortcuts){.grid_texture = false};
+    OWNED(image)
     struct neph_image *passed = test_march(*state, &test.scene, &params, &passed_stats);
     const double off = test_largest_difference(plain_texture, passed_texture, NULL);
     print_message("clear air passed: off by %.2e in a texture\n", off);
@@ -244,12 +219,6 @@ static void test_clear_air_adds_nothing(void **state)
     assert_int_equal(plain_stats.view_steps, passed_stats.view_steps);
     assert_true(off < 1e-4);
     assert_true(test_largest_difference(passed_texture, skipped_texture, NULL) < 1e-6);
-    neph_image_destroy(passed);
-    neph_image_destroy(skipped_texture);
-    neph_image_destroy(passed_texture);
-    neph_image_destroy(plain_texture);
-    neph_image_destroy(plain);
-    destroy_two(two);
 }
 
 /* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
@@ -274,10 +243,10 @@ static void test_a_texture_has_its_own_march(void **state)
     };
     struct neph_vulkan *vulkan = *state;
     const bool is_cpu = vulkan->description.is_cpu;
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     test_scene_init(&test);
     test_add_sphere(&test, (struct neph_vec3){-2.0, 3.0, -12.0}, 1.0);
-    const struct two_grids two = add_grids(&test);
+    add_grids(&test);
     const struct neph_vec3 sun = test.scene.sun.direction;
     const int solid_count = test.scene.solid_count;
     neph_medium_drift(&test.scene.media[1], (struct neph_vec3){0.0, 0.0, 200.0});
@@ -298,15 +267,17 @@ static void test_a_texture_has_its_own_march(void **state)
         test.scene.media[0].albedo = (struct neph_rgb){0.9, 0.8, 0.7};
         test.scene.media[0].emission_w_per_m2_sr = cases[i].glows ? white : make_grey(0.0);
         test.scene.medium_count = 2;
-        struct neph_image *all = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *all = test_march(*state, &test.scene, &params, NULL);
         test.scene.medium_count = 1;
+        OWNED(image)
         struct neph_image *here = test_march(vulkan, &test.scene, &params, &here_stats);
         vulkan->description.is_cpu = false;
-        struct neph_image *own = test_march(vulkan, &test.scene, &params, &own_stats);
+        OWNED(image) struct neph_image *own = test_march(vulkan, &test.scene, &params, &own_stats);
         params.shortcuts.skip = true;
-        struct neph_image *skipped = test_march(vulkan, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *skipped = test_march(vulkan, &test.scene, &params, NULL);
         vulkan->description.is_cpu = is_cpu;
         params.shortcuts.skip = params.shortcuts.grid_texture = false;
+        OWNED(image)
         struct neph_image *plain = test_march(*state, &test.scene, &params, &plain_stats);
         const double off = test_largest_difference(all, own, NULL);
         const double off_here = test_largest_difference(all, here, NULL);
@@ -320,23 +291,16 @@ static void test_a_texture_has_its_own_march(void **state)
         assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
         assert_int_equal(here_stats.density_evaluations, plain_stats.density_evaluations);
         assert_int_equal(here_stats.view_steps, plain_stats.view_steps);
-        neph_image_destroy(plain);
-        neph_image_destroy(skipped);
-        neph_image_destroy(own);
-        neph_image_destroy(here);
-        neph_image_destroy(all);
     }
-    destroy_two(two);
 }
 
 /* --- refusals --------------------------------------------------------------------------------- */
 
 static void test_closed_forms_alone_are_refused(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_diag diag = {0};
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
+    test_scene_build(&test, add_grids);
     struct neph_march_params params = marched;
     params.shortcuts.grid_texture = true;
     params.transmittance = NEPH_MARCH_EXACT;
@@ -346,7 +310,6 @@ static void test_closed_forms_alone_are_refused(void **state)
     assert_non_null(strstr(diag.message, "transmittance=marched"));
     params.transmittance = NEPH_MARCH_MARCHED;
     assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_OK);
-    destroy_two(two);
 }
 
 /* A device of which no format can be asked for but 8 bits. */
@@ -360,11 +323,10 @@ static VKAPI_ATTR void VKAPI_CALL know_8_bits(VkPhysicalDevice device, VkFormat 
 
 static void test_a_format_that_the_device_lacks_is_named(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_march *march = NULL;
     struct neph_diag diag = {0};
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
+    test_scene_build(&test, add_grids);
     const PFN_vkGetPhysicalDeviceFormatProperties known = vkGetPhysicalDeviceFormatProperties;
     struct neph_march_params params = marched;
     params.shortcuts = (struct neph_shortcuts){.grid_texture = true,
@@ -375,7 +337,6 @@ static void test_a_format_that_the_device_lacks_is_named(void **state)
     assert_int_equal(lacks, NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "grid_format=r16f"));
     assert_non_null(strstr(diag.hint, "grid_sampling=exact"));
-    destroy_two(two);
 }
 
 /* --- in real time ----------------------------------------------------------------------------- */
@@ -396,17 +357,13 @@ static struct neph_image *first_frame(struct neph_vulkan *vulkan, const struct n
 
 static void test_textures_in_real_time(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    const struct two_grids two = add_grids(&test);
-    struct neph_image *exact = first_frame(*state, &test.scene, "exact");
-    struct neph_image *texture = first_frame(*state, &test.scene, "texture");
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, add_grids);
+    OWNED(image) struct neph_image *exact = first_frame(*state, &test.scene, "exact");
+    OWNED(image) struct neph_image *texture = first_frame(*state, &test.scene, "texture");
     const double off = test_largest_difference(exact, texture, NULL);
     print_message("in real time: radiance off by %.2e\n", off);
     assert_true(off > 0.0 && off < 0.01);
-    neph_image_destroy(texture);
-    neph_image_destroy(exact);
-    destroy_two(two);
 }
 
 int main(void)

@@ -164,13 +164,11 @@ static void test_transmittance_is_the_closed_form(void **state)
     const size_t count = sizeof(transmittance_scenes) / sizeof(transmittance_scenes[0]);
     for (size_t s = 0; s < count; s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        transmittance_scenes[s].build(&test);
-        struct neph_image *frame = render(*state, &test, &exact_48, NULL);
+        test_scene_build(&test, transmittance_scenes[s].build);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &exact_48, NULL);
         const struct worst worst = compare_transmittance(&test, frame, 1e-5, 1e-6);
         print_message("%-20s T off by %.1e of itself (T > 0.01), %.1e absolute\n",
                       transmittance_scenes[s].name, worst.relative, worst.absolute);
-        neph_image_destroy(frame);
     }
 }
 
@@ -181,15 +179,13 @@ static void test_marched_transmittance(void **state)
     params.transmittance = NEPH_MARCH_MARCHED;
     struct test_scene test;
 
-    test_scene_init(&test);
-    scene_cube(&test);
+    test_scene_build(&test, scene_cube);
     params.steps = 2;
     struct neph_image *frame = render(*state, &test, &params, NULL);
     compare_transmittance(&test, frame, 1e-5, 1e-6);
     neph_image_destroy(frame);
 
-    test_scene_init(&test);
-    scene_fog_two_layers(&test);
+    test_scene_build(&test, scene_fog_two_layers);
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 8192;
@@ -247,11 +243,11 @@ static void test_volume_converges_at_second_order(void **state)
     static const int counts[] = {64, 256};
     for (size_t s = 0; s < sizeof(smooth_scenes) / sizeof(smooth_scenes[0]); s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        smooth_scenes[s].build(&test);
+        test_scene_build(&test, smooth_scenes[s].build);
         struct neph_march_params params = exact_48;
         params.width_px = 8;
         params.height_px = 6;
+        OWNED(memory)
         struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
         for (size_t m = 0; m < COUNT(mode_pairs); m += (size_t)neph_test_by_day(3, 1)) {
             double errors[2];
@@ -260,17 +256,15 @@ static void test_volume_converges_at_second_order(void **state)
                 params.transmittance = mode_pairs[m].transmittance;
                 params.sun = mode_pairs[m].sun;
                 params.steps = params.sun_steps = counts[c];
-                struct neph_image *frame = render(*state, &test, &params, NULL);
+                OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
                 errors[c] = volume_error(frame, light);
                 print_message(" %.1e", errors[c]);
-                neph_image_destroy(frame);
             }
             const double order = log2(errors[0] / errors[1]) / 2.0;
             print_message("  order %.2f\n", order);
             assert_true(errors[1] < 5e-7 || order > 1.8);
             assert_true(errors[1] < 5e-3);
         }
-        free(light);
     }
 }
 
@@ -278,21 +272,19 @@ static void test_volume_converges_at_second_order(void **state)
 static void test_volume_has_no_floor_but_float32(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_up(&test);
+    test_scene_build(&test, scene_fog_up);
     struct neph_march_params params = exact_48;
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 20000;
+    OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     struct neph_march_stats stats;
-    struct neph_image *frame = render(*state, &test, &params, &stats);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, &stats);
     const double error = volume_error(frame, light);
     print_message("20000 steps in %d dispatches: volume off by %.1e\n", stats.dispatches, error);
     assert_true(stats.dispatches > 1);
     assert_true(error < 2e-6);
-    neph_image_destroy(frame);
-    free(light);
 }
 
 /* --- emission ----------------------------------------------------------------------------- */
@@ -313,27 +305,25 @@ static void test_emission_converges_at_second_order(void **state)
     for (size_t s = 0; s < COUNT(builders); s++)
         for (int m = 0; m < 2; m++) {
             struct test_scene test;
-            test_scene_init(&test);
-            builders[s](&test);
+            test_scene_build(&test, builders[s]);
             make_glow(&test);
             struct neph_march_params params = exact_48;
             params.width_px = 8;
             params.height_px = 6;
             params.transmittance = params.sun = m ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
+            OWNED(memory)
             struct neph_ray_light *light = test_exact(&test.scene, params.width_px,
                                                       params.height_px);
             double errors[2];
             for (int c = 0; c < 2; c++) {
                 params.steps = params.sun_steps = counts[c];
-                struct neph_image *frame = render(*state, &test, &params, NULL);
+                OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
                 errors[c] = volume_error(frame, light);
-                neph_image_destroy(frame);
             }
             const double order = log2(errors[0] / errors[1]) / 2.0;
             print_message("emission: %.1e %.1e  order %.2f\n", errors[0], errors[1], order);
             assert_true(errors[1] < 5e-7 || order > 1.8);
             assert_true(errors[1] < 5e-3);
-            free(light);
         }
 }
 
@@ -341,22 +331,20 @@ static void test_emission_converges_at_second_order(void **state)
 static void test_an_even_medium_that_glows(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_homogeneous(&test);
+    test_scene_build(&test, scene_homogeneous);
     make_glow(&test);
     test.scene.sun.present = false;
     test.scene.scattering = NEPH_SCATTERING_NONE;
     test.scene.media[0].extinction_color = (struct neph_rgb){0.5, 1, 3};
     struct neph_march_params params = exact_48;
     params.steps = 7;
+    OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     assert_non_null(neph_image_channel(frame, "volume.distance"));
     const float *volume = neph_image_channel(frame, "volume.B");
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++) /* a few roundings of each step */
         neph_assert_close((double)volume[i], light[i].volume.b, 7 * 4 * 0x1p-24 + 1e-6, 0.0);
-    neph_image_destroy(frame);
-    free(light);
 }
 
 /* A fog of optical depth 0.8 that would be opaque 80 m on, if it did not end after 4 m, before a
@@ -378,15 +366,14 @@ static void test_a_fog_that_ends_hides_nothing(void **state)
     params.width_px = 8;
     params.height_px = 6;
     params.steps = 4000;
+    OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     const float *volume = neph_image_channel(frame, "volume.G");
     for (size_t i = 0; i < neph_image_pixel_count(frame); i++) {
         assert_true(light[i].volume.g > 0.1);
         neph_assert_close((double)volume[i], light[i].volume.g, 1e-2, 0.0);
     }
-    neph_image_destroy(frame);
-    free(light);
 }
 
 /* --- solids ------------------------------------------------------------------------------- */
@@ -404,6 +391,7 @@ static void scene_fenced_yard(struct test_scene *test)
 static double agreeing_fraction(const struct neph_image *frame, const struct test_scene *test,
                                 double relative, double absolute)
 {
+    OWNED(memory)
     struct neph_ray_light *light = test_exact(&test->scene, frame->width_px, frame->height_px);
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
     const float *green = neph_image_channel(frame, "G");
@@ -418,7 +406,6 @@ static double agreeing_fraction(const struct neph_image *frame, const struct tes
         const double error = fabs(green[i] - light[i].radiance.g);
         agreeing += same_depth && error <= relative * light[i].radiance.g + absolute;
     }
-    free(light);
     return (double)agreeing / (double)neph_image_pixel_count(frame);
 }
 
@@ -426,13 +413,12 @@ static double agreeing_fraction(const struct neph_image *frame, const struct tes
 static void test_many_solids(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_up(&test);
+    test_scene_build(&test, scene_fog_up);
     struct neph_march_params params = exact_48; /* the limit is one of a pixel */
     params.width_px = 12;
     params.height_px = 9;
-    struct neph_image *without = render(*state, &test, &params, NULL);
-    struct neph_solid *behind = calloc(NEPH_SCENE_SOLIDS_MAX, sizeof(*behind));
+    OWNED(image) struct neph_image *without = render(*state, &test, &params, NULL);
+    OWNED(memory) struct neph_solid *behind = calloc(NEPH_SCENE_SOLIDS_MAX, sizeof(*behind));
     assert_non_null(behind);
     for (int i = 0; i < NEPH_SCENE_SOLIDS_MAX; i++) /* the camera's, and not the sun's */
         behind[i] = (struct neph_solid){
@@ -440,7 +426,7 @@ static void test_many_solids(void **state)
     test.scene.solids = behind;
     test.scene.solid_count = NEPH_SCENE_SOLIDS_MAX;
     struct neph_march_stats stats;
-    struct neph_image *with = render(*state, &test, &params, &stats);
+    OWNED(image) struct neph_image *with = render(*state, &test, &params, &stats);
     assert_true(stats.dispatches > 1);
     for (int c = 0; c < with->channel_count; c++)
         assert_memory_equal(with->channels[c].samples, without->channels[c].samples,
@@ -448,57 +434,49 @@ static void test_many_solids(void **state)
     /* And the last of them is seen by the sun rays of the last step. */
     behind[NEPH_SCENE_SOLIDS_MAX - 1].center_m = neph_vec3_scale(test.scene.sun.direction, 1e4);
     behind[NEPH_SCENE_SOLIDS_MAX - 1].radius_m = 3e3;
-    struct neph_image *shaded = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *shaded = render(*state, &test, &params, NULL);
     const float *volume = neph_image_channel(shaded, "volume.G");
     for (size_t i = 0; i < neph_image_pixel_count(shaded); i++)
         assert_true(volume[i] == 0.0f);
-    neph_image_destroy(shaded);
-    neph_image_destroy(with);
-    neph_image_destroy(without);
-    free(behind);
 }
 
 static void test_solids_are_lit_through_the_media(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
+    test_scene_build(&test, scene_fenced_yard);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     struct neph_march_params params = exact_48;
     params.width_px = 96;
     params.height_px = 72;
-    struct neph_image *frame = render(*state, &test, &params, NULL);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     const double agreeing = agreeing_fraction(frame, &test, 2e-5, 1e-6);
     print_message("no scattering: %.2f %% of the pixels agree\n", 100.0 * agreeing);
     assert_true(agreeing > 0.998);
-    neph_image_destroy(frame);
 }
 
 /* The edge of a shadow falls anywhere within a step: there, and only there, first order. */
 static void test_shadows_in_the_air(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
+    test_scene_build(&test, scene_fenced_yard);
     struct neph_march_params params = exact_48;
     params.width_px = 24;
     params.height_px = 18;
+    OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     double errors[2];
     for (int c = 0; c < 2; c++) {
         params.steps = c ? 2048 : 128;
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         errors[c] = volume_error(frame, light);
         const double agreeing = agreeing_fraction(frame, &test, 2e-3, 0.0);
         print_message("%d steps: volume off by %.1e, %.2f %% of the pixels agree\n", params.steps,
                       errors[c], 100.0 * agreeing);
         assert_true(c == 0 || agreeing > 0.95);
-        neph_image_destroy(frame);
     }
     const double order = log2(errors[0] / errors[1]) / 4.0;
     print_message("order %.2f\n", order);
     assert_true(order > 0.8);
-    free(light);
 }
 
 /* --- counts and bits ---------------------------------------------------------------------- */
@@ -571,9 +549,8 @@ static void test_distance_of_what_is_seen(void **state)
 static void test_same_inputs_give_the_same_bits(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fenced_yard(&test);
-    struct neph_image *first = render(*state, &test, &exact_48, NULL);
+    test_scene_build(&test, scene_fenced_yard);
+    OWNED(image) struct neph_image *first = render(*state, &test, &exact_48, NULL);
     struct neph_image *again = render(*state, &test, &exact_48, NULL);
     assert_true(test_same_bits(first, again));
     neph_image_destroy(again);
@@ -584,7 +561,6 @@ static void test_same_inputs_give_the_same_bits(void **state)
     again = render(other, &test, &exact_48, NULL);
     assert_true(test_same_bits(first, again));
     neph_image_destroy(again);
-    neph_image_destroy(first);
     neph_vulkan_destroy(other);
 }
 
@@ -595,16 +571,14 @@ static void test_all_sizes(void **state)
     static const int sizes[][2] = {{1, 1}, {1, 9}, {7, 1}, {63, 1}, {65, 3}, {4096, 2}, {3, 4096}};
     for (size_t s = 0; s < sizeof(sizes) / sizeof(sizes[0]); s++) {
         struct test_scene test;
-        test_scene_init(&test);
-        scene_fog_up(&test);
+        test_scene_build(&test, scene_fog_up);
         struct neph_march_params params = exact_48;
         params.width_px = sizes[s][0];
         params.height_px = sizes[s][1];
         params.steps = 4;
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         assert_int_equal(frame->width_px, sizes[s][0]);
         compare_transmittance(&test, frame, 1e-5, 1e-6);
-        neph_image_destroy(frame);
     }
 }
 
@@ -612,17 +586,15 @@ static void test_all_sizes(void **state)
 static void test_a_frame_of_many_dispatches(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog_down(&test);
+    test_scene_build(&test, scene_fog_down);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     struct neph_march_params params = exact_48;
     params.width_px = 1021;
     params.height_px = 1033;
     struct neph_march_stats stats;
-    struct neph_image *frame = render(*state, &test, &params, &stats);
+    OWNED(image) struct neph_image *frame = render(*state, &test, &params, &stats);
     assert_true(stats.dispatches > 1);
     compare_transmittance(&test, frame, 1e-5, 1e-6);
-    neph_image_destroy(frame);
 }
 
 static void test_parameters_out_of_range_are_refused(void **state)
@@ -640,8 +612,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
          .sun_steps = 65536},
     };
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         struct neph_image *frame = NULL;
         struct neph_diag diag = {0};
@@ -662,8 +633,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
 static void test_says_what_it_cannot(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     char reason[256] = "";
     assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -783,7 +753,7 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
             params.sun = params.transmittance;
             crowds++;
         }
-        struct neph_image *frame = render(*state, &test, &params, NULL);
+        OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
         /* No source function exceeds p E <= 10 W/m^2 times the peak of g = 0.999, 1.6e5 / sr. */
         const size_t bad = count_nonsense(frame, NULL, 2e6) + count_nonsense(frame, "volume", 2e6) +
                            count_nonsense(frame, "transmittance", 1.0);
@@ -795,7 +765,6 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
                         bad);
         nonsense += bad;
         samples += 10 * neph_image_pixel_count(frame);
-        neph_image_destroy(frame);
     }
     print_message("%zu of %zu samples are nonsense, %d rounds of many media\n", nonsense, samples,
                   crowds);
@@ -807,8 +776,7 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
 static void test_interruption_is_heard(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    scene_fog(&test);
+    test_scene_build(&test, scene_fog);
     struct test_scene with;
     put_in_company(&test, &with);
     signal(SIGINT, SIG_DFL); /* a background shell ignores it */

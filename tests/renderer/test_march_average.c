@@ -3,7 +3,7 @@
  * The march averaged over pixels: where its rays are, that the mean is the mean, and what an edge
  * that crosses pixels comes to.
  */
-#include "tests/renderer/renderer_test.h"
+#include "tests/renderer/frames.h"
 
 #include "renderer/march_average.h"
 
@@ -12,10 +12,7 @@ static struct neph_march *open_march(struct neph_vulkan *vulkan, const struct ne
 {
     const struct neph_march_params params = {
         .width_px = width_px, .height_px = height_px, .steps = 8, .sun_steps = 1};
-    struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_march_create(vulkan, scene, &params, &march, &diag), &diag);
-    return march;
+    return test_march_open(vulkan, scene, &params);
 }
 
 static struct neph_image *average(struct neph_march *march, const struct neph_scene *scene,
@@ -85,16 +82,10 @@ static void test_one_ray_has_the_bits_of_the_frame(void **state)
     struct test_scene test;
     fill(&test);
     const float centre_px[2] = {0.0f, 0.0f};
-    struct neph_march *march = open_march(*state, &test.scene, 24, 18);
-    struct neph_image *one = average(march, &test.scene, 1, NULL);
-    struct neph_image *frame = through(march, &test.scene, centre_px);
-    assert_int_equal(one->channel_count, frame->channel_count);
-    for (int c = 0; c < one->channel_count; c++)
-        assert_memory_equal(one->channels[c].samples, frame->channels[c].samples,
-                            neph_image_pixel_count(one) * sizeof(float));
-    neph_image_destroy(one);
-    neph_image_destroy(frame);
-    neph_march_destroy(march);
+    OWNED(march) struct neph_march *march = open_march(*state, &test.scene, 24, 18);
+    OWNED(image) struct neph_image *one = average(march, &test.scene, 1, NULL);
+    OWNED(image) struct neph_image *frame = through(march, &test.scene, centre_px);
+    assert_same_bits(one, frame);
 }
 
 /* To the rounding of the sum's last step; depths and distances are those of the centre. */
@@ -104,9 +95,9 @@ static void test_the_mean_is_the_mean_and_depth_is_the_centres(void **state)
     struct test_scene test;
     fill(&test);
     const float centre_px[2] = {0.0f, 0.0f};
-    struct neph_march *march = open_march(*state, &test.scene, 24, 18);
+    OWNED(march) struct neph_march *march = open_march(*state, &test.scene, 24, 18);
     struct neph_march_stats stats;
-    struct neph_image *mean = average(march, &test.scene, RAYS, &stats);
+    OWNED(image) struct neph_image *mean = average(march, &test.scene, RAYS, &stats);
     struct neph_image *centre = through(march, &test.scene, centre_px), *rays[RAYS];
     for (int i = 0; i < RAYS; i++) {
         float jitter_px[2];
@@ -132,9 +123,7 @@ static void test_the_mean_is_the_mean_and_depth_is_the_centres(void **state)
     assert_true(mixed > count / 20);
     for (int i = 0; i < RAYS; i++)
         neph_image_destroy(rays[i]);
-    neph_image_destroy(mean);
     neph_image_destroy(centre);
-    neph_march_destroy(march);
 }
 
 /* The upright edge of a wall that absorbs: a pixel it crosses has the share of the sky that is
@@ -150,9 +139,9 @@ static void test_an_edge_has_its_share(void **state)
     test_add_box(&test, (struct neph_vec3){-1e3, -1e3, -10.0001},
                  (struct neph_vec3){edge_m, 1e3, -10.0});
     test.solids[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
-    struct neph_march *march = open_march(*state, &test.scene, WIDTH, HEIGHT);
-    struct neph_image *mean = average(march, &test.scene, 16, NULL);
-    struct neph_image *centre = average(march, &test.scene, 1, NULL);
+    OWNED(march) struct neph_march *march = open_march(*state, &test.scene, WIDTH, HEIGHT);
+    OWNED(image) struct neph_image *mean = average(march, &test.scene, 16, NULL);
+    OWNED(image) struct neph_image *centre = average(march, &test.scene, 1, NULL);
     const float sky = (float)test.scene.background_w_per_m2_sr.r;
     const float *of_mean = neph_image_channel(mean, "R"),
                 *of_centre = neph_image_channel(centre, "R");
@@ -161,16 +150,13 @@ static void test_an_edge_has_its_share(void **state)
         neph_assert_close(of_mean[9 * WIDTH + x], share * sky, 0.0, 0.5 / 16.0 * sky + 1e-7);
         assert_true(of_centre[9 * WIDTH + x] == (x < 17 ? 0.0f : sky));
     }
-    neph_image_destroy(mean);
-    neph_image_destroy(centre);
-    neph_march_destroy(march);
 }
 
 static void test_other_numbers_of_rays_are_refused(void **state)
 {
     struct test_scene test;
     fill(&test);
-    struct neph_march *march = open_march(*state, &test.scene, 4, 4);
+    OWNED(march) struct neph_march *march = open_march(*state, &test.scene, 4, 4);
     static const int wrong[] = {0, -1, 3, 12, 512};
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
         struct neph_image *image = NULL;
@@ -180,7 +166,6 @@ static void test_other_numbers_of_rays_are_refused(void **state)
         assert_null(image);
         assert_non_null(strstr(diag.message, "power of two"));
     }
-    neph_march_destroy(march);
 }
 
 int main(void)

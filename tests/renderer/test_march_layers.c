@@ -49,11 +49,9 @@ static double off_by(struct neph_vulkan *vulkan, struct test_scene *test,
         other.scene.solids = other.solids;
         other.scene.medium_count = LAYERS;
         memcpy(other.scene.media, layers, LAYERS * sizeof(*layers));
-        struct neph_image *one = render(vulkan, &test->scene);
-        struct neph_image *two = render(vulkan, &other.scene);
+        OWNED(image) struct neph_image *one = render(vulkan, &test->scene);
+        OWNED(image) struct neph_image *two = render(vulkan, &other.scene);
         largest = fmax(largest, largest_difference(one, two));
-        neph_image_destroy(two);
-        neph_image_destroy(one);
     }
     return largest;
 }
@@ -85,6 +83,7 @@ static void check_medium(struct neph_vulkan *vulkan, const char *name, struct ne
 static void test_a_medium_in_layers_is_the_medium(void **state)
 {
     uint64_t seed = 4;
+    OWNED(grid)
     struct neph_grid *grid = random_lattice((const int[3]){6, 5, 6},
                                             (struct neph_vec3){-7.0, 1.0, -7.0},
                                             (struct neph_vec3){2.8, 2.3, 2.8}, -0.5, &seed);
@@ -96,7 +95,6 @@ static void test_a_medium_in_layers_is_the_medium(void **state)
         check_medium(*state, "a shell",
                      make_shell(0.1, (struct neph_vec3){0.0, -40.0, 0.0}, 39.0, 5.0));
     }
-    neph_grid_destroy(grid);
 }
 
 /* A sheet over a cloud over haze, and the same the other way round. */
@@ -104,7 +102,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
 {
     struct test_scene test;
     struct neph_diag diag = {0};
-    struct neph_grid *grid = NULL;
+    OWNED(grid) struct neph_grid *grid = NULL;
     const struct neph_sheet sheet = {.center_m = {0.0, 10.0, 0.0},
                                      .side_m = 40.0,
                                      .thickness_m = 0.5,
@@ -126,7 +124,6 @@ static void test_any_order_of_layers_is_the_same(void **state)
     const double largest = off_by(*state, &test, other_way);
     print_message("the other way round: off by %.1e\n", largest);
     assert_true(largest < 2e-6);
-    neph_grid_destroy(grid);
 }
 
 /* The same scene ten thousand kilometres away is the same picture, from every height. */
@@ -136,6 +133,7 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     uint64_t seed = 4;
     double largest = 0.0;
     const struct neph_vec3 far_m = {1e7, 0.0, -1e7};
+    OWNED(grid)
     struct neph_grid *grid = random_lattice((const int[3]){6, 5, 6},
                                             (struct neph_vec3){-7.0, 1.0, -7.0},
                                             (struct neph_vec3){2.8, 2.3, 2.8}, -0.5, &seed);
@@ -148,25 +146,22 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
         const struct neph_bounds ground = test.solids[0].box;
         const struct neph_vec3 corner_m = grid->origin_m;
         look_from(&test, heights_m[h]);
-        struct neph_image *here = render(*state, &test.scene);
+        OWNED(image) struct neph_image *here = render(*state, &test.scene);
         grid->origin_m = neph_vec3_add(grid->origin_m, far_m);
         test.solids[0].box = neph_bounds_moved(ground, far_m);
         test.key.position_m = neph_vec3_add(test.key.position_m, far_m);
         test.key.look_at_m = neph_vec3_add(test.key.look_at_m, far_m);
         for (int i = 0; i < LAYERS; i++)
             test.scene.media[i].bounds = neph_bounds_moved(room, far_m);
-        struct neph_image *there = render(*state, &test.scene);
+        OWNED(image) struct neph_image *there = render(*state, &test.scene);
         largest = fmax(largest, largest_difference(here, there));
         for (int i = 0; i < LAYERS; i++)
             test.scene.media[i].bounds = room;
         test.solids[0].box = ground;
         grid->origin_m = corner_m;
-        neph_image_destroy(there);
-        neph_image_destroy(here);
     }
     print_message("1e7 m away: off by %.1e\n", largest);
     assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
-    neph_grid_destroy(grid);
 }
 
 int main(void)

@@ -80,6 +80,7 @@ static void test_octaves_over_a_slab(void **state)
         struct neph_medium *slab = look_down_on_slab(&test, round % 2 ? 0.1 : 1.0);
         slab->phase = phases[round % 3];
         test.scene.octaves = octaves[round / 3];
+        OWNED(image)
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES, 512, volume);
         /* The light at the middle of a step of optical depth h, where the sun's exponent has at
          * most k = 1 / sun.y per unit of the view's: off by (h k)^2 / 24, and by h^2 k / 12 because
@@ -91,7 +92,6 @@ static void test_octaves_over_a_slab(void **state)
             neph_assert_close((double)volume[1][p], slab_octaves(&test, ray),
                               h * h * k * (k / 24.0 + 1.0 / 12.0) + 5e-6, 0.0);
         }
-        neph_image_destroy(frame);
     }
 }
 
@@ -128,6 +128,7 @@ static void test_fitted_octaves_over_a_slab(void **state)
         slab->albedo = albedos[round];
         slab->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, gs[round]};
         test.scene.sun.irradiance_w_per_m2 = (struct neph_rgb){3, 3, 3};
+        OWNED(image)
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES_FITTED, 128, volume);
         for (int p = 0; p < width_px * height_px; p++) {
             const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
@@ -137,7 +138,6 @@ static void test_fitted_octaves_over_a_slab(void **state)
                 neph_assert_close((double)volume[channel][p], slab_fitted(&test, ray, channel),
                                   h * h * k * (k / 24.0 + 1.0 / 12.0) + 2e-5, 0.0);
         }
-        neph_image_destroy(frame);
     }
 }
 
@@ -159,9 +159,9 @@ static void test_fitted_octaves_are_reciprocal(void **state)
         test.scene.camera_up = (struct neph_vec3){0.0, 0.0, 1.0};
         test.scene.vertical_fov_rad = 1e-3;
         test.scene.sun.direction = ways[1 - i];
+        OWNED(image)
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES_FITTED, 512, volume);
         reflected[i] = (double)volume[1][height_px / 2 * width_px + width_px / 2] / ways[1 - i].y;
-        neph_image_destroy(frame);
     }
     /* f_r = L / (E mu0): the same both ways; step errors as above, the picture is 1e-3 wide. */
     neph_assert_close(reflected[0], reflected[1], 1e-3, 0.0);
@@ -258,6 +258,7 @@ static void test_similar_media_over_a_slab(void **state)
             struct neph_medium *slab = look_down_on_slab(&test, round ? 0.5 : 2.0);
             slab->albedo = make_grey(albedos[round]);
             slab->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, gs[round]};
+            OWNED(image)
             struct neph_image *frame = render(*state, &test, similar[s].lighting, 256, volume);
             double worst = 0.0;
             for (int p = 7; p < width_px * height_px; p += 97) {
@@ -269,7 +270,6 @@ static void test_similar_media_over_a_slab(void **state)
             print_message("lighting %d, g %g: off by %.1e of its formula\n",
                           (int)similar[s].lighting, gs[round], worst);
             assert_true(worst < similar[s].allowed);
-            neph_image_destroy(frame);
         }
 }
 
@@ -282,7 +282,7 @@ static void test_the_table_is_a_slab(void **state)
         for (int a = neph_test_by_day(d % 2, 0); a < 2; a += neph_test_by_day(2, 1)) {
             const struct neph_slab_params params = {
                 .optical_depth = depths[d], .albedo = albedos[a], .sun_cosine = 1.0};
-            struct neph_slab *slab = NULL;
+            OWNED(slab) struct neph_slab *slab = NULL;
             struct neph_diag diag = {0};
             enum { STEPS = 400 };
             double up = 0.0;
@@ -298,7 +298,6 @@ static void test_the_table_is_a_slab(void **state)
             print_message("depth %g, albedo %g: %.5f reflected, %.5f by adding and doubling\n",
                           depths[d], albedos[a], up, truth);
             assert_true(fabs(up / truth - 1.0) < 5e-3);
-            neph_slab_destroy(slab);
         }
 }
 
@@ -308,13 +307,11 @@ static void test_one_octave_is_single_scattering(void **state)
     float *octaves[3], *single[3];
     look_down_on_slab(&test, 0.4);
     test.scene.octaves = (struct neph_octaves){1, 0.3, 0.3, 0.3};
-    struct neph_image *a = render(*state, &test, NEPH_MARCH_OCTAVES, 64, octaves);
+    OWNED(image) struct neph_image *a = render(*state, &test, NEPH_MARCH_OCTAVES, 64, octaves);
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
-    struct neph_image *b = render(*state, &test, NEPH_MARCH_SINGLE, 64, single);
+    OWNED(image) struct neph_image *b = render(*state, &test, NEPH_MARCH_SINGLE, 64, single);
     for (int p = 0; p < width_px * height_px; p++) /* sums in another order */
         neph_assert_close((double)octaves[0][p], (double)single[0][p], 1e-6, 0.0);
-    neph_image_destroy(b);
-    neph_image_destroy(a);
 }
 
 /* --- horizon ------------------------------------------------------------------------------- */
@@ -422,10 +419,11 @@ static double article_sum(const struct test_scene *test, struct neph_vec3 ray, i
 
 static void test_horizon_light_is_the_articles(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     float *volume[3];
     const int steps = 64;
-    struct neph_medium *layer = look_up_at_clouds(&test, &cloudy);
+    look_up_at_clouds(&test, &cloudy);
+    OWNED(image)
     struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, steps, volume);
     double brightest = 0.0, darkest = INFINITY;
     for (int p = 0; p < width_px * height_px; p++) {
@@ -439,24 +437,20 @@ static void test_horizon_light_is_the_articles(void **state)
     }
     print_message("radiance %g to %g W/m2/sr\n", darkest, brightest);
     assert_true(brightest > 10.0 * darkest && brightest > 0.3);
-    neph_image_destroy(frame);
-    neph_horizon_destroy(layer->horizon);
 }
 
 /* What it adds where nothing is, its own blending hides again: an empty layer is the sky. */
 static void test_horizon_light_of_an_empty_layer(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     float *volume[3], *radiance[3];
     struct neph_horizon_params clear = cloudy;
     clear.coverage = 0.0;
-    struct neph_medium *layer = look_up_at_clouds(&test, &clear);
-    struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, 16, volume);
+    look_up_at_clouds(&test, &clear);
+    OWNED(image) struct neph_image *frame = render(*state, &test, NEPH_MARCH_HORIZON, 16, volume);
     assert_true(neph_image_rgb(frame, NULL, radiance));
     for (int p = 0; p < width_px * height_px; p++)
         assert_true(volume[2][p] == 0.0f && radiance[2][p] == 0.4f);
-    neph_image_destroy(frame);
-    neph_horizon_destroy(layer->horizon);
 }
 
 static void test_what_each_model_cannot(void **state)

@@ -21,7 +21,7 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
 {
     struct difference worst = {0.0, 0.0};
     double brightest = 0.0;
-    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
     const struct test_rgb transmittance = test_layer(frame, "transmittance"),
                           volume = test_layer(frame, "volume");
     for (int p = 0; p < params->width_px * params->height_px; p++) {
@@ -38,7 +38,6 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
         }
     }
     worst.volume /= brightest;
-    neph_image_destroy(frame);
     return worst;
 }
 
@@ -76,10 +75,9 @@ static void test_media_converge(void **state)
                  {"planet", scene_planet, 128, 1.8},
                  {"grid", scene_voxels, 64, 1.5}};
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         struct neph_march_params params = params_32;
-        test_scene_init(&test);
-        cases[i].build(&test);
+        test_scene_build(&test, cases[i].build);
         params.steps = cases[i].steps;
         const struct difference coarse = compare(*state, &test, &params);
         params.steps *= 4;
@@ -89,15 +87,13 @@ static void test_media_converge(void **state)
                       fine.transmittance, coarse.volume, fine.volume, order);
         assert_true(fine.transmittance < 3e-6);
         assert_true(fine.volume < 2e-3 && order > cases[i].order_min);
-        scene_teardown(&test);
     }
 }
 
 static void test_all_at_once_and_coloured(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    scene_blob(&test);
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, scene_blob);
     scene_voxels(&test);
     /* Bounded: fixed steps over kilometres of fog would step across the blob. */
     test_add_medium(&test, 0.01, 0.02, 0.0)->bounds = (struct neph_bounds){{-20, -9, -30},
@@ -114,7 +110,6 @@ static void test_all_at_once_and_coloured(void **state)
     print_message("coloured: T off by %.1e exact, %.1e marched\n", exact.transmittance,
                   marched.transmittance);
     assert_true(marched.transmittance < 1e-3 /* faces within a step */);
-    scene_teardown(&test);
 }
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
@@ -139,7 +134,7 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
 {
     const struct neph_march_params params = {
         .width_px = 16, .height_px = 9, .steps = steps, .sun_steps = 1, .transmittance = mode};
-    struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
     const float *transmittance = neph_image_channel(frame, "transmittance.G");
     double squares = 0.0;
     for (int p = 0; p < 16 * 9; p++) {
@@ -150,7 +145,6 @@ static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene 
         assert_true(isfinite(error));
         squares += error * error;
     }
-    neph_image_destroy(frame);
     return sqrt(squares / (16 * 9));
 }
 
@@ -161,7 +155,7 @@ static void test_horizon_transmittance_converges(void **state)
     neph_test_waits_for_the_night();
     struct test_scene test;
     test_scene_init(&test);
-    struct neph_horizon *horizon = add_cumulus(&test);
+    OWNED(horizon) struct neph_horizon *horizon = add_cumulus(&test);
     test.scene.scattering = NEPH_SCATTERING_NONE;
     const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
     const double order_min[] = {1.5, 0.8}; /* a marched fog has its faces within a step */
@@ -173,7 +167,6 @@ static void test_horizon_transmittance_converges(void **state)
                       m ? "all marched" : "fog in closed form", coarse, fine, order);
         assert_true(order > order_min[m] && fine < 2e-4);
     }
-    neph_horizon_destroy(horizon);
 }
 
 /* Sunlight scattered once, by the midpoint rule over optical depths by quadrature. */
@@ -209,10 +202,10 @@ static void test_horizon_scattering_against_quadrature(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
-    struct neph_horizon *horizon = add_cumulus(&test);
+    OWNED(horizon) struct neph_horizon *horizon = add_cumulus(&test);
     const struct neph_march_params params = {
         .width_px = 6, .height_px = 3, .steps = 512, .sun_steps = 64};
-    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const float *volume = neph_image_channel(frame, "volume.G");
     double worst = 0.0, brightest = 0.0;
     for (int i = 0; i < 6; i++) {
@@ -224,8 +217,6 @@ static void test_horizon_scattering_against_quadrature(void **state)
     }
     print_message("Horizon: volume off by %.1e of %.2g\n", worst, brightest);
     assert_true(brightest > 0.05 && worst < 2e-3 * brightest);
-    neph_image_destroy(frame);
-    neph_horizon_destroy(horizon);
 }
 
 int main(void)

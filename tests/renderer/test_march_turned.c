@@ -18,10 +18,9 @@ static void test_turned_boxes_are_those_of_the_truth(void **state)
                                              .steps = 64,
                                              .transmittance = NEPH_MARCH_EXACT,
                                              .sun = NEPH_MARCH_EXACT};
-    struct neph_diag diag = {0};
-    struct neph_scene *scene = test_load("catalog/turned_solids"), *still = NULL;
-    neph_assert_ok(neph_scene_at(scene, 0, &still, &diag), &diag);
-    struct neph_image *image = test_march(*state, still, &params, NULL);
+    OWNED(scene) struct neph_scene *scene = test_load("catalog/turned_solids");
+    OWNED(scene) struct neph_scene *still = test_still(scene, 0);
+    OWNED(image) struct neph_image *image = test_march(*state, still, &params, NULL);
     const struct neph_camera camera = neph_scene_camera(still, 0);
     const float *depth_m = neph_image_channel(image, "Z"), *red = neph_image_channel(image, "R");
     double error = 0.0, sum = 0.0;
@@ -40,9 +39,6 @@ static void test_turned_boxes_are_those_of_the_truth(void **state)
     const int pixels = WIDTH_PX * HEIGHT_PX;
     print_message("relative RMSE %.1e\n", sqrt(error / pixels) / (sum / pixels));
     assert_true(sqrt(error / pixels) < 2e-3 * sum / pixels);
-    neph_image_destroy(image);
-    neph_scene_destroy(still);
-    neph_scene_destroy(scene);
 }
 
 int main(void)

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * Orthographic cameras: the march and the tracer against exact transport along rays that begin all
- * over a plane, and against the oracle; in any light each pixel is that of a perspective camera
+ * over a plane; in any light each pixel is that of a perspective camera
  * which stands where the pixel's ray begins and looks along it; and the real-time renderer finds
  * its history where the wind has taken it from.
  */
 #include "tests/renderer/fog_scenes.h"
-#include "tests/renderer/frames.h"
 #include "tests/renderer/realtime_test.h"
+#include "tests/renderer/verdict.h"
 
 #include "scenes/motion.h"
 
@@ -89,7 +89,7 @@ struct difference {
     double transmittance, volume; /* largest; volume in parts of the largest radiance */
 };
 
-static struct difference compare(const struct test_scene *test, struct neph_image *frame)
+static struct difference difference_of(const struct test_scene *test, struct neph_image *frame)
 {
     struct difference worst = {0.0, 0.0};
     double brightest = 0.0;
@@ -112,22 +112,21 @@ static struct difference compare(const struct test_scene *test, struct neph_imag
 static void test_march_is_exact_transport(void **state)
 {
     for (size_t s = 0; s < COUNT(scenes); s += (size_t)neph_test_by_day(3, 1)) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         struct neph_march_params params = {.width_px = WIDTH, .height_px = HEIGHT, .steps = 64};
         init(&test, scenes[s].height_m);
         scenes[s].build(&test);
         add_company(&test);
-        const struct difference coarse = compare(&test,
-                                                 test_march(*state, &test.scene, &params, NULL));
+        const struct difference coarse = difference_of(
+            &test, test_march(*state, &test.scene, &params, NULL));
         params.steps = 256;
-        const struct difference fine = compare(&test,
-                                               test_march(*state, &test.scene, &params, NULL));
+        const struct difference fine = difference_of(
+            &test, test_march(*state, &test.scene, &params, NULL));
         const double order = log2(coarse.volume / fine.volume) / 2.0;
         print_message("%-12s T off by %.1e; volume by %.1e, %.1e: order %.2f\n", scenes[s].name,
                       fine.transmittance, coarse.volume, fine.volume, order);
         assert_true(fine.transmittance < 3e-6 && fine.volume < 5e-3);
         assert_true(fine.volume < 2e-6 || order > scenes[s].order_min);
-        scene_teardown(&test);
     }
 }
 
@@ -144,7 +143,7 @@ static void test_solids(void **state)
     test.key.look_at_m = (struct neph_vec3){0.0, 1.0, -14.0};
     add_company(&test);
     test.scene.scattering = NEPH_SCATTERING_NONE;
-    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const float *green = neph_image_channel(frame, "G"), *z_m = neph_image_channel(frame, "Z");
     for (int p = 0; p < PIXELS; p++) {
         const struct neph_ray_light light = test_exact_ray(&test.scene, WIDTH, HEIGHT, p);
@@ -156,7 +155,6 @@ static void test_solids(void **state)
     }
     print_message("solids: %d of %d pixels agree\n", agreeing, PIXELS);
     assert_true(agreeing >= PIXELS - 1);
-    neph_image_destroy(frame);
 }
 
 /* --- every pixel is a perspective camera's ------------------------------------------------- */
@@ -226,7 +224,7 @@ static struct neph_image *march_alone(struct neph_vulkan *vulkan, const struct t
 static void test_every_pixel_is_a_perspective_cameras(void **state)
 {
     for (size_t l = 0; l < COUNT(lights); l += (size_t)neph_test_by_day(3, 1)) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         const struct neph_march_params params = {.width_px = 6,
                                                  .height_px = 4,
                                                  .steps = 48,
@@ -238,125 +236,33 @@ static void test_every_pixel_is_a_perspective_cameras(void **state)
         test.scene.scattering = lights[l].lighting == NEPH_MARCH_SINGLE ? NEPH_SCATTERING_SINGLE
                                                                         : NEPH_SCATTERING_MULTIPLE;
         test.scene.octaves = (struct neph_octaves){4, 0.5, 0.5, 0.5};
-        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         for (int p = 0; p < 24; p++) {
-            struct neph_image *alone = march_alone(*state, &test, &params, p);
+            OWNED(image) struct neph_image *alone = march_alone(*state, &test, &params, p);
             for (int c = 0; c < frame->channel_count; c++)
                 neph_assert_close((double)frame->channels[c].samples[p],
                                   (double)alone->channels[c].samples[0], lights[l].relative, 1e-6);
             least = fmin(least, (double)frame->channels[0].samples[p]);
             most = fmax(most, (double)frame->channels[0].samples[p]);
-            neph_image_destroy(alone);
         }
         print_message("%s: %g to %g\n", lights[l].name, least, most);
         assert_true(most > 1.05 * least); /* pixels that see different things */
-        neph_image_destroy(frame);
-        scene_teardown(&test);
     }
 }
 
 /* --- the tracer ----------------------------------------------------------------------------- */
 
-static struct neph_image *trace(struct neph_vulkan *vulkan, const struct test_scene *test,
-                                int samples)
-{
-    const struct neph_tracer_params params = {.width_px = WIDTH,
-                                              .height_px = HEIGHT,
-                                              .seed = 20261123,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
-    return test_trace(vulkan, &test->scene, &params, NULL);
-}
-
-/* z-scores of the green channel against `truth`, which has a variance of its own or NULL. Below 10
- * roundings of 2e-6 a pixel has no score (test_tracer.c). `slack`: estimated variances widen
- * scores. */
-static void judge(const char *name, const struct neph_image *frame, const float *truth,
-                  const float *truth_variance, double slack)
-{
-    const float *green = neph_image_channel(frame, "G");
-    const float *variance = neph_image_channel(frame, "variance.G");
-    double sum = 0.0, square_sum = 0.0, off_sum = 0.0, variance_sum = 0.0, truth_sum = 0.0;
-    int count = 0;
-    for (int p = 0; p < PIXELS; p++) {
-        const double spread = (double)variance[p] +
-                              (truth_variance ? (double)truth_variance[p] : 0.0);
-        const double off = (double)green[p] - (double)truth[p];
-        off_sum += off;
-        variance_sum += spread;
-        truth_sum += (double)truth[p];
-        if (sqrt(spread) <= 2e-5 * (double)truth[p]) {
-            assert_true(fabs(off) <= 4.0 * sqrt(spread) + 4e-6 * (double)truth[p]);
-            continue;
-        }
-        sum += off / sqrt(spread);
-        square_sum += off * off / spread;
-        count++;
-    }
-    const double bias = off_sum / truth_sum;
-    const double bias_error = sqrt(variance_sum) / truth_sum + 2e-6;
-    const double mean = sum / fmax(count, 1), square = square_sum / fmax(count, 1);
-    print_message("%-20s z: %3d, mean %+.3f, square %.3f; sum off by %+.1e +- %.1e\n", name, count,
-                  mean, square, bias, bias_error);
-    assert_true(fabs(bias) <= 4.0 * bias_error);
-    assert_true(count < 20 || (fabs(mean) <= 4.0 / sqrt(count) &&
-                               fabs(square - 1.0) <= 4.0 * sqrt(2.0 / count) + slack));
-}
-
 /* Free paths of each sort: by bisection, through voxels, of layers. */
 static void test_tracer_is_exact_transport(void **state)
 {
-    struct test_scene test;
-    float truth[PIXELS];
+    OWNED(media) struct test_scene test;
     init(&test, 7.0);
     scene_voxels(&test);
     scene_fog(&test);
     scene_blob(&test);
-    for (int p = 0; p < PIXELS; p++)
-        truth[p] = (float)test_exact_ray(&test.scene, WIDTH, HEIGHT, p).radiance.g;
-    struct neph_image *frame = trace(*state, &test, 256);
-    judge("blob, grid and fog", frame, truth, NULL, 2.0 / 32.0);
-    neph_image_destroy(frame);
-    scene_teardown(&test);
-}
-
-static void scene_all(struct test_scene *test)
-{
-    scene_grid_in_fog(test);
-    scene_blob(test);
-    test->scene.media[0].extinction_color = (struct neph_rgb){0.3, 1.0, 2.5};
-    test_add_sphere(test, (struct neph_vec3){0.8, 1.5, -8.0}, 0.7);
-}
-
-/* First collisions chosen without the sun's light, surfaces behind media, tracked view rays and
- * guessed first collisions. */
-static const struct {
-    const char *name;
-    void (*build)(struct test_scene *);
-    double height_m;
-    enum neph_scattering scattering;
-    int samples;
-} traced[] = {
-    {"all media, multiple", scene_all, 7.0, NEPH_SCATTERING_MULTIPLE, 128},
-    {"clouds, single", scene_horizon, 300.0, NEPH_SCATTERING_SINGLE, 128},
-};
-
-static void test_tracer_is_the_oracle(void **state)
-{
-    neph_test_waits_for_the_night();
-    for (size_t t = 0; t < sizeof(traced) / sizeof(traced[0]); t++) {
-        struct test_scene test;
-        init(&test, traced[t].height_m);
-        traced[t].build(&test);
-        test.scene.scattering = traced[t].scattering;
-        struct neph_image *truth = test_oracle(&test.scene, WIDTH, HEIGHT, 5, traced[t].samples);
-        struct neph_image *frame = trace(*state, &test, traced[t].samples);
-        judge(traced[t].name, frame, neph_image_channel(truth, "G"),
-              neph_image_channel(truth, "variance.G"), 0.3);
-        neph_image_destroy(frame);
-        neph_image_destroy(truth);
-        scene_teardown(&test);
-    }
+    const struct neph_tracer_params params = test_samples(WIDTH, HEIGHT, 20261123, 256);
+    OWNED(image) struct neph_image *frame = test_trace(*state, &test.scene, &params, NULL);
+    judge("blob, grid and fog", compare(&test, frame, exact_single, NULL), 2.0 / 32.0);
 }
 
 /* --- the real-time renderer ---------------------------------------------------------------- */
@@ -366,8 +272,6 @@ enum { FILM_WIDTH = 64, FILM_HEIGHT = 36, FILM_FRAMES = 12 };
 static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct test_scene *test,
                                      const struct neph_settings *settings)
 {
-    struct neph_scene *still = NULL;
-    struct neph_diag diag = {0};
     const struct neph_march_params params = {
         .width_px = FILM_WIDTH,
         .height_px = FILM_HEIGHT,
@@ -376,10 +280,8 @@ static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct te
         .transmittance = (enum neph_march_mode)(int)settings->values[RT_TRANSMITTANCE],
         .sun = (enum neph_march_mode)(int)settings->values[RT_SUN],
         .sun_steps = (int)settings->values[RT_SUN_STEPS]};
-    neph_assert_ok(neph_scene_at(&test->scene, params.frame, &still, &diag), &diag);
-    struct neph_image *image = test_march(vulkan, still, &params, NULL);
-    neph_scene_destroy(still);
-    return image;
+    OWNED(scene) struct neph_scene *still = test_still(&test->scene, params.frame);
+    return test_march(vulkan, still, &params, NULL);
 }
 
 /* Largest error of the last frame, in parts of the brightest pixel. */
@@ -388,8 +290,9 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
 {
     const struct neph_settings settings = test_settings(assignments);
     const struct neph_realtime_params params = {FILM_WIDTH, FILM_HEIGHT, &settings, 7, NULL};
+    OWNED(image)
     struct neph_image *film = test_film(vulkan, &test->scene, &params, FILM_FRAMES, NULL);
-    struct neph_image *truth = film_truth(vulkan, test, &settings);
+    OWNED(image) struct neph_image *truth = film_truth(vulkan, test, &settings);
     const float *found = neph_image_channel(film, "volume.G");
     const float *expected = neph_image_channel(truth, "volume.G");
     double most = 0.0, worst = 0.0;
@@ -397,8 +300,6 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
         most = fmax(most, (double)expected[i]);
         worst = fmax(worst, fabs((double)found[i] - (double)expected[i]));
     }
-    neph_image_destroy(film);
-    neph_image_destroy(truth);
     return worst / most;
 }
 
@@ -435,7 +336,6 @@ int main(void)
         cmocka_unit_test(test_solids),
         cmocka_unit_test(test_every_pixel_is_a_perspective_cameras),
         cmocka_unit_test(test_tracer_is_exact_transport),
-        cmocka_unit_test(test_tracer_is_the_oracle),
         cmocka_unit_test(test_history_drifts_with_the_wind),
     };
     return cmocka_run_group_tests_name("orthographic", tests, test_vulkan_setup,

@@ -133,8 +133,8 @@ static void test_the_shaders_are_their_matrices(void **state)
     for (size_t k = 0; k < COUNT(cases); k++) {
         const int width = cases[k].width, height = cases[k].height;
         float *in[3], *out[3];
-        struct neph_image *image = drawn(width, height, 3 + k, in);
-        struct neph_image *made = post_made(*state, cases[k].settings, image, out);
+        OWNED(image) struct neph_image *image = drawn(width, height, 3 + k, in);
+        OWNED(image) struct neph_image *made = post_made(*state, cases[k].settings, image, out);
         for (int c = 0; c < 3; c++) {
             plane = (struct plane){.width = width, .height = height};
             for (int i = 0; i < width * height; i++) {
@@ -151,8 +151,6 @@ static void test_the_shaders_are_their_matrices(void **state)
                 neph_assert_close(out[c][i], expected, shader_tolerance, 0.0);
             }
         }
-        neph_image_destroy(made);
-        neph_image_destroy(image);
     }
 }
 
@@ -171,7 +169,7 @@ static void test_no_light_is_won_or_lost(void **state)
     for (size_t k = 0; k < COUNT(sizes); k++) {
         const int count = sizes[k][0] * sizes[k][1];
         float *in[3], *out[3];
-        struct neph_image *image = post_image(sizes[k][0], sizes[k][1], in);
+        OWNED(image) struct neph_image *image = post_image(sizes[k][0], sizes[k][1], in);
         in[0][0] = in[1][count / 3] = 1000.0f;
         for (int i = 0; i < count; i++)
             in[2][i] = (float)(i % 7);
@@ -185,23 +183,21 @@ static void test_no_light_is_won_or_lost(void **state)
         for (int c = 0; c < 3; c++)
             neph_assert_close(sum_of(out[c], count), 1.5 * sum_of(in[c], count), 1e-6, 0.0);
         neph_image_destroy(made);
-        neph_image_destroy(image);
     }
 }
 
 static void test_a_constant_stays_what_it_is(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = post_image(61, 37, in);
+    OWNED(image) struct neph_image *image = post_image(61, 37, in);
     for (int i = 0; i < 61 * 37; i++)
         in[0][i] = in[1][i] = 0.3f, in[2][i] = 5e4f;
+    OWNED(image)
     struct neph_image *made = post_made(*state, "bloom=conserving bloom_scattered=1", image, out);
     for (int i = 0; i < 61 * 37; i++) {
         neph_assert_close(out[1][i], 0.3f, shader_tolerance, 0.0);
         neph_assert_close(out[2][i], 5e4f, shader_tolerance, 0.0);
     }
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 /* With automatic exposure the threshold is of exposed light: grey 0.18 is below 0.5, whatever the
@@ -210,7 +206,7 @@ static void test_the_threshold_is_of_exposed_light(void **state)
 {
     for (int bright = 0; bright < 2; bright++) {
         float *in[3], *out[3];
-        struct neph_image *image = post_image(16, 16, in);
+        OWNED(image) struct neph_image *image = post_image(16, 16, in);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < 256; i++)
                 in[c][i] = bright ? 40.0f : 0.02f;
@@ -224,7 +220,6 @@ static void test_the_threshold_is_of_exposed_light(void **state)
                          image, out);
         neph_assert_close(out[0][99], in[0][99] * (1.0 + 0.5 * 0.08), 1e-5, 0.0);
         neph_image_destroy(made);
-        neph_image_destroy(image);
     }
 }
 

@@ -84,8 +84,9 @@ static void test_agx_is_its_authors(void **state)
 static void test_the_shader_is_agx(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     fill(in, -14.0, 6.0, 5);
+    OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=agx encode=linear", image, out);
     for (int i = 0; i < count; i++) {
         double codes[3];
@@ -93,8 +94,6 @@ static void test_the_shader_is_agx(void **state)
         for (int c = 0; c < 3; c++)
             neph_assert_close(out[c][i], pow(codes[c], 2.2), 0.0, shader_tolerance);
     }
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 /* ---- PQ -------------------------------------------------------------------------------------- */
@@ -141,8 +140,9 @@ static void to_rec2020(const double from[3], double made[3])
 static void test_the_shader_is_pq_held_to_the_peak(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     fill(in, -12.0, 5.0, 6);
+    OWNED(image)
     struct neph_image *made = post_made(
         *state, "tone=on tone_map=none encode=pq white_nits=203 peak_nits=1000", image, out);
     bool reached = false;
@@ -155,8 +155,6 @@ static void test_the_shader_is_pq_held_to_the_peak(void **state)
         }
     }
     assert_true(reached);
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 /* ---- BT.2390 --------------------------------------------------------------------------------- */
@@ -186,9 +184,10 @@ static void test_the_roll_off_is_bt_2390s(void **state)
 static void test_the_shader_rolls_off(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     fill(in, -8.0, 6.0, 7);
     for (int hdr = 0; hdr < 2; hdr++) {
+        OWNED(image)
         struct neph_image *made = post_made(*state,
                                             hdr ? "tone=on tone_map=bt2390 encode=pq"
                                                 : "tone=on tone_map=bt2390 encode=linear",
@@ -203,9 +202,7 @@ static void test_the_shader_rolls_off(void **state)
                 neph_assert_close(out[c][i], hdr ? pq(203.0 * shown[c]) : shown[c], 0.0,
                                   hdr ? shader_tolerance : light_tolerance * gain * most);
         }
-        neph_image_destroy(made);
     }
-    neph_image_destroy(image);
 }
 
 /* ---- the display ----------------------------------------------------------------------------- */
@@ -215,8 +212,9 @@ static void test_the_display_shows_the_light(void **state)
 {
     const struct neph_settings settings = post_settings("tone=on tone_map=none encode=pq");
     float *in[3], *out[3];
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     fill(in, -6.0, 2.2, 8); /* 203 * 2^2.2 < 1000 */
+    OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=pq", image, out);
     assert_true(neph_post_is_hdr(&settings));
     static uint16_t codes[3 * count];
@@ -230,8 +228,6 @@ static void test_the_display_shows_the_light(void **state)
             neph_assert_close(1000.0 * out[c][i], 203.0 * in[c][i], 0.0,
                               light_tolerance * 203.0 * most);
     }
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 /* 10 and 16 bits of an sRGB display: codes of the 8-bit ones, finer. */
@@ -239,7 +235,7 @@ static void test_codes_have_the_bits_asked_for(void **state)
 {
     const struct neph_settings settings = post_settings("tone=on tone_map=none");
     float *in[3];
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)i / (count - 1);
@@ -252,7 +248,6 @@ static void test_codes_have_the_bits_asked_for(void **state)
         for (int i = 0; i < count; i++)
             assert_true(fabs(codes[3 * i] - largest * i / (count - 1)) < 0.51);
     }
-    neph_image_destroy(image);
 }
 
 int main(void)

@@ -239,13 +239,11 @@ static struct neph_image *run(struct neph_vulkan *vulkan, const char *text,
                               const struct picture *picture, float *out[3])
 {
     float *in[3];
-    struct neph_image *image = post_image(picture->width, picture->height, in);
+    OWNED(image) struct neph_image *image = post_image(picture->width, picture->height, in);
     for (int i = 0; i < picture->width * picture->height; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)picture->rgb[i][c];
-    struct neph_image *made = post_made(vulkan, text, image, out);
-    neph_image_destroy(image);
-    return made;
+    return post_made(vulkan, text, image, out);
 }
 
 static void test_fxaa_is_its_algorithm(void **state)
@@ -262,7 +260,7 @@ static void test_fxaa_is_its_algorithm(void **state)
     draw(rgb, 31);
     for (size_t k = 0; k < COUNT(cases); k++) {
         float *out[3];
-        struct neph_image *made = run(*state, cases[k].settings, &picture, out);
+        OWNED(image) struct neph_image *made = run(*state, cases[k].settings, &picture, out);
         int changed = 0, apart = 0;
         for (int i = 0; i < count; i++) {
             double expected[3];
@@ -274,7 +272,6 @@ static void test_fxaa_is_its_algorithm(void **state)
         }
         assert_true(changed > count / 20);
         assert_int_equal(apart, 0);
-        neph_image_destroy(made);
     }
 }
 
@@ -291,7 +288,7 @@ static void test_fxaa_makes_an_edge_straighter(void **state)
     for (size_t k = 0; k < COUNT(settings); k++) {
         double error = 0.0;
         float *out[3];
-        struct neph_image *made = run(*state, settings[k], &picture, out);
+        OWNED(image) struct neph_image *made = run(*state, settings[k], &picture, out);
         before = 0.0;
         for (int y = 2; y < height - 2; y++)
             for (int x = 10; x < width - 10; x++) {
@@ -304,7 +301,6 @@ static void test_fxaa_makes_an_edge_straighter(void **state)
         print_message("%s: %.2f of the squared error of the staircase\n", settings[k],
                       error / before);
         assert_true(error < 0.5 * before);
-        neph_image_destroy(made);
     }
 }
 
@@ -320,14 +316,13 @@ static void test_sharpening_is_its_formula(void **state)
     draw(rgb, 77);
     for (size_t k = 0; k < COUNT(cases); k++) {
         float *out[3];
-        struct neph_image *made = run(*state, cases[k].settings, &picture, out);
+        OWNED(image) struct neph_image *made = run(*state, cases[k].settings, &picture, out);
         for (int i = 0; i < count; i++) {
             double expected[3];
             cases[k].formula(&picture, i % width, i / width, expected);
             for (int c = 0; c < 3; c++) /* a root near 0 doubles the digits lost in 2 - h */
                 neph_assert_close(out[c][i], expected[c], 0.0, 2e-5);
         }
-        neph_image_destroy(made);
     }
 }
 
@@ -337,6 +332,7 @@ static void test_easu_is_its_algorithm(void **state)
     const struct picture picture = {width, height, rgb};
     float *out[3];
     draw(rgb, 5);
+    OWNED(image)
     struct neph_image *made = run(*state, "upscale=easu screen_percent=59", &picture, out);
     for (int y = 0; y < made->height_px; y++)
         for (int x = 0; x < made->width_px; x++) {
@@ -346,7 +342,6 @@ static void test_easu_is_its_algorithm(void **state)
             for (int c = 0; c < 3; c++) /* 1 / 32768 of direction decides; digits of it are 1e-5 */
                 neph_assert_close(out[c][y * made->width_px + x], expected[c], 0.0, 1e-4);
         }
-    neph_image_destroy(made);
 }
 
 static void test_a_constant_stays_what_it_is(void **state)
@@ -365,10 +360,9 @@ static void test_a_constant_stays_what_it_is(void **state)
             rgb[i][0] = rgb[i][1] = rgb[i][2] = levels[l];
         for (size_t k = 0; k < COUNT(settings); k++) {
             float *out[3];
-            struct neph_image *made = run(*state, settings[k], &picture, out);
+            OWNED(image) struct neph_image *made = run(*state, settings[k], &picture, out);
             for (size_t i = 0; i < neph_image_pixel_count(made); i++)
                 neph_assert_close(out[1][i], levels[l], 1e-6, 0.0);
-            neph_image_destroy(made);
         }
     }
 }

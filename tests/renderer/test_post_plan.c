@@ -207,36 +207,33 @@ static void test_the_order_is_what_runs(void **state)
     enum { width = 13, height = 9 };
     float *in[3], *one[3], *two[3], *usual[3], *other[3];
     uint64_t seed = 4;
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)exp2(neph_test_uniform(&seed, -6.0, 6.0));
-    struct neph_image *larger = made_by(*state, NULL, "upscale=bilinear", image, one);
+    OWNED(image) struct neph_image *larger = made_by(*state, NULL, "upscale=bilinear", image, one);
+    OWNED(image)
     struct neph_image *shown = made_by(*state, NULL, "tone=on tone_map=reinhard bloom=conserving",
                                        larger, two);
-    struct neph_image *first = made_by(*state, &upscale_first, all, image, other);
-    struct neph_image *last = made_by(*state, NULL, all, image, usual);
+    OWNED(image) struct neph_image *first = made_by(*state, &upscale_first, all, image, other);
+    OWNED(image) struct neph_image *last = made_by(*state, NULL, all, image, usual);
     bool differs = false;
     for (int i = 0; i < 4 * width * height; i++) {
         assert_true(other[1][i] == two[1][i]);
         differs = differs || other[1][i] != usual[1][i];
     }
     assert_true(differs);
-    neph_image_destroy(larger);
-    neph_image_destroy(shown);
-    neph_image_destroy(first);
-    neph_image_destroy(last);
-    neph_image_destroy(image);
 }
 
 /* Half and half again: the second goes on from the first, with a filter of its own. */
 static void test_the_second_upscale_comes_after_the_first(void **state)
 {
     float *in[3], *out[3], *once[3];
-    struct neph_image *image = post_image(4, 3, in);
+    OWNED(image) struct neph_image *image = post_image(4, 3, in);
     for (int i = 0; i < 12; i++)
         in[0][i] = in[1][i] = in[2][i] = (float)i;
-    struct neph_image *first = made_by(*state, NULL, "upscale=bilinear", image, once);
+    OWNED(image) struct neph_image *first = made_by(*state, NULL, "upscale=bilinear", image, once);
+    OWNED(image)
     struct neph_image *both = made_by(
         *state, NULL, "upscale=bilinear secondary_upscale=nearest secondary_percent=25", image,
         out);
@@ -245,9 +242,6 @@ static void test_the_second_upscale_comes_after_the_first(void **state)
     for (int y = 0; y < 24; y++)
         for (int x = 0; x < 32; x++)
             assert_true(out[0][y * 32 + x] == once[0][y / 4 * 8 + x / 4]);
-    neph_image_destroy(first);
-    neph_image_destroy(both);
-    neph_image_destroy(image);
 }
 
 /* Passes from the last to the first are turned off: what is then the last writes the picture, and
@@ -265,25 +259,23 @@ static void test_the_last_that_is_on_writes_the_picture(void **state)
     float *rgb[3], *whole[3], *step[3];
     uint64_t seed = 7;
     struct neph_image *before = post_image(width, height, rgb);
-    struct neph_image *frame = post_image(width, height, step);
+    OWNED(image) struct neph_image *frame = post_image(width, height, step);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             rgb[c][i] = step[c][i] = (float)exp2(neph_test_uniform(&seed, -6.0, 3.0));
     for (int k = 0, side = width; k < count; k++) {
         snprintf(all + strlen(all), sizeof(all) - strlen(all), " %s", passes[k].setting);
-        struct neph_image *made = made_by(*state, NULL, all, frame, whole);
+        OWNED(image) struct neph_image *made = made_by(*state, NULL, all, frame, whole);
         struct neph_image *alone = made_by(*state, NULL, passes[k].setting, before, step);
         side = side * passes[k].percent / 100;
         assert_int_equal(made->width_px, side);
         for (size_t i = 0; i < neph_image_pixel_count(made); i++)
             for (int c = 0; c < 3; c++)
                 assert_true(whole[c][i] == step[c][i] && isfinite(whole[c][i]));
-        neph_image_destroy(made);
         neph_image_destroy(before);
         before = alone;
     }
     neph_image_destroy(before);
-    neph_image_destroy(frame);
 }
 
 static double half_ulp(double value)
@@ -299,7 +291,7 @@ static void test_targets_keep_what_fits_into_them(void **state)
     enum { width = 13, height = 9 };
     float *in[3], *full[3], *half[3], *codes[3];
     uint64_t seed = 11;
-    struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = (float)exp2(neph_test_uniform(&seed, -12.0, 12.0));
@@ -329,7 +321,6 @@ static void test_targets_keep_what_fits_into_them(void **state)
         for (int t = 0; t < 3; t++)
             neph_image_destroy(made[t]);
     }
-    neph_image_destroy(image);
 }
 
 /* Frames of a window's chain are smaller by its percents, and become that window, to the pixel. */
@@ -359,7 +350,7 @@ static void test_a_window_is_met_to_the_pixel(void **state)
         neph_post_frame_size(NULL, &params.settings, &width_px, &height_px);
         assert_int_equal(width_px, cases[i].frame_px[0]);
         assert_int_equal(height_px, cases[i].frame_px[1]);
-        struct neph_image *image = post_image(width_px, height_px, rgb);
+        OWNED(image) struct neph_image *image = post_image(width_px, height_px, rgb);
         for (int c = 0; c < 3; c++)
             for (int p = 0; p < width_px * height_px; p++)
                 rgb[c][p] = 0.5f;
@@ -367,7 +358,6 @@ static void test_a_window_is_met_to_the_pixel(void **state)
         assert_int_equal(made->width_px, cases[i].window_px[0]);
         assert_int_equal(made->height_px, cases[i].window_px[1]);
         neph_image_destroy(made);
-        neph_image_destroy(image);
     }
 }
 

@@ -267,14 +267,14 @@ static void test_the_shader_is_its_formulas(void **state)
     static const char *const names[] = {"none", "reinhard", "narkowicz", "unreal", "neutral"};
     struct rgb colours[count];
     fill(colours, 20261125);
-    struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = image_of(width, height, colours);
     for (int map = 0; map < (int)COUNT(names); map++)
         for (int encodes = 0; encodes < 2; encodes++) {
             char text[128];
             float *rgb[3];
             snprintf(text, sizeof(text), "tone=on tone_map=%s encode=%s exposure_ev=-1.5",
                      names[map], encodes ? "srgb" : "linear");
-            struct neph_image *made = post_made(*state, text, image, rgb);
+            OWNED(image) struct neph_image *made = post_made(*state, text, image, rgb);
             for (int i = 0; i < count; i++) {
                 struct rgb x = colours[i];
                 for (int c = 0; c < 3; c++)
@@ -288,9 +288,7 @@ static void test_the_shader_is_its_formulas(void **state)
                                       shader_tolerance);
                 }
             }
-            neph_image_destroy(made);
         }
-    neph_image_destroy(image);
 }
 
 /* What 32 nodes over 14 stops leave: 0.45 stops apart. */
@@ -298,11 +296,11 @@ static void test_the_table_is_near_its_formula(void **state)
 {
     struct rgb colours[count];
     fill(colours, 4);
-    struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = image_of(width, height, colours);
     float *table[3], *formula[3];
     double sum = 0.0, most = 0.0;
-    struct neph_image *by_table = post_made(*state, "tone=on lut=on", image, table);
-    struct neph_image *by_formula = post_made(*state, "tone=on", image, formula);
+    OWNED(image) struct neph_image *by_table = post_made(*state, "tone=on lut=on", image, table);
+    OWNED(image) struct neph_image *by_formula = post_made(*state, "tone=on", image, formula);
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++) {
             const double error = fabs((double)table[c][i] - formula[c][i]);
@@ -315,9 +313,6 @@ static void test_the_table_is_near_its_formula(void **state)
      * 0.2 per stop^2 at most on the encoded curve; saturated colours have the red modifier's kinks
      * on top. */
     assert_true(sum < 0.2 * 0.45 * 0.45 / 8.0);
-    neph_image_destroy(by_table);
-    neph_image_destroy(by_formula);
-    neph_image_destroy(image);
 }
 
 static void test_extremes_stay_numbers(void **state)
@@ -327,7 +322,7 @@ static void test_extremes_stay_numbers(void **state)
     struct rgb colours[n * n * n];
     for (int i = 0; i < n * n * n; i++)
         colours[i] = (struct rgb){{values[i % n], values[i / n % n], values[i / (n * n)]}};
-    struct neph_image *image = image_of(n * n, n, colours);
+    OWNED(image) struct neph_image *image = image_of(n * n, n, colours);
     static const char *const settings[] = {
         "tone=on tone_map=none",
         "tone=on tone_map=reinhard",
@@ -341,13 +336,11 @@ static void test_extremes_stay_numbers(void **state)
         "tone=on film_slope=0.01 film_toe=0 film_shoulder=0 film_black_clip=1"};
     for (size_t k = 0; k < COUNT(settings); k++) {
         float *rgb[3];
-        struct neph_image *made = post_made(*state, settings[k], image, rgb);
+        OWNED(image) struct neph_image *made = post_made(*state, settings[k], image, rgb);
         for (int i = 0; i < n * n * n; i++)
             for (int c = 0; c < 3; c++)
                 assert_true(rgb[c][i] >= 0.0f && rgb[c][i] <= 1.0f); /* no NaN passes */
-        neph_image_destroy(made);
     }
-    neph_image_destroy(image);
 }
 
 static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **state)
@@ -355,8 +348,9 @@ static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **s
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.5, 0.5, 0.5}};
-    struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = image_of(width, height, colours);
     float *rgb[3];
+    OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=linear vignette=1",
                                         image, rgb);
     const double x = (width - 1.0), y = (height - 1.0); /* of the corner pixel's centre, doubled */
@@ -365,8 +359,6 @@ static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **s
                       0.0);
     neph_assert_close(rgb[1][count / 2], 0.5, shader_tolerance, 0.0);
     assert_true(rgb[1][0] == rgb[1][count - 1]);
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 static void test_grain_is_uniform_noise_of_its_range(void **state)
@@ -374,10 +366,12 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
     struct rgb colours[count];
     for (int i = 0; i < count; i++)
         colours[i] = (struct rgb){{0.25, 0.25, 0.25}};
-    struct neph_image *image = image_of(width, height, colours);
+    OWNED(image) struct neph_image *image = image_of(width, height, colours);
     float *rgb[3], *plain[3];
     double sum = 0.0, squares = 0.0;
+    OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none grain=8", image, rgb);
+    OWNED(image)
     struct neph_image *without = post_made(*state, "tone=on tone_map=none", image, plain);
     for (int i = 0; i < count; i++) {
         const double step = (double)(rgb[0][i] - plain[0][i]) * 255.0 / 8.0;
@@ -389,9 +383,6 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
     /* 5 standard errors of so many uniform numbers. */
     neph_assert_close(sum, 0.0, 0.0, 5.0 * sqrt(1.0 / 12.0 / count));
     neph_assert_close(squares, 1.0 / 12.0, 0.0, 5.0 * sqrt(1.0 / 180.0 / count));
-    neph_image_destroy(made);
-    neph_image_destroy(without);
-    neph_image_destroy(image);
 }
 
 int main(void)

@@ -69,12 +69,13 @@ static void test_kernels_are_theirs(void **state)
     neph_assert_close(catmull_rom(1.5), -0.0625, 0.0, 0.0);
     enum { side = 13, bright = 6 };
     float *in[3], *out[3];
-    struct neph_image *image = post_image(side, side, in);
+    OWNED(image) struct neph_image *image = post_image(side, side, in);
     for (int i = 0; i < side * side; i++)
         for (int c = 0; c < 3; c++)
             in[c][i] = i % side == bright ? 1.25f : 0.25f; /* undershoots stay above 0 */
     for (size_t k = 0; k < COUNT(cases); k++) {
         /* 3 times: the pixel in the middle of three is at a texel's centre, in y. */
+        OWNED(image)
         struct neph_image *made = upscaled(*state, cases[k].filter, 100.0 / 3.0, "", image, out);
         assert_int_equal(made->width_px, 3 * side);
         const int row = 3 * bright + 1;
@@ -87,9 +88,7 @@ static void test_kernels_are_theirs(void **state)
             neph_assert_close(out[1][row * 3 * side + x], expected, 0.0,
                               2e-6); /* some 20 roundings */
         }
-        neph_image_destroy(made);
     }
-    neph_image_destroy(image);
 }
 
 /* Values of texels at distances d weigh exp(-d^2), as far as 3 texels from the nearest corner; less
@@ -98,8 +97,9 @@ static void test_the_gaussian_is_its_formula(void **state)
 {
     enum { side = 11 };
     float *in[3], *out[3];
-    struct neph_image *image = post_image(side, side, in);
+    OWNED(image) struct neph_image *image = post_image(side, side, in);
     fill(in, side * side, 3);
+    OWNED(image)
     struct neph_image *made = upscaled(*state, "gaussian", 100.0 / 3.0, "upscale_softness=0.7",
                                        image, out);
     for (int y = 9; y < 24; y++)
@@ -123,8 +123,6 @@ static void test_the_gaussian_is_its_formula(void **state)
             const double expected = (sum - 0.7 * (1.0 - 1.0 / 9.0) * laplacian) / total;
             neph_assert_close(out[0][y * 3 * side + x], fmax(expected, 0.0), 0.0, 1e-5);
         }
-    neph_image_destroy(made);
-    neph_image_destroy(image);
 }
 
 /* ---- what all owe ---------------------------------------------------------------------------- */
@@ -133,12 +131,13 @@ static void test_a_constant_stays_what_it_is(void **state)
 {
     static const double percents[] = {12.5, 37.0, 50.0, 100.0 / 1.5, 77.0, 100.0};
     float *in[3], *out[3];
-    struct neph_image *image = post_image(19, 7, in);
+    OWNED(image) struct neph_image *image = post_image(19, 7, in);
     for (int i = 0; i < 19 * 7; i++)
         in[0][i] = in[1][i] = 0.7f, in[2][i] = 1e4f;
     for (size_t f = 0; f < COUNT(filters); f++)
         for (size_t p = 0; p < COUNT(percents); p++) {
             /* the gaussian's Laplacian does not sum to 0 */
+            OWNED(image)
             struct neph_image *made = upscaled(*state, filters[f], percents[p],
                                                "upscale_softness=0", image, out);
             for (size_t i = 0; i < neph_image_pixel_count(made); i++) {
@@ -146,32 +145,27 @@ static void test_a_constant_stays_what_it_is(void **state)
                                   0.0); /* weights of up to 13 samples sum to 1 */
                 neph_assert_close(out[2][i], 1e4, 3e-6, 0.0);
             }
-            neph_image_destroy(made);
         }
-    neph_image_destroy(image);
 }
 
 static void test_a_mirror_changes_nothing(void **state)
 {
     enum { width = 23, height = 15 }; /* to 61 x 40: no place is on the border of two texels */
     float *in[3], *mirrored[3], *out[3], *out_mirrored[3];
-    struct neph_image *image = post_image(width, height, in);
-    struct neph_image *mirror = post_image(width, height, mirrored);
+    OWNED(image) struct neph_image *image = post_image(width, height, in);
+    OWNED(image) struct neph_image *mirror = post_image(width, height, mirrored);
     fill(in, width * height, 11);
     for (int i = 0; i < width * height; i++)
         for (int c = 0; c < 3; c++)
             mirrored[c][width * height - 1 - i] = in[c][i]; /* both axes */
     for (size_t f = 0; f < COUNT(filters); f++) {
-        struct neph_image *made = upscaled(*state, filters[f], 37.5, "", image, out);
+        OWNED(image) struct neph_image *made = upscaled(*state, filters[f], 37.5, "", image, out);
+        OWNED(image)
         struct neph_image *other = upscaled(*state, filters[f], 37.5, "", mirror, out_mirrored);
         const size_t count = neph_image_pixel_count(made);
         for (size_t i = 0; i < count; i++) /* sums in another order */
             neph_assert_close(out[1][i], out_mirrored[1][count - 1 - i], 0.0, 1e-5);
-        neph_image_destroy(made);
-        neph_image_destroy(other);
     }
-    neph_image_destroy(image);
-    neph_image_destroy(mirror);
 }
 
 /* Those that go through the texels' values; directional and gaussian blur by themselves. */
@@ -180,24 +174,23 @@ static void test_a_picture_of_its_size_stays_what_it_is(void **state)
     static const char *const through[] = {"nearest", "bilinear", "catmull_rom", "lanczos",
                                           "smoothstep"};
     float *in[3], *out[3];
-    struct neph_image *image = post_image(17, 9, in);
+    OWNED(image) struct neph_image *image = post_image(17, 9, in);
     fill(in, 17 * 9, 5);
     for (size_t f = 0; f < COUNT(through); f++) {
-        struct neph_image *made = upscaled(*state, through[f], 100.0, "", image, out);
+        OWNED(image) struct neph_image *made = upscaled(*state, through[f], 100.0, "", image, out);
         for (int i = 0; i < 17 * 9; i++)
             neph_assert_close(out[0][i], in[0][i], 2e-6, 2e-6); /* sines of multiples of pi */
-        neph_image_destroy(made);
     }
-    neph_image_destroy(image);
 }
 
 /* The article's trap: weights of 0 / 0 at texels' centres. */
 static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state)
 {
     float *in[3], *out[3];
-    struct neph_image *image = post_image(9, 9, in);
+    OWNED(image) struct neph_image *image = post_image(9, 9, in);
     fill(in, 81, 8);
     for (int guarded = 0; guarded < 2; guarded++) {
+        OWNED(image)
         struct neph_image *made = upscaled(*state, "lanczos", 100.0 / 3.0,
                                            guarded ? "lanczos_guard=on" : "lanczos_guard=off",
                                            image, out);
@@ -205,9 +198,7 @@ static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state
         for (int i = 0; i < 27 * 27; i++)
             bad += !isfinite(out[0][i]);
         assert_true(guarded ? bad == 0 : bad > 0);
-        neph_image_destroy(made);
     }
-    neph_image_destroy(image);
 }
 
 static void test_what_is_too_large_is_refused(void **state)

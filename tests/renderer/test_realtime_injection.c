@@ -37,21 +37,17 @@ static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
 {
     int differ = 0;
     scene->injections = one;
-    struct neph_realtime *first = open_realtime(vulkan, scene, settings);
+    OWNED(realtime) struct neph_realtime *first = open_realtime(vulkan, scene, settings);
     scene->injections = other;
-    struct neph_realtime *second = open_realtime(vulkan, scene, settings);
+    OWNED(realtime) struct neph_realtime *second = open_realtime(vulkan, scene, settings);
     for (int frame = 0; frame < FRAMES; frame++) {
         scene->injections = one;
-        struct neph_image *a = test_next(first, scene, frame, NULL);
+        OWNED(image) struct neph_image *a = test_next(first, scene, frame, NULL);
         scene->injections = other;
-        struct neph_image *b = test_next(second, scene, frame, NULL);
+        OWNED(image) struct neph_image *b = test_next(second, scene, frame, NULL);
         differ += !test_same_bits(a, b);
-        neph_image_destroy(a);
-        neph_image_destroy(b);
     }
     scene->injections = NULL;
-    neph_realtime_destroy(first);
-    neph_realtime_destroy(second);
     return differ;
 }
 
@@ -92,7 +88,7 @@ static void test_what_is_put_in_is_counted(void **state)
     struct neph_injected_rays lists[] = {rays, all};
     test.scene.injections = &(struct neph_injections){
         .history_count = 1, .histories = &history, .ray_count = 2, .rays = lists};
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const uint64_t pixels = WIDTH_PX * HEIGHT_PX;
     /* Half depth 1 channel, history 4 and its state 2, of a quarter of the pixels; the
      * anti-aliasing 4 of all. A ray has 4. */
@@ -100,12 +96,10 @@ static void test_what_is_put_in_is_counted(void **state)
                                  0};
     for (int frame = 0; frame < 5; frame++) {
         struct neph_realtime_stats stats;
-        struct neph_image *image = test_next(realtime, &test.scene, frame, &stats);
+        OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, frame, &stats);
         assert_int_equal(stats.injected_values, expected[frame]);
         assert_int_equal(bad_values(image), 0);
-        neph_image_destroy(image);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* A renderer that does not look shows what it was given. */
@@ -116,13 +110,11 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
     const struct neph_settings settings = test_preset("seed", "");
     test_scene_fence(&test);
     test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 2; frame++) {
-        struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
         assert_true((bad_values(image) > 0) == (frame == 1));
-        neph_image_destroy(image);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* Words at random, of which one in 512 is no number in halves, one in 256 in floats, and half are
@@ -169,6 +161,7 @@ static void test_a_sequence_is_watched(void **state)
     test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
     for (int is_sound = 0; is_sound < 2; is_sound++) {
         const struct neph_settings settings = test_preset(is_sound ? "fixed" : "seed", "");
+        OWNED(realtime)
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         for (int frame = 0; frame < 3; frame++) {
             uint64_t bad = 0;
@@ -177,7 +170,6 @@ static void test_a_sequence_is_watched(void **state)
             neph_assert_ok(neph_realtime_watch(realtime, &bad, &diag), &diag);
             assert_true((bad > 0) == (!is_sound && frame >= 1));
         }
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -221,8 +213,8 @@ static void test_another_size_and_back(void **state)
     struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
-    struct neph_realtime *by_hand = open_realtime(*state, &test.scene, &settings);
-    struct neph_realtime *injected = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *by_hand = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *injected = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 4; frame++) {
         test.scene.injections = &nothing;
         if (frame == 2) {
@@ -230,15 +222,11 @@ static void test_another_size_and_back(void **state)
             neph_image_destroy(test_next(by_hand, &test.scene, frame, NULL));
             neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 32, 20, &diag), &diag);
         }
-        struct neph_image *expected = test_next(by_hand, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *expected = test_next(by_hand, &test.scene, frame, NULL);
         test.scene.injections = &(struct neph_injections){.size_count = 1, .sizes = &size};
-        struct neph_image *image = test_next(injected, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *image = test_next(injected, &test.scene, frame, NULL);
         assert_same_bits(image, expected);
-        neph_image_destroy(expected);
-        neph_image_destroy(image);
     }
-    neph_realtime_destroy(by_hand);
-    neph_realtime_destroy(injected);
 }
 
 /* Pictures in flight have none before them. */
@@ -249,12 +237,11 @@ static void test_no_other_picture_in_flight(void **state)
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
     test.scene.injections = &(struct neph_injections){.mirror = {0, 100, -3.0}};
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
     assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "inject.mirror"));
-    neph_realtime_destroy(realtime);
 }
 
 /* --- the origin ------------------------------------------------------------------------------- */
@@ -270,29 +257,21 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
     const struct neph_settings usual = test_preset("fixed", "");
     const struct neph_settings lost = test_preset("fixed", "origin_shift=off");
     test_scene_fence(&test);
-    struct neph_realtime *at_home = open_realtime(*state, &test.scene, &settings);
-    struct neph_realtime *away = open_realtime(*state, &test.scene, &settings);
-    struct neph_realtime *usually = open_realtime(*state, &test.scene, &usual);
-    struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
+    OWNED(realtime) struct neph_realtime *at_home = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *away = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *usually = open_realtime(*state, &test.scene, &usual);
+    OWNED(realtime) struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
     for (int frame = 0; frame < 4; frame++) {
         test.scene.injections = &nothing;
-        struct neph_image *a = test_next(at_home, &test.scene, frame, NULL);
-        struct neph_image *c = test_next(usually, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *a = test_next(at_home, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *c = test_next(usually, &test.scene, frame, NULL);
         test.scene.injections = &shifted;
-        struct neph_image *b = test_next(away, &test.scene, frame, NULL);
-        struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *b = test_next(away, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
         /* a bar's face rounded in double, once */
         assert_true(test_largest_difference(a, b, NULL) < 1e-6);
         assert_true((test_largest_difference(c, d, NULL) > 1e-3) == (frame >= 2));
-        neph_image_destroy(a);
-        neph_image_destroy(b);
-        neph_image_destroy(c);
-        neph_image_destroy(d);
     }
-    neph_realtime_destroy(at_home);
-    neph_realtime_destroy(away);
-    neph_realtime_destroy(usually);
-    neph_realtime_destroy(forgotten);
 }
 
 /* --- solids that move ------------------------------------------------------------------------ */
@@ -332,13 +311,11 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
                          void *context)
 {
     struct watch *watch = context;
-    struct neph_diag diag = {0};
     if (strcmp(pass->name, "motion") != 0)
         return;
     watch->pictures++;
-    uint32_t *words = test_words(device, RT_MOVED);
-    struct neph_scene *still = NULL;
-    neph_assert_ok(neph_scene_at(watch->scene, watch->frame, &still, &diag), &diag);
+    OWNED(memory) uint32_t *words = test_words(device, RT_MOVED);
+    OWNED(scene) struct neph_scene *still = test_still(watch->scene, watch->frame);
     const struct neph_camera camera = neph_scene_camera(still, watch->frame);
     for (int y = 0; y < HEIGHT_PX; y++)
         for (int x = 0; x < WIDTH_PX; x++) {
@@ -365,8 +342,6 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
                               fabs(moved[1] - expected.y) < 1e-4 &&
                               fabs(moved[2] - expected.z) < 1e-4;
         }
-    neph_scene_destroy(still);
-    free(words);
 }
 
 /* A first picture has nothing that has moved, and nobody looks for it. */
@@ -375,6 +350,7 @@ static void test_motion_is_that_of_the_solids(void **state)
     struct movers stage;
     const struct neph_settings settings = test_preset("ours", "");
     scene_movers(&stage);
+    OWNED(realtime)
     struct neph_realtime *realtime = open_realtime(*state, &stage.test.scene, &settings);
     struct watch watch = {.scene = &stage.test.scene};
     neph_realtime_observe(realtime, check_motion, &watch);
@@ -385,7 +361,6 @@ static void test_motion_is_that_of_the_solids(void **state)
     assert_int_equal(watch.pictures, 3);
     assert_true(watch.checked >= 3 * WIDTH_PX * HEIGHT_PX - 6);
     assert_true(watch.moving > 3 * WIDTH_PX * HEIGHT_PX / 20);
-    neph_realtime_destroy(realtime);
 }
 
 /* What may move and rests costs and shows what it would if it could not move at all: behind
@@ -394,40 +369,33 @@ static void test_movers_that_rest_are_none(void **state)
 {
     enum { RESTING = 8, PICTURES = 12 };
     struct movers stage;
-    struct neph_scene *still = NULL;
-    struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("ours", "");
     const int motion = neph_rt_pass_index("motion");
     scene_movers(&stage);
-    neph_assert_ok(neph_scene_at(&stage.test.scene, RESTING, &still, &diag), &diag);
+    OWNED(scene) struct neph_scene *still = test_still(&stage.test.scene, RESTING);
+    OWNED(realtime)
     struct neph_realtime *resting = open_realtime(*state, &stage.test.scene, &settings);
-    struct neph_realtime *bare = open_realtime(*state, still, &settings);
+    OWNED(realtime) struct neph_realtime *bare = open_realtime(*state, still, &settings);
     for (int i = 0; i < PICTURES; i++) {
         struct neph_realtime_stats stats;
         const int frame = RESTING + i; /* the last of the keys and behind it */
-        struct neph_image *a = test_next(resting, &stage.test.scene, frame, &stats);
-        struct neph_image *b = test_next(bare, still, frame, NULL);
+        OWNED(image) struct neph_image *a = test_next(resting, &stage.test.scene, frame, &stats);
+        OWNED(image) struct neph_image *b = test_next(bare, still, frame, NULL);
         assert_int_equal(stats.pass_traffic_bytes[motion], 0);
         assert_same_bits(a, b);
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
-    neph_realtime_destroy(bare);
-    neph_realtime_destroy(resting);
-    neph_scene_destroy(still);
 }
 
 static struct neph_image *eighth_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        const char *assignments)
 {
     const struct neph_settings settings = test_preset("fixed", assignments);
-    struct neph_realtime *realtime = open_realtime(vulkan, scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(vulkan, scene, &settings);
     struct neph_image *image = NULL;
     for (int frame = 0; frame < 8; frame++) {
         neph_image_destroy(image);
         image = test_next(realtime, scene, frame, NULL);
     }
-    neph_realtime_destroy(realtime);
     return image;
 }
 
@@ -448,23 +416,19 @@ static void test_anti_aliasing_follows_solids(void **state)
     static const char *const words[] = {"taa_box=none solid_motion=off",
                                         "taa_box=none solid_motion=on"};
     struct movers stage;
-    struct neph_scene *still = NULL;
-    struct neph_diag diag = {0};
     double errors[2];
     scene_movers(&stage);
     for (int i = 0; i < 2; i++)
         stage.keys[i][1].turn_rad = 0.0; /* what turns has another light */
-    neph_assert_ok(neph_scene_at(&stage.test.scene, 7.0, &still, &diag), &diag);
-    struct neph_image *truth = eighth_frame(*state, still, words[1]);
+    OWNED(scene) struct neph_scene *still = test_still(&stage.test.scene, 7.0);
+    OWNED(image) struct neph_image *truth = eighth_frame(*state, still, words[1]);
     for (int follows = 0; follows < 2; follows++) {
+        OWNED(image)
         struct neph_image *image = eighth_frame(*state, &stage.test.scene, words[follows]);
         errors[follows] = error_of_solids(image, truth);
-        neph_image_destroy(image);
     }
     print_message("error %g, following %g\n", errors[0], errors[1]);
     assert_true(errors[1] < 0.7 * errors[0]);
-    neph_image_destroy(truth);
-    neph_scene_destroy(still);
 }
 
 /* What stands still costs no pass, no memory and no bit. */
@@ -474,18 +438,14 @@ static void test_what_stands_still_costs_nothing(void **state)
     const struct neph_settings on = test_preset("ours", "solid_motion=on");
     const struct neph_settings off = test_preset("ours", "solid_motion=off");
     test_scene_fence(&test);
-    struct neph_realtime *a = open_realtime(*state, &test.scene, &on);
-    struct neph_realtime *b = open_realtime(*state, &test.scene, &off);
+    OWNED(realtime) struct neph_realtime *a = open_realtime(*state, &test.scene, &on);
+    OWNED(realtime) struct neph_realtime *b = open_realtime(*state, &test.scene, &off);
     struct neph_realtime_stats of_a, of_b;
-    struct neph_image *one = test_next(a, &test.scene, 0, &of_a);
-    struct neph_image *other = test_next(b, &test.scene, 0, &of_b);
+    OWNED(image) struct neph_image *one = test_next(a, &test.scene, 0, &of_a);
+    OWNED(image) struct neph_image *other = test_next(b, &test.scene, 0, &of_b);
     assert_same_bits(one, other);
     assert_int_equal(of_a.target_bytes, of_b.target_bytes);
     assert_int_equal(of_a.traffic_bytes, of_b.traffic_bytes);
-    neph_image_destroy(one);
-    neph_image_destroy(other);
-    neph_realtime_destroy(a);
-    neph_realtime_destroy(b);
 }
 
 int main(void)

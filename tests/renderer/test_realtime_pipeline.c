@@ -28,22 +28,19 @@ static void test_off_is_the_march(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset("off", "");
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-    struct neph_image *truth = marched(*state, &test.scene, NULL);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(image) struct neph_image *truth = marched(*state, &test.scene, NULL);
     for (int frame = 0; frame < 3; frame++) {
-        struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
+        OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
         assert_same_bits(image, truth);
-        neph_image_destroy(image);
     }
-    neph_image_destroy(truth);
-    neph_realtime_destroy(realtime);
 }
 
 /* Numbers as they are, and nothing that moves them. */
 static struct neph_settings plain(void)
 {
     return test_preset("fixed", "taa=off ray_dither=none box=none upscale_dither=none "
-                                "override=none color_format=float");
+                                "override=none target_format=float");
 }
 
 /* In a march at half resolution each ray goes through the middle of a half-resolution texel: the
@@ -59,7 +56,7 @@ static void check_rays(struct neph_rt_device *device, const struct neph_rt_pass 
     struct ray_check *check = context;
     if (strcmp(pass->name, "march") != 0)
         return;
-    uint32_t *tiles = test_words(device, RT_TILE), *rays = test_words(device, RT_RAY);
+    OWNED(memory) uint32_t *tiles = test_words(device, RT_TILE), *rays = test_words(device, RT_RAY);
     float *volume[3], *transmittance[3];
     neph_image_rgb(check->half, "volume", volume);
     neph_image_rgb(check->half, "transmittance", transmittance);
@@ -77,8 +74,6 @@ static void check_rays(struct neph_rt_device *device, const struct neph_rt_pass 
         assert_true(ray[3] == transmittance[0][i]);
         check->checked++;
     }
-    free(tiles);
-    free(rays);
 }
 
 static void test_a_tile_marches_as_march_does(void **state)
@@ -91,12 +86,11 @@ static void test_a_tile_marches_as_march_does(void **state)
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
     struct neph_image *half = test_march(*state, &test.scene, &params, NULL);
     struct ray_check check = {.half = half};
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);
     for (int frame = 0; frame < 4; frame++)
         neph_image_destroy(test_next(realtime, &test.scene, 0, NULL));
     assert_int_equal(check.checked, 4 * (WIDTH_PX / 4) * (HEIGHT_PX / 4));
-    neph_realtime_destroy(realtime);
     neph_image_destroy(half);
 }
 
@@ -122,14 +116,12 @@ static const char *const channels[] = {"R", "G", "B", "Z"};
 static void check_nothing(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                           const struct neph_image *truth, struct neph_settings settings)
 {
-    struct neph_realtime *realtime = open_realtime(vulkan, scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(vulkan, scene, &settings);
     for (int frame = 0; frame < 5; frame++) {
-        struct neph_image *image = test_next(realtime, scene, 0, NULL);
+        OWNED(image) struct neph_image *image = test_next(realtime, scene, 0, NULL);
         for (int c = 0; c < 3; c++)
             assert_same_channel(image, truth, channels[c]);
-        neph_image_destroy(image);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.
@@ -140,11 +132,10 @@ static void test_zero_density_changes_nothing(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     test.scene.media[0].bounds = (struct neph_bounds){{-1.0, -9.0, -9.0}, {1.0, -8.0, -8.0}};
-    struct neph_image *truth = marched(*state, &test.scene, NULL);
+    OWNED(image) struct neph_image *truth = marched(*state, &test.scene, NULL);
     check_nothing(*state, &test.scene, truth, plain());
     for (int p = 0; p < neph_test_by_day(1, COUNT(presets)); p++)
         check_nothing(*state, &test.scene, truth, test_preset(presets[p], "taa=off"));
-    neph_image_destroy(truth);
 }
 
 /* Two renderers make the same frames; of the second `observer` is called. */
@@ -155,18 +146,14 @@ static void check_pair(struct neph_vulkan *vulkan, const char *preset,
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset(preset, "");
-    struct neph_realtime *one = open_realtime(vulkan, &test.scene, &settings);
-    struct neph_realtime *two = open_realtime(vulkan, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *one = open_realtime(vulkan, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *two = open_realtime(vulkan, &test.scene, &settings);
     neph_realtime_observe(two, observer, NULL);
     for (int frame = 0; frame < FRAMES; frame++) {
-        struct neph_image *a = test_next(one, &test.scene, frame, NULL);
-        struct neph_image *b = test_next(two, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *a = test_next(one, &test.scene, frame, NULL);
+        OWNED(image) struct neph_image *b = test_next(two, &test.scene, frame, NULL);
         assert_same_bits(a, b);
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
-    neph_realtime_destroy(two);
-    neph_realtime_destroy(one);
 }
 
 static void test_same_sequence_same_bits(void **state)
@@ -198,22 +185,19 @@ static void test_error_against_the_number_of_frames(void **state)
 {
     struct test_scene test;
     test_scene_fence(&test);
-    struct neph_image *truth = marched(*state, &test.scene, NULL);
+    OWNED(image) struct neph_image *truth = marched(*state, &test.scene, NULL);
     const struct neph_settings settings = plain();
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     double errors[12];
     for (int frame = 0; frame < 12; frame++) {
-        struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
+        OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
         errors[frame] = test_rmse(image, truth);
         print_message("frame %2d: RMSE %.3e\n", frame, errors[frame]);
-        neph_image_destroy(image);
     }
     for (int frame = 1; frame < 4; frame++)
         assert_true(errors[frame] < errors[frame - 1]);
     for (int frame = 4; frame < 12; frame++) /* all four slots are there: nothing moves any more */
         assert_true(errors[frame] == errors[3]);
-    neph_realtime_destroy(realtime);
-    neph_image_destroy(truth);
 }
 
 /* --- bad numbers ---------------------------------------------------------------------------- */
@@ -227,14 +211,13 @@ static size_t count_bad(struct neph_rt_device *device)
             continue;
         const struct neph_gpu_target *shape = &device->view->targets[t];
         const size_t elements = (size_t)shape->width * shape->height;
-        uint32_t *copy = test_words(device, t);
+        OWNED(memory) uint32_t *copy = test_words(device, t);
         for (size_t i = 0; i < elements; i++) {
             float value[4];
             neph_rt_load(shape, copy, i, value);
             for (int c = 0; c < 4; c++)
                 bad += !isfinite(value[c]);
         }
-        free(copy);
     }
     return bad;
 }
@@ -260,10 +243,9 @@ static void inject(struct neph_rt_device *device, const struct neph_rt_pass *pas
     const float *value = injected(injection, injection->seen);
     if (strcmp(pass->name, "march") == 0 && value) {
         struct neph_diag diag = {0};
-        uint32_t *copy = test_words(device, RT_RAY);
+        OWNED(memory) uint32_t *copy = test_words(device, RT_RAY);
         neph_rt_store(&device->view->targets[RT_RAY], copy, 37, value);
         neph_assert_ok(neph_rt_device_upload(device, RT_RAY, copy, &diag), &diag);
-        free(copy);
     }
     if (strcmp(pass->name, "anti-aliasing") == 0)
         injection->bad[injection->seen++] = count_bad(device);
@@ -280,6 +262,7 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
     for (int p = 0; p < sound_count(); p++) {
         enum { FRAMES = 15 };
         const struct neph_settings settings = test_preset(sound[p], "");
+        OWNED(realtime)
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         struct injection injection = {.first = 5, .count = COUNT(values), .values = values};
         neph_realtime_observe(realtime, inject, &injection);
@@ -287,7 +270,6 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
             neph_image_destroy(test_next(realtime, &test.scene, 0, NULL));
         for (int frame = 0; frame < FRAMES; frame++)
             assert_true(injection.bad[frame] <= (injected(&injection, frame) ? 4u : 0u));
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -302,12 +284,11 @@ static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *
     pattern[1] = 0; /* the first frame alone */
     for (size_t t = 0; t < COUNT(past); t++) {
         const size_t words = neph_rt_device_words(device, past[t]);
-        uint32_t *garbage = malloc(words * sizeof(*garbage));
+        OWNED(memory) uint32_t *garbage = malloc(words * sizeof(*garbage));
         for (size_t i = 0; i < words; i++)
             garbage[i] = pattern[0] ? pattern[0] : (uint32_t)(i * 2654435761u);
         struct neph_diag diag = {0};
         neph_assert_ok(neph_rt_device_upload(device, past[t], garbage, &diag), &diag);
-        free(garbage);
     }
 }
 
@@ -319,24 +300,22 @@ static void test_garbage_in_the_history_never_shows(void **state)
     test_scene_fence(&test);
     for (int p = 0; p < sound_count(); p++) {
         const struct neph_settings settings = test_preset(sound[p], "");
-        struct neph_realtime *clean = open_realtime(*state, &test.scene, &settings);
+        OWNED(realtime) struct neph_realtime *clean = open_realtime(*state, &test.scene, &settings);
         struct neph_image *expected[2];
         for (int frame = 0; frame < 2; frame++)
             expected[frame] = test_next(clean, &test.scene, 0, NULL);
         for (int i = 0; i < 4; i++) {
             uint32_t pattern[2] = {patterns[i], 1};
+            OWNED(realtime)
             struct neph_realtime *dirty = open_realtime(*state, &test.scene, &settings);
             neph_realtime_observe(dirty, fill_past, pattern);
             for (int frame = 0; frame < 2; frame++) {
-                struct neph_image *image = test_next(dirty, &test.scene, 0, NULL);
+                OWNED(image) struct neph_image *image = test_next(dirty, &test.scene, 0, NULL);
                 assert_same_bits(image, expected[frame]);
-                neph_image_destroy(image);
             }
-            neph_realtime_destroy(dirty);
         }
         neph_image_destroy(expected[0]);
         neph_image_destroy(expected[1]);
-        neph_realtime_destroy(clean);
     }
 }
 
@@ -364,6 +343,7 @@ static void test_no_bad_number_in_motion(void **state)
     set_dolly(&test, keys);
     for (int p = 1; p < preset_count(); p++) {
         const struct neph_settings settings = test_preset(presets[p], "");
+        OWNED(realtime)
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         struct injection watch = {.count = 0};
         neph_realtime_observe(realtime, inject, &watch);
@@ -371,7 +351,6 @@ static void test_no_bad_number_in_motion(void **state)
             neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         for (int frame = 0; frame < 13; frame++)
             assert_int_equal(watch.bad[frame], 0);
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -384,24 +363,22 @@ static void test_sizes(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset("fixed", "");
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     for (size_t s = 0; s < COUNT(sizes_px); s++) {
         struct neph_diag diag = {0};
         neph_assert_ok(
             neph_realtime_resize(realtime, &test.scene, sizes_px[s][0], sizes_px[s][1], &diag),
             &diag);
         for (int frame = 0; frame < 5; frame++) {
-            struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
+            OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, 0, NULL);
             assert_int_equal(image->width_px, sizes_px[s][0]);
             assert_int_equal(image->height_px, sizes_px[s][1]);
             float *rgb[3];
             neph_image_rgb(image, NULL, rgb);
             for (size_t i = 0; i < neph_image_pixel_count(image); i++)
                 assert_true(isfinite(rgb[0][i]) && rgb[0][i] >= 0.0f);
-            neph_image_destroy(image);
         }
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* A ray per 4x4 pixels: at most 1/14 of the march's density evaluations per frame. */
@@ -413,6 +390,7 @@ static void test_a_fourteenth_of_the_evaluations(void **state)
     neph_image_destroy(marched(*state, &test.scene, &whole));
     for (int p = 1; p < preset_count(); p++) {
         const struct neph_settings settings = test_preset(presets[p], "");
+        OWNED(realtime)
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
         for (int frame = 0; frame < 4; frame++) {
             struct neph_realtime_stats stats;
@@ -422,7 +400,6 @@ static void test_a_fourteenth_of_the_evaluations(void **state)
             assert_true(stats.density_evaluations <= whole.density_evaluations / 14);
             assert_int_equal(stats.density_evaluations, stats.view_steps);
         }
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -448,29 +425,25 @@ static void test_given_depth(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = plain();
-    struct neph_image *given = marched(*state, &test.scene, NULL);
+    OWNED(image) struct neph_image *given = marched(*state, &test.scene, NULL);
+    OWNED(realtime)
     struct neph_realtime *from_scene = open_realtime(*state, &test.scene, &settings);
-    struct neph_realtime *from_file = open_realtime(*state, &test.scene, &settings);
+    OWNED(realtime) struct neph_realtime *from_file = open_realtime(*state, &test.scene, &settings);
     struct neph_diag diag = {0};
     for (int frame = 0; frame < 5; frame++) {
-        struct neph_image *a = test_next(from_scene, &test.scene, 0, NULL), *b = NULL;
+        OWNED(image) struct neph_image *a = test_next(from_scene, &test.scene, 0, NULL), *b = NULL;
         const struct neph_realtime_frame picture = {&test.scene, 0, given};
         neph_assert_ok(neph_realtime_render(from_file, &picture, &b, NULL, &diag), &diag);
         assert_same_channel(a, b, "Z");
         assert_same_channel(a, b, "volume.R");
         assert_same_channel(a, b, "volume.G");
         assert_same_channel(a, b, "volume.B");
-        neph_image_destroy(a);
-        neph_image_destroy(b);
     }
     neph_image_channel(given, "Z")[5] = -1.0f;
     const struct neph_realtime_frame bad = {&test.scene, 0, given};
     struct neph_image *image = NULL;
     assert_int_equal(neph_realtime_render(from_file, &bad, &image, NULL, &diag), NEPH_ERR_INPUT);
     assert_non_null(strstr(diag.message, "pixel 5,0"));
-    neph_realtime_destroy(from_file);
-    neph_realtime_destroy(from_scene);
-    neph_image_destroy(given);
 }
 
 /* Shaders are compiled for a few solids and look at many one by one: what is behind the media is
@@ -491,14 +464,12 @@ static void test_few_and_many_solids_look_alike(void **state)
     const struct neph_settings settings = plain();
     for (size_t n = 0; n < COUNT(counts); n++) {
         test.scene.solid_count = counts[n];
+        OWNED(realtime)
         struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
-        struct neph_image *frame = test_next(realtime, &test.scene, 0, NULL);
-        struct neph_image *march = marched(*state, &test.scene, NULL);
+        OWNED(image) struct neph_image *frame = test_next(realtime, &test.scene, 0, NULL);
+        OWNED(image) struct neph_image *march = marched(*state, &test.scene, NULL);
         for (int c = 0; c < 4; c++)
             assert_same_channel(frame, march, channels[c]);
-        neph_image_destroy(march);
-        neph_image_destroy(frame);
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -519,6 +490,7 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
     int *checked = context;
     if (strcmp(pass->name, "march") != 0)
         return;
+    OWNED(memory)
     uint32_t *rays = test_words(device, RT_RAY), *distances = test_words(device, RT_RAY_DISTANCE);
     const struct neph_gpu_target *shape = &device->view->targets[RT_RAY];
     for (size_t i = 0; i < (size_t)shape->width * shape->height; i++) {
@@ -532,8 +504,6 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
         assert_true(fabs(distance[0] - expected_m) < 1e-5 * expected_m);
         ++*checked;
     }
-    free(distances);
-    free(rays);
 }
 
 /* Where nothing shines nothing is marched, here as in `march`, and T is as good as there. */
@@ -543,15 +513,13 @@ static void test_what_does_not_shine_is_not_marched(void **state)
     struct neph_realtime_stats stats;
     int checked = 0;
     scene_dark(&test);
-    const struct neph_settings settings = test_preset(
-        "ours", "color_format=float depth_format=float taa=off");
-    struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
+    const struct neph_settings settings = test_preset("ours", "target_format=float taa=off");
+    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_dark, &checked);
     neph_image_destroy(test_next(realtime, &test.scene, 0, &stats));
     assert_int_equal(checked, ((WIDTH_PX + 3) / 4) * ((HEIGHT_PX + 3) / 4));
     assert_int_equal(stats.view_steps, 0);
     assert_int_equal(stats.rays, checked);
-    neph_realtime_destroy(realtime);
 }
 
 int main(void)

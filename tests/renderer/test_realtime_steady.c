@@ -23,18 +23,19 @@ static void fence_scene(struct test_scene *test)
 
 /* `ours`, with the digits of its settings and so with its kernels, which is steady after few
  * pictures: what has changed is soon forgotten. */
-static struct neph_settings settings_of(const char *steady)
+static struct neph_settings steady_settings(void)
 {
-    struct neph_settings settings = test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
-    test_assign(neph_rt_options, steady, &settings);
-    return settings;
+    return test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
 }
 
 static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
-                                           const struct neph_scene *scene, const char *steady)
+                                           const struct neph_scene *scene, bool always_asks)
 {
-    const struct neph_settings settings = settings_of(steady);
-    return test_sequence(vulkan, scene, &settings, 36, 20);
+    const struct neph_settings settings = steady_settings();
+    struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, 36, 20);
+    neph_realtime_set_test_hooks(
+        realtime, (struct neph_realtime_test_hooks){.always_asks_gradient = always_asks});
+    return realtime;
 }
 
 /* Whether passes have run for a picture. */
@@ -68,10 +69,10 @@ static void test_no_bit_is_another(void **state)
     struct test_scene test;
     int changed = 0, spared = 0;
     fence_scene(&test);
-    struct neph_realtime *asked = open_realtime(*state, &test.scene, "steady=unasked");
-    struct neph_realtime *known = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *asked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *known = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == 24)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         if (frame == 44)
@@ -89,12 +90,8 @@ static void test_no_bit_is_another(void **state)
         assert_int_equal(by_known.scene, frame - changed < (changed > 0 ? PLACES : 2 * PLACES));
         spared += !by_known.gradient;
         assert_same_bits(a, b);
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     assert_true(spared >= 14);
-    neph_realtime_destroy(known);
-    neph_realtime_destroy(asked);
 }
 
 /* A picture in flight: the bytes of a pass. The upscale keeps no volume where nobody reads it. */
@@ -118,10 +115,10 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     int unread = 0;
     uint64_t most_bytes = 0;
     fence_scene(&test);
-    struct neph_realtime *read = open_realtime(*state, &test.scene, "steady=auto");
-    struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *read = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         render(read, &test.scene, frame, &a);
@@ -134,12 +131,8 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
             assert_int_equal(bytes < most_bytes, frame >= KNOWN_AFTER);
             unread += bytes < most_bytes;
         }
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     assert_true(unread >= 14);
-    neph_realtime_destroy(sent);
-    neph_realtime_destroy(read);
 }
 
 /* Where media only take light what is anti-aliased is made once for each place of the jitter, and
@@ -151,10 +144,10 @@ static void test_what_takes_light_alone_is_made_once(void **state)
     int kept = 0;
     fence_scene(&test);
     test.scene.media[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
-    struct neph_realtime *unasked = open_realtime(*state, &test.scene, "steady=unasked");
-    struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *unasked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
-        struct neph_image *a = NULL, *b = NULL;
+        OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
             test.scene.sun.direction = (struct neph_vec3){0.6, 0.8, 0.0};
         render(unasked, &test.scene, frame, &a);
@@ -166,13 +159,9 @@ static void test_what_takes_light_alone_is_made_once(void **state)
             assert_int_equal(is_kept && frame >= KEPT_AFTER, is_kept);
             kept += is_kept;
         }
-        neph_image_destroy(b);
-        neph_image_destroy(a);
     }
     print_message("%d pictures were kept\n", kept);
     assert_true(kept >= 10);
-    neph_realtime_destroy(sent);
-    neph_realtime_destroy(unasked);
 }
 
 /* --- passes ---------------------------------------------------------------------------------- */
@@ -192,7 +181,7 @@ static void fill(struct test_passes *test, int target, double most, double w, ui
 static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passes *test)
 {
     static const int sizes_px[][2] = {{64, 36}, {35, 18}};
-    const struct neph_settings settings = settings_of("steady=unasked");
+    const struct neph_settings settings = steady_settings();
     uint64_t seed = (uint64_t)round + 1;
     test_passes_open(vulkan, &settings, sizes_px[round % 2], (int[2]){round % 3 * 4, 0}, seed,
                      test);
@@ -231,7 +220,7 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
         test_passes_run(&test, "gradient");
         uint32_t *kept = test_download(&test, RT_KEPT_RAY);
         for (size_t r = 0; r < COUNT(rows); r++) {
-            test.view.settings[RT_STEADY] = RT_STEADY_UNASKED;
+            test.view.settings[RT_STEADY] = RT_STEADY_ASKED;
             test_passes_run(&test, rows[r].pass);
             uint32_t *made[2] = {NULL};
             for (int t = 0; t < rows[r].count; t++)

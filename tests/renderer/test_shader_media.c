@@ -172,12 +172,11 @@ static void check_probes(struct neph_vulkan *vulkan, const struct test_scene *te
     static struct probe probes[PROBES_MAX];
     for (int i = 0; i < PROBES_MAX; i++)
         probes[i] = draw(test, random, i);
-    struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
+    OWNED(memory) struct answer *answers = ask(vulkan, test, probes, PROBES_MAX);
     for (int i = 0; i < PROBES_MAX; i++) {
         const struct ray ray = ray_of(test, &probes[i]);
         check(test, &ray, &answers[i], i, worst);
     }
-    free(answers);
 }
 
 static double extinction_at(const struct test_scene *test, const struct ray *ray)
@@ -591,7 +590,7 @@ static void test_grids(void **state)
     };
     struct worst worst = {0};
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         const struct neph_vec3 origin_m = {1000.0 + (double)c, 17.0, -3.0};
         look_from(&test, neph_vec3_add(origin_m, neph_vec3_scale(odd_direction(&random),
                                                                  cases[c].distance_m)));
@@ -600,7 +599,6 @@ static void test_grids(void **state)
         if (c == 2) /* bounds that cut the lattice */
             medium->bounds = (struct neph_bounds){{1005.0, 20.0, -INFINITY}, {1030.0, 40.0, 20.0}};
         check_probes(*state, &test, &random, draw_grid, check_grid, &worst);
-        neph_grid_destroy(medium->grid);
     }
     print_worst("grids", &worst);
 }
@@ -609,7 +607,7 @@ static void test_grids(void **state)
 static void test_grids_beside_each_other(void **state)
 {
     uint64_t random = seed;
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     look_from(&test, (struct neph_vec3){0.0, 0.0, 0.0});
     for (int m = 0; m < 4; m++) {
         struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 1.0 + m);
@@ -623,7 +621,7 @@ static void test_grids_beside_each_other(void **state)
                                odd_direction(&random), 4.0);
         probes[i].medium = (uint32_t)i % 4;
     }
-    struct answer *answers = ask(*state, &test, probes, 400);
+    OWNED(memory) struct answer *answers = ask(*state, &test, probes, 400);
     for (int i = 0; i < 400; i++) {
         const struct ray ray = ray_of(&test, &probes[i]);
         const struct neph_medium *medium = &test.scene.media[i % 4];
@@ -633,9 +631,6 @@ static void test_grids_beside_each_other(void **state)
                           neph_medium_optical_depth(medium, ray.origin_m, ray.direction, 0.0, 4.0),
                           0.0, 3e-5);
     }
-    free(answers);
-    for (int m = 0; m < 4; m++)
-        neph_grid_destroy(test.scene.media[m].grid);
 }
 
 /* A lattice without end, from a camera far from its origin: as double precision has it, one period
@@ -643,7 +638,7 @@ static void test_grids_beside_each_other(void **state)
 static void test_endless_grids(void **state)
 {
     uint64_t random = seed;
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     const struct neph_vec3 eye_m = {-40123.0, 30.0, 77001.0}, h = {3.0, 2.0, 7.0};
     look_from(&test, eye_m);
     struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.1);
@@ -656,7 +651,7 @@ static void test_endless_grids(void **state)
         probes[i] = probe_from(&test, (struct neph_vec3){at_m.x, 15.0 + (i % 20), at_m.z},
                                odd_direction(&random), i % 3 ? 15.0 : 300.0);
     }
-    struct answer *answers = ask(*state, &test, probes, 600);
+    OWNED(memory) struct answer *answers = ask(*state, &test, probes, 600);
     const double peak = 0.1 * (double)medium->grid->maximum;
     int met = 0;
     for (int i = 0; i < 600; i++) {
@@ -673,8 +668,6 @@ static void test_endless_grids(void **state)
         met += depth > 0.0;
     }
     assert_true(met > 300);
-    free(answers);
-    neph_grid_destroy(medium->grid);
 }
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
@@ -784,7 +777,7 @@ static void test_horizon_clouds(void **state)
     uint64_t random = seed;
     struct worst worst = {0};
     for (size_t c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         struct neph_diag diag = {0};
         look_from(&test, cases[c].camera_m);
         struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_HORIZON, 0.05);
@@ -803,7 +796,6 @@ static void test_horizon_clouds(void **state)
         print_message("Horizon clouds of coverage %g: density in %d of %d points\n",
                       params.coverage, worst.met, PROBES_MAX);
         assert_true(worst.met > PROBES_MAX / 100);
-        neph_horizon_destroy(medium->horizon);
     }
     print_worst("Horizon clouds", &worst);
 }
@@ -818,7 +810,7 @@ static void test_extreme_media_give_no_nonsense(void **state)
     static const double places[] = {0.0, 1.0, -1e3, 1e7, -1e12};
     uint64_t random = seed;
     for (int round = 0; round < 60; round++) {
-        struct test_scene test;
+        OWNED(media) struct test_scene test;
         look_from(&test, (struct neph_vec3){PICK(&random, places), PICK(&random, places), 0.0});
         const enum neph_medium_kind kinds[] = {NEPH_MEDIUM_GAUSSIAN, NEPH_MEDIUM_SHELL,
                                                NEPH_MEDIUM_GRID};
@@ -842,7 +834,7 @@ static void test_extreme_media_give_no_nonsense(void **state)
                                    point_near(&random, i % 2 ? center_m : test.key.position_m,
                                               i % 4 ? PICK(&random, sizes) : 0.0),
                                    odd_direction(&random), i % 3 ? PICK(&random, sizes) : 1e15);
-        struct answer *answers = ask(*state, &test, probes, 256);
+        OWNED(memory) struct answer *answers = ask(*state, &test, probes, 256);
         for (int i = 0; i < 256; i++)
             if (!(answers[i].extinction_per_m >= 0.0f) || isinf(answers[i].extinction_per_m) ||
                 !(answers[i].optical_depth >= 0.0f) || isnan(answers[i].stretch_t0_m) ||
@@ -851,8 +843,6 @@ static void test_extreme_media_give_no_nonsense(void **state)
                          round, i, (double)answers[i].extinction_per_m,
                          (double)answers[i].optical_depth, (double)answers[i].stretch_t0_m,
                          (double)answers[i].stretch_t1_m);
-        free(answers);
-        neph_grid_destroy(medium->grid);
     }
 }
 
@@ -901,7 +891,7 @@ static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
                 &test,
                 point_near(&random, test.key.position_m, i % 4 ? PICK(&random, sizes_m) : 0.0),
                 odd_direction(&random), i % 3 ? 1e3 : 1e15);
-        struct answer *answers = ask(*state, &test, probes, 256);
+        OWNED(memory) struct answer *answers = ask(*state, &test, probes, 256);
         for (int i = 0; i < 256; i++) {
             const double depth_max = (double)answers[i].extinction_per_m * 1e15;
             if (!(answers[i].extinction_per_m >= 0.0f && depth_max < 3e38) ||
@@ -914,7 +904,6 @@ static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
                          (double)answers[i].without_detail, (double)answers[i].height,
                          (double)answers[i].stretch_t0_m, (double)answers[i].stretch_t1_m);
         }
-        free(answers);
     }
     neph_horizon_destroy(horizon);
 }

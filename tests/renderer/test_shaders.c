@@ -111,7 +111,7 @@ static void test_phi_and_friends(void **state)
             if (what > PROBE_PHI)
                 probes[3 * i + what].a[0] = probes[3 * i].a[0];
         }
-    struct answer *answers = ask(*state, probes, 3 * count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, 3 * count);
     double worst_phi = 0.0;
     for (int i = 0; i < count; i++) {
         const double x = probes[3 * i].a[0];
@@ -123,7 +123,6 @@ static void test_phi_and_friends(void **state)
         neph_assert_close(answers[3 * i + 2].value[0], -expm1(-x), 4e-7, 2e-38);
     }
     print_message("phi: worst relative error %.2e\n", worst_phi);
-    free(answers);
 }
 
 static void test_sum_of_many_steps_keeps_its_digits(void **state)
@@ -132,10 +131,9 @@ static void test_sum_of_many_steps_keeps_its_digits(void **state)
     const float terms[] = {0.1f, 1e-3f, 0.3333333f, 1e-20f};
     for (int i = 0; i < 4; i++)
         probes[i] = (struct probe){.what = PROBE_SUM, .a = {terms[i]}, .b = {60000.0f}};
-    struct answer *answers = ask(*state, probes, 4);
+    OWNED(memory) struct answer *answers = ask(*state, probes, 4);
     for (int i = 0; i < 4; i++) /* a plain sum of 0.1 is off by 1e-3 here */
         neph_assert_close(answers[i].value[0], 60000.0 * (double)terms[i], epsilon, 0.0);
-    free(answers);
 }
 
 /* The driver of lavapipe ends loops in silence (see compute.h): up to the limit that the renderers
@@ -147,10 +145,9 @@ static void test_loops_make_all_their_turns(void **state)
     for (int i = 0; i < 256; i++)
         probes[i] = (struct probe){.what = PROBE_LOOPS, .a = {turns[i % 4][0], turns[i % 4][1]}};
     for (int i = 0; i < 4; i++) { /* alone, and then all of them beside each other */
-        struct answer *answers = ask(*state, &probes[i], 1);
+        OWNED(memory) struct answer *answers = ask(*state, &probes[i], 1);
         assert_true(answers[0].value[0] == turns[i][0] * turns[i][1]);
         assert_true(answers[0].value[1] == turns[i][0]);
-        free(answers);
     }
     for (int i = 0; i < 256; i++)
         probes[i].a[0] = 250, probes[i].a[1] = (float)(i % 250);
@@ -191,7 +188,7 @@ static void test_phase_functions(void **state)
             p->c[2] = (float)unit.z;
         }
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     double worst = 0.0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
@@ -214,7 +211,6 @@ static void test_phase_functions(void **state)
         neph_assert_close(answers[i].value[2], neph_phase_mean_cosine(&phase), 4.0 * epsilon, 0.0);
     }
     print_message("phase: worst error is %.2f of what is allowed\n", worst);
-    free(answers);
 }
 
 /* --- fog ---------------------------------------------------------------------------------- */
@@ -267,7 +263,7 @@ static void test_fog_optical_depth(void **state)
         probes[i].what = PROBE_FOG;
         random_fog(&random, &probes[i], i);
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     int compared = 0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
@@ -297,7 +293,6 @@ static void test_fog_optical_depth(void **state)
     }
     print_message("fog: %d of %d transmittances compared\n", compared, count);
     assert_true(compared > count * 9 / 10);
-    free(answers);
 }
 
 static void test_fog_extinction(void **state)
@@ -309,7 +304,7 @@ static void test_fog_extinction(void **state)
         probes[i].what = PROBE_EXTINCTION;
         random_fog(&random, &probes[i], i);
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
         const struct neph_fog_layer layer = layer_of(p);
@@ -320,7 +315,6 @@ static void test_fog_extinction(void **state)
                           extinction_tolerance(p, p->b[0], fabs((double)p->b[0])),
                           layer.extinction_per_m * 2e-38 + 2e-38);
     }
-    free(answers);
 }
 
 /* The ends of a march need only be roughly right: what they leave out must be as small as said. */
@@ -335,7 +329,7 @@ static void test_fog_distances_leave_out_what_they_say(void **state)
         random_fog(&random, &probes[i], i);
         probes[i].b[2] = depths[(i / 3) % 2];
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
         const struct neph_fog_layer layer = layer_of(p);
@@ -360,7 +354,6 @@ static void test_fog_distances_leave_out_what_they_say(void **state)
             neph_assert_close(left, 1e-7, 0.001 + 1e-6 * rate_per_m * thin_end_m, 0.0);
         }
     }
-    free(answers);
 }
 
 /* --- solids ------------------------------------------------------------------------------- */
@@ -401,7 +394,7 @@ static void test_boxes(void **state)
         }
         random_ray(&random, p, middle, 5.0f);
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     int met = 0, grazing = 0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
@@ -425,7 +418,6 @@ static void test_boxes(void **state)
     }
     print_message("boxes: %d met, %d grazing of %d\n", met, grazing, count);
     assert_true(met > count / 10 && grazing < count / 1000);
-    free(answers);
 }
 
 /* What the device knows of a sphere when the camera is at the origin. */
@@ -454,7 +446,7 @@ static void test_spheres(void **state)
         place_sphere(p);
         random_ray(&random, p, p->a, p->b[3]);
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     int met = 0, grazing = 0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
@@ -482,7 +474,6 @@ static void test_spheres(void **state)
     }
     print_message("spheres: %d met, %d grazing of %d\n", met, grazing, count);
     assert_true(met > count / 10 && grazing < count / 100);
-    free(answers);
 }
 
 /* The Earth below, from up to 100 m over it: where rays meet the ground. Its place is exact in
@@ -507,7 +498,7 @@ static void test_the_ground_of_a_planet(void **state)
         direction(&random, p->d);
         p->d[1] = -fabsf(p->d[1]);
     }
-    struct answer *answers = ask(*state, probes, count);
+    OWNED(memory) struct answer *answers = ask(*state, probes, count);
     int met = 0;
     for (int i = 0; i < count; i++) {
         const struct probe *p = &probes[i];
@@ -529,7 +520,6 @@ static void test_the_ground_of_a_planet(void **state)
     }
     print_message("the ground of a planet: %d rays of %d\n", met, count);
     assert_true(met > count / 2);
-    free(answers);
 }
 
 /* --- halves ------------------------------------------------------------------------------- */
@@ -581,7 +571,7 @@ static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uin
         probes[i] = (struct probe){.what = PROBE_HALVES, .kind = half | half << 16};
         memcpy(probes[i].a, &values[i % 2 * 2], 2 * sizeof(values[0]));
     }
-    struct answer *answers = ask(vulkan, probes, 2 * count);
+    OWNED(memory) struct answer *answers = ask(vulkan, probes, 2 * count);
     for (int i = 0; i < 2 * count; i++)
         for (int c = 0; c < 2; c++) {
             if (!is_read_right(answers[i].value[c], (uint16_t)probes[i].kind))
@@ -589,7 +579,6 @@ static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uin
             if (!is_written_right(answers[i].value[2 + c], probes[i].a[c]))
                 wrong |= NEPH_HALVES_WRITTEN;
         }
-    free(answers);
     return wrong;
 }
 

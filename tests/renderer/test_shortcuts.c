@@ -33,33 +33,22 @@ static void add_blob(struct test_scene *test)
     blob->bounds = (struct neph_bounds){neph_vec3_sub(at_m, reach_m), neph_vec3_add(at_m, reach_m)};
 }
 
-/* Most of its nodes are 0. The caller's to destroy. */
-static struct neph_grid *add_sparse_grid(struct test_scene *test)
+/* Most of its nodes are 0. */
+static void add_sparse_grid(struct test_scene *test)
 {
     uint64_t random = 11;
-    struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9);
-    medium->grid = random_lattice((const int[3]){12, 11, 10}, (struct neph_vec3){-3.0, -1.0, -15.0},
-                                  (struct neph_vec3){0.6, 0.5, 0.7}, -9.0, &random);
-    return medium->grid;
+    test_add_cloud(test, NEPH_MEDIUM_GRID, 0.9)->grid = random_lattice(
+        (const int[3]){12, 11, 10}, (struct neph_vec3){-3.0, -1.0, -15.0},
+        (struct neph_vec3){0.6, 0.5, 0.7}, -9.0, &random);
 }
 
 /* Tests that only need some grid take two: they share a kernel, whose making is most of what they
  * cost. */
-struct two_grids {
-    struct neph_grid *grids[2];
-};
-
-static struct two_grids add_two_grids(struct test_scene *test)
+static void add_two_grids(struct test_scene *test)
 {
-    const struct two_grids two = {{add_sparse_grid(test), add_sparse_grid(test)}};
+    add_sparse_grid(test);
+    add_sparse_grid(test);
     neph_medium_drift(&test->scene.media[1], (struct neph_vec3){1.1, 0.4, -3.0});
-    return two;
-}
-
-static void destroy_two(struct two_grids two)
-{
-    neph_grid_destroy(two.grids[0]);
-    neph_grid_destroy(two.grids[1]);
 }
 
 static void add_fog(struct test_scene *test)
@@ -74,19 +63,21 @@ static void add_ground(struct test_scene *test)
 
 /* --- off ------------------------------------------------------------------------------------ */
 
+static void assert_same_with(struct neph_vulkan *vulkan, const struct neph_scene *scene,
+                             struct neph_march_params params, struct neph_shortcuts shortcuts)
+{
+    OWNED(image) struct neph_image *plain = test_march(vulkan, scene, &params, NULL);
+    params.shortcuts = shortcuts;
+    OWNED(image) struct neph_image *short_cut = test_march(vulkan, scene, &params, NULL);
+    assert_true(test_same_bits(plain, short_cut));
+}
+
 static void test_values_of_what_is_off_do_not_count(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    const struct two_grids two = add_two_grids(&test);
-    struct neph_march_params params = marched;
-    struct neph_image *plain = test_march(*state, &test.scene, &params, NULL);
-    params.shortcuts = (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0};
-    struct neph_image *off = test_march(*state, &test.scene, &params, NULL);
-    assert_true(test_same_bits(plain, off));
-    neph_image_destroy(off);
-    neph_image_destroy(plain);
-    destroy_two(two);
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, add_two_grids);
+    assert_same_with(*state, &test.scene, marched,
+                     (struct neph_shortcuts){.sun_cache_voxels = 77, .step_growth = 1.0});
 }
 
 /* --- skipping ------------------------------------------------------------------------------- */
@@ -95,61 +86,42 @@ static void check_skip(struct neph_vulkan *vulkan, const struct neph_scene *scen
                        struct neph_march_params params, const char *what)
 {
     struct neph_march_stats every, some;
-    struct neph_image *plain = test_march(vulkan, scene, &params, &every);
+    OWNED(image) struct neph_image *plain = test_march(vulkan, scene, &params, &every);
     params.shortcuts.skip = true;
-    struct neph_image *skipped = test_march(vulkan, scene, &params, &some);
+    OWNED(image) struct neph_image *skipped = test_march(vulkan, scene, &params, &some);
     print_message("%s: %llu density evaluations, then %llu\n", what,
                   (unsigned long long)every.density_evaluations,
                   (unsigned long long)some.density_evaluations);
     assert_true(test_same_bits(plain, skipped));
     assert_true(some.density_evaluations > 0);
     assert_true(some.density_evaluations < every.density_evaluations);
-    neph_image_destroy(skipped);
-    neph_image_destroy(plain);
 }
 
 static void test_skipping_keeps_the_bits(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    const struct two_grids two = add_two_grids(&test);
-    add_ground(&test);
-    check_skip(*state, &test.scene, marched, "sparse grids");
-    destroy_two(two);
-    test_scene_init(&test);
-    struct neph_grid *grid = add_sparse_grid(&test);
+    OWNED(media) struct test_scene two, test;
+    test_scene_build(&two, add_two_grids);
+    add_ground(&two);
+    check_skip(*state, &two.scene, marched, "sparse grids");
+    test_scene_build(&test, add_sparse_grid);
     add_ground(&test);
     struct neph_march_params params = marched;
     params.transmittance = params.sun = NEPH_MARCH_EXACT;
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.7, 0.4};
     check_skip(*state, &test.scene, params, "coloured, with closed forms");
-    neph_grid_destroy(grid);
-}
-
-static void assert_same_with(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                             struct neph_march_params params, struct neph_shortcuts shortcuts)
-{
-    struct neph_image *plain = test_march(vulkan, scene, &params, NULL);
-    params.shortcuts = shortcuts;
-    struct neph_image *short_cut = test_march(vulkan, scene, &params, NULL);
-    assert_true(test_same_bits(plain, short_cut));
-    neph_image_destroy(short_cut);
-    neph_image_destroy(plain);
 }
 
 /* In fog every step counts: the cloud alone is not asked, which no counter tells. */
 static void test_skipping_in_fog_keeps_the_bits(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    struct neph_grid *grid = add_sparse_grid(&test);
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, add_sparse_grid);
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.7, 0.4};
     add_fog(&test);
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     struct neph_march_params params = marched;
     params.lighting = NEPH_MARCH_OCTAVES;
     assert_same_with(*state, &test.scene, params, (struct neph_shortcuts){.skip = true});
-    neph_grid_destroy(grid);
 }
 
 /* --- the slab ------------------------------------------------------------------------------- */
@@ -185,13 +157,10 @@ static struct neph_march_params cached(int voxels)
 static double cache_error(struct neph_vulkan *vulkan, const struct neph_scene *scene, int voxels)
 {
     struct neph_march_params params = cached(voxels);
-    struct neph_image *with = test_march(vulkan, scene, &params, NULL);
+    OWNED(image) struct neph_image *with = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.sun_cache = false;
-    struct neph_image *without = test_march(vulkan, scene, &params, NULL);
-    const double error = test_largest_difference(with, without, "volume");
-    neph_image_destroy(without);
-    neph_image_destroy(with);
-    return error;
+    OWNED(image) struct neph_image *without = test_march(vulkan, scene, &params, NULL);
+    return test_largest_difference(with, without, "volume");
 }
 
 /* Between nodes a distance h apart a depth is off by h^2 / 8 times the sum of its second
@@ -223,8 +192,7 @@ static void check_cache(struct neph_vulkan *vulkan, const struct neph_scene *sce
 static void test_the_sun_cache_is_of_second_order(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     check_cache(*state, &test.scene);
 }
 
@@ -233,8 +201,7 @@ static void test_the_sun_cache_is_of_second_order(void **state)
 static void test_the_sun_cache_has_colours(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.5, 0.1};
     add_fog(&test);
     check_cache(*state, &test.scene);
@@ -260,8 +227,7 @@ static void test_the_sun_cache_has_a_depth_a_channel(void **state)
 {
     enum { NODES = 9 * 9 * 9 };
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     assert_int_equal(cache_bytes(*state, &test.scene), NODES * sizeof(float));
     test.scene.vertical_fov_rad = 0.0;
     test.scene.orthographic_height_m = 10.0;
@@ -278,28 +244,22 @@ static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *sc
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
     struct neph_march_stats first, again;
-    struct neph_image *moved = test_march_next(march, scene, &first);
-    struct neph_image *still = test_march_next(march, scene, &again);
-    struct neph_image *alone = test_march(vulkan, scene, &params, NULL);
+    OWNED(image) struct neph_image *moved = test_march_next(march, scene, &first);
+    OWNED(image) struct neph_image *still = test_march_next(march, scene, &again);
+    OWNED(image) struct neph_image *alone = test_march(vulkan, scene, &params, NULL);
     assert_true(test_same_bits(moved, still) && test_same_bits(moved, alone));
     *fill_evaluations = first.density_evaluations - again.density_evaluations;
-    neph_image_destroy(alone);
-    neph_image_destroy(still);
-    neph_image_destroy(moved);
 }
 
 static void test_the_sun_cache_follows_sun_and_cloud(void **state)
 {
     struct test_scene test;
-    struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
     uint64_t evaluations;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     check_refill(*state, &test.scene, march, &evaluations);
     /* Six of each node but those from which the sun ray leaves the bounds at once. */
     assert_true(evaluations > 6 * 31 * 31 * 31 * 9 / 10 && evaluations <= 6 * 32 * 32 * 32);
@@ -309,7 +269,6 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
     neph_medium_drift(&test.scene.media[0], (struct neph_vec3){0.25, 0.0, 0.5});
     check_refill(*state, &test.scene, march, &evaluations);
     assert_true(evaluations > 0);
-    neph_march_destroy(march);
 }
 
 /* Spread over pictures: what is there is filled at once, and what is new a part in each. */
@@ -317,41 +276,32 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
     struct test_scene test;
-    struct neph_march *march = NULL;
-    struct neph_diag diag = {0};
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     struct neph_march_params params = cached(32);
     params.sun = NEPH_MARCH_MARCHED;
     params.sun_steps = 6;
-    struct neph_image *before = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *before = test_march(*state, &test.scene, &params, NULL);
     params.shortcuts.sun_cache_frames = PICTURES;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     struct neph_march_stats whole, rest, stats;
-    struct neph_image *first = test_march_next(march, &test.scene, &whole);
-    struct neph_image *still = test_march_next(march, &test.scene, &rest);
+    OWNED(image) struct neph_image *first = test_march_next(march, &test.scene, &whole);
+    OWNED(image) struct neph_image *still = test_march_next(march, &test.scene, &rest);
     assert_true(test_same_bits(first, before) && test_same_bits(still, before));
 
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){-0.5, 0.7, -0.6});
-    struct neph_image *after = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *after = test_march(*state, &test.scene, &params, NULL);
     assert_false(test_same_bits(after, before));
     uint64_t filled = 0;
     for (int picture = 1; picture <= PICTURES + 1; picture++) {
-        struct neph_image *image = test_march_next(march, &test.scene, &stats);
+        OWNED(image) struct neph_image *image = test_march_next(march, &test.scene, &stats);
         const uint64_t evaluations = stats.density_evaluations - rest.density_evaluations;
         assert_int_equal(test_same_bits(image, after), picture >= PICTURES);
         assert_int_equal(evaluations > 0, picture <= PICTURES);
         filled += evaluations;
-        neph_image_destroy(image);
     }
     struct neph_march_stats alone;
     neph_image_destroy(test_march(*state, &test.scene, &params, &alone));
     assert_int_equal(filled, alone.density_evaluations - rest.density_evaluations);
-    neph_image_destroy(after);
-    neph_image_destroy(still);
-    neph_image_destroy(first);
-    neph_image_destroy(before);
-    neph_march_destroy(march);
 }
 
 /* --- early out ------------------------------------------------------------------------------ */
@@ -369,10 +319,10 @@ static void test_early_out_loses_what_it_says(void **state)
     const double brightest = 10.0 * phase_per_sr + 0.4;
     struct neph_march_params params = marched;
     struct neph_march_stats whole, ended;
-    struct neph_image *plain = test_march(*state, &test.scene, &params, &whole);
+    OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, &whole);
     for (int i = 0; i < 2; i++) {
         params.shortcuts.early_out = limits[i];
-        struct neph_image *early = test_march(*state, &test.scene, &params, &ended);
+        OWNED(image) struct neph_image *early = test_march(*state, &test.scene, &params, &ended);
         const double error = test_largest_difference(plain, early, NULL);
         print_message("early_out %g: off by %.2e, %llu of %llu steps\n", limits[i], error,
                       (unsigned long long)ended.view_steps, (unsigned long long)whole.view_steps);
@@ -380,9 +330,7 @@ static void test_early_out_loses_what_it_says(void **state)
         assert_true(test_largest_difference(plain, early, "transmittance") < limits[i]);
         assert_true(ended.view_steps < whole.view_steps / 2);
         assert_true(ended.density_evaluations < whole.density_evaluations / 2);
-        neph_image_destroy(early);
     }
-    neph_image_destroy(plain);
 }
 
 /* --- growing steps -------------------------------------------------------------------------- */
@@ -392,13 +340,10 @@ static double growth_difference(struct neph_vulkan *vulkan, const struct neph_sc
 {
     struct neph_march_params params = marched;
     params.steps = steps;
-    struct neph_image *equal = test_march(vulkan, scene, &params, NULL);
+    OWNED(image) struct neph_image *equal = test_march(vulkan, scene, &params, NULL);
     params.shortcuts.step_growth = growth;
-    struct neph_image *grown = test_march(vulkan, scene, &params, NULL);
-    const double difference = test_largest_difference(equal, grown, layer);
-    neph_image_destroy(grown);
-    neph_image_destroy(equal);
-    return difference;
+    OWNED(image) struct neph_image *grown = test_march(vulkan, scene, &params, NULL);
+    return test_largest_difference(equal, grown, layer);
 }
 
 /* Steps of any length add up to the stretch, and both kinds converge to the same. */
@@ -423,16 +368,14 @@ static double depth_growth_difference(struct neph_vulkan *vulkan, const struct n
 {
     struct neph_march_stats every, some;
     params.shortcuts.depth_growth = 0.0;
-    struct neph_image *equal = test_march(vulkan, scene, &params, &every);
+    OWNED(image) struct neph_image *equal = test_march(vulkan, scene, &params, &every);
     params.shortcuts.depth_growth = 4.0;
-    struct neph_image *grown = test_march(vulkan, scene, &params, &some);
+    OWNED(image) struct neph_image *grown = test_march(vulkan, scene, &params, &some);
     const double difference = test_largest_difference(equal, grown, "volume");
     /* What lies behind is the whole medium, by steps of any length. */
     assert_true(test_largest_difference(equal, grown, "transmittance") < 3e-6);
     steps[0] = every.view_steps;
     steps[1] = some.view_steps;
-    neph_image_destroy(grown);
-    neph_image_destroy(equal);
     return difference;
 }
 
@@ -459,20 +402,16 @@ static void test_steps_grow_by_depth(void **state)
  * the march passes its clear steps in another loop. */
 static void test_steps_in_thin_media_do_not_grow(void **state)
 {
-    struct test_scene test;
-    test_scene_init(&test);
-    struct neph_grid *grid = add_sparse_grid(&test);
+    OWNED(media) struct test_scene test;
+    test_scene_build(&test, add_sparse_grid);
     struct neph_march_params params = marched;
     params.shortcuts.depth_growth = 1e-6;
     struct neph_march_stats plain, thin;
-    struct neph_image *grown = test_march(*state, &test.scene, &params, &thin);
+    OWNED(image) struct neph_image *grown = test_march(*state, &test.scene, &params, &thin);
     params.shortcuts.depth_growth = 0.0;
-    struct neph_image *equal = test_march(*state, &test.scene, &params, &plain);
+    OWNED(image) struct neph_image *equal = test_march(*state, &test.scene, &params, &plain);
     assert_int_equal(thin.density_evaluations, plain.density_evaluations);
     assert_true(test_largest_difference(equal, grown, "volume") < 1e-6);
-    neph_image_destroy(equal);
-    neph_image_destroy(grown);
-    neph_grid_destroy(grid);
 }
 
 /* --- refusals ------------------------------------------------------------------------------- */
@@ -495,8 +434,7 @@ static void test_what_is_of_no_use_is_refused(void **state)
         {{.sun_cache = true, .sun_cache_voxels = 64}, NEPH_MARCH_HORIZON, NEPH_ERR_UNSUPPORTED},
     };
     struct test_scene test;
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct neph_march_params params = marched;
         struct neph_diag diag = {0};
@@ -509,29 +447,23 @@ static void test_what_is_of_no_use_is_refused(void **state)
 /* Two clouds, of which one moves: empty cells do not stay empty. Both together do. */
 static void test_skipping_refuses_media_that_part(void **state)
 {
-    struct test_scene test;
-    struct neph_march *march = NULL;
+    OWNED(media) struct test_scene test;
     struct neph_image *frame = NULL;
     struct neph_diag diag = {0};
     const struct neph_vec3 by_m = {0.25, 0.0, 0.5};
-    test_scene_init(&test);
-    const struct two_grids two = add_two_grids(&test);
+    test_scene_build(&test, add_two_grids);
     struct neph_march_params params = marched;
     params.shortcuts.skip = true;
-    neph_assert_ok(neph_march_create(*state, &test.scene, &params, &march, &diag), &diag);
+    OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     for (int m = 0; m < 2; m++)
         neph_medium_drift(&test.scene.media[m], by_m);
-    struct neph_image *together = test_march_next(march, &test.scene, NULL);
+    OWNED(image) struct neph_image *together = test_march_next(march, &test.scene, NULL);
     params.shortcuts.skip = false;
-    struct neph_image *plain = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *plain = test_march(*state, &test.scene, &params, NULL);
     assert_true(test_same_bits(plain, together));
     neph_medium_drift(&test.scene.media[0], by_m);
     assert_int_equal(neph_march_frame(march, &test.scene, 0.0, NULL, &frame, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
-    neph_image_destroy(plain);
-    neph_image_destroy(together);
-    neph_march_destroy(march);
-    destroy_two(two);
 }
 
 /* --- in real time --------------------------------------------------------------------------- */
@@ -555,19 +487,15 @@ static void test_shortcuts_in_real_time(void **state)
     static const char all[] = "transmittance=marched sun=marched sun_steps=6 taa=off "
                               "ray_dither=none upscale_dither=none skip=majorant sun_cache=grid "
                               "sun_cache_voxels=32";
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     struct neph_realtime_stats stats[2];
-    test_scene_init(&test);
-    struct neph_grid *grid = add_sparse_grid(&test);
-    struct neph_image *slow = second_frame(*state, &test.scene, plain, &stats[0]);
-    struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
+    test_scene_build(&test, add_sparse_grid);
+    OWNED(image) struct neph_image *slow = second_frame(*state, &test.scene, plain, &stats[0]);
+    OWNED(image) struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
     assert_false(test_same_bits(slow, fast));
     assert_true(stats[1].view_steps < stats[0].view_steps);
     /* The lattice is there already: one evaluation a step is left. */
     assert_int_equal(stats[1].density_evaluations, stats[1].view_steps);
-    neph_image_destroy(fast);
-    neph_image_destroy(slow);
-    neph_grid_destroy(grid);
 }
 
 int main(void)

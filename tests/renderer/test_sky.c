@@ -40,15 +40,6 @@ static struct neph_scene *look(const struct neph_scene *earth, double sun_deg, d
     return made;
 }
 
-static struct neph_sky *make_sky(const struct neph_scene *scene,
-                                 const struct neph_sky_params *params)
-{
-    struct neph_sky *sky = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_sky_create(scene, params, &sky, &diag), &diag);
-    return sky;
-}
-
 /* --- harmonics -------------------------------------------------------------------------------- */
 
 /* Over a product rule that is exact for their products: z by Gauss (here by many midpoints, to
@@ -78,7 +69,7 @@ static void test_phase_functions_are_their_series(void **state)
 {
     struct neph_sky_air air;
     char reason[200];
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     for (int n = 0; n < 50; n++) {
         const double a = 0.13 * n, b = 1.0 + 0.29 * n;
@@ -99,7 +90,6 @@ static void test_phase_functions_are_their_series(void **state)
         neph_assert_close(henyey, neph_phase_per_sr(&hg, cos(a - b)), 0.0, left);
         neph_assert_close(air.layers[1].legendre[3], 0.8 * 0.8 * 0.8, 1e-14, 0.0);
     }
-    neph_scene_destroy(earth);
 }
 
 /* --- the table of transmittance --------------------------------------------------------------- */
@@ -111,7 +101,7 @@ static void test_sun_table(void **state)
     struct neph_sky_air air;
     char reason[200];
     struct neph_diag diag = {0};
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     double worst[2] = {0.0, 0.0};
     for (int fine = 0; fine < 2; fine++) {
@@ -138,7 +128,6 @@ static void test_sun_table(void **state)
     print_message("transmittance to the sun: off by %.2g, with twice the nodes by %.2g\n", worst[0],
                   worst[1]);
     assert_true(worst[0] < 2.5e-2 && worst[1] < 8e-3);
-    neph_scene_destroy(earth);
 }
 
 /* --- one order -------------------------------------------------------------------------------- */
@@ -151,7 +140,7 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
     params.steps = steps;
     params.sun_altitudes = 128;
     params.sun_cosines = 512;
-    struct neph_sky *sky = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *sky = test_sky(scene, &params);
     double worst = 0.0;
     *transmittance = 0.0;
     for (int i = 0; i < 6 * 7; i++) {
@@ -167,7 +156,6 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
             worst = fmax(worst, fabs(seen.radiance[c] - light[c]) / fmax(light[c], 1e-4));
         }
     }
-    neph_sky_destroy(sky);
     return worst;
 }
 
@@ -175,11 +163,12 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
  * steps. */
 static void test_one_order_is_exact_in_the_limit(void **state)
 {
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     static const struct {
         double sun_deg, altitude_m;
     } places[] = {{60.0, 2.0}, {5.0, 10e3}, {40.0, 300e3}};
     for (size_t i = 0; i < sizeof(places) / sizeof(places[0]); i++) {
+        OWNED(scene)
         struct neph_scene *scene = look(earth, places[i].sun_deg, places[i].altitude_m,
                                         NEPH_SCATTERING_SINGLE);
         double through[2];
@@ -191,9 +180,7 @@ static void test_one_order_is_exact_in_the_limit(void **state)
                       through[1]);
         assert_true(coarse < 0.02 && fine < 0.003);
         assert_true(through[0] < 5e-3 && through[1] < through[0] / 6.0);
-        neph_scene_destroy(scene);
     }
-    neph_scene_destroy(earth);
 }
 
 /* --- all orders ------------------------------------------------------------------------------- */
@@ -227,7 +214,7 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
     const double sun_cosine = neph_sky_node_sun_cosine(&axis, 6);
     scene.sun.direction = (struct neph_vec3){sqrt(1.0 - sun_cosine * sun_cosine), sun_cosine, 0.0};
     struct neph_diag diag = {0};
-    struct neph_slab *slab = NULL;
+    OWNED(slab) struct neph_slab *slab = NULL;
     neph_assert_ok(neph_slab_create(&(struct neph_slab_params){.optical_depth = 0.5,
                                                                .albedo = 0.95,
                                                                .phase = phase,
@@ -236,7 +223,7 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
                                                                .view_cosines = cosines},
                                     &slab, &diag),
                    &diag);
-    struct neph_sky *sky = make_sky(&scene, &params);
+    OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
     double worst = 0.0;
     for (int i = 0; i < 12; i++) {
         const double azimuth_rad = 0.3 + 0.8 * (i / 3), y = cosines[i % 3], x = sqrt(1.0 - y * y);
@@ -253,8 +240,6 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
     }
     print_message("against a slab, degree %d: off by %.2g\n", degree, worst);
     assert_true(worst < tolerance);
-    neph_sky_destroy(sky);
-    neph_slab_destroy(slab);
 }
 
 /* Moments of degree 0 and of 0 and 2 are all that isotropic and Rayleigh scattering know: what is
@@ -312,7 +297,7 @@ static void test_sweigarts_rayleigh_sky(void **state)
         scene.solids = &ground;
         scene.solid_count = 1;
         scene.scattering = NEPH_SCATTERING_MULTIPLE;
-        struct neph_sky *sky = make_sky(&scene, &params);
+        OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
         for (int i = 0; i < 3; i++) {
             const double y = sweigart_cosines[i], x = sqrt(1.0 - y * y);
             const double below = neph_sky_see(sky, (struct neph_vec3){0, 1e-3, 0},
@@ -328,7 +313,6 @@ static void test_sweigarts_rayleigh_sky(void **state)
             *of = fmax(*of, fabs(below / sweigart[n].below[i] - 1.0));
             *of = fmax(*of, fabs(above / sweigart[n].above[i] - 1.0));
         }
-        neph_sky_destroy(sky);
     }
     assert_true(worst < 5e-3 && grazing < 1.5e-2);
 }
@@ -338,11 +322,11 @@ static void test_all_orders_of_the_earth(void **state)
 {
     const int samples = neph_test_by_day(400, 20000);
     enum { WIDTH = 12, HEIGHT = 8 };
-    struct neph_scene *earth = test_load("catalog/sky_earth");
-    struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_MULTIPLE);
-    struct neph_image *frame = test_oracle(scene, WIDTH, HEIGHT, 3, samples);
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_MULTIPLE);
+    OWNED(image) struct neph_image *frame = test_oracle(scene, WIDTH, HEIGHT, 3, samples);
     const struct test_rgb rgb = test_layer(frame, NULL), variance = test_layer(frame, "variance");
-    struct neph_sky *sky = make_sky(scene, &usual);
+    OWNED(sky) struct neph_sky *sky = test_sky(scene, &usual);
     double seen = 0.0, truth = 0.0, noise2 = 0.0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
@@ -357,10 +341,6 @@ static void test_all_orders_of_the_earth(void **state)
                   seen / truth, sqrt(3.0 * noise2) / truth);
     /* The channels of a path are not independent: 3 times their variances at the most. */
     neph_assert_close(seen, truth, 0.015, 3.0 * sqrt(3.0 * noise2));
-    neph_sky_destroy(sky);
-    neph_image_destroy(frame);
-    neph_scene_destroy(scene);
-    neph_scene_destroy(earth);
 }
 
 /* --- solids ----------------------------------------------------------------------------------- */
@@ -392,11 +372,11 @@ static void test_solids_behind_air(void **state)
         enum neph_scattering scattering;
         double from_m, limit;
     } cases[] = {{NEPH_SCATTERING_NONE, 0.0, 2e-3}, {NEPH_SCATTERING_SINGLE, 3e3, 0.05}};
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
         struct neph_solid solids[5];
-        struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
-        struct neph_sky *sky = make_sky(scene, &usual);
+        OWNED(scene) struct neph_scene *scene = with_solids(earth, solids, cases[n].scattering);
+        OWNED(sky) struct neph_sky *sky = test_sky(scene, &usual);
         int hits = 0, close = 0;
         double worst = 0.0;
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -420,10 +400,7 @@ static void test_solids_behind_air(void **state)
         }
         print_message("%d pixels with solids: off by %.2g\n", hits, worst);
         assert_true(hits > 30 && close >= 0.8 * hits && worst < cases[n].limit);
-        neph_sky_destroy(sky);
-        neph_scene_destroy(scene);
     }
-    neph_scene_destroy(earth);
 }
 
 /* Irradiance of a level surface at the ground by its moments is what was summed for the ground; to
@@ -433,7 +410,7 @@ static void test_moments_light_surfaces(void **state)
     struct neph_sky_air air;
     struct neph_diag diag = {0};
     char reason[200];
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     assert_true(neph_sky_air_of(earth, &air, reason, sizeof(reason)));
     struct neph_sky_sun_table sun;
     struct neph_sky_field field;
@@ -455,7 +432,6 @@ static void test_moments_light_surfaces(void **state)
     }
     neph_sky_field_destroy(&field);
     neph_sky_sun_table_destroy(&sun);
-    neph_scene_destroy(earth);
 }
 
 /* --- a table of views ------------------------------------------------------------------------- */
@@ -465,18 +441,18 @@ static void test_moments_light_surfaces(void **state)
 static void test_view_table_is_the_walk_in_the_limit(void **state)
 {
     enum { WIDTH = 13, HEIGHT = 11, TABLES = 2 };
-    struct neph_scene *earth = test_load("catalog/sky_earth");
-    struct neph_scene *scene = look(earth, 14.0, 1000.0, NEPH_SCATTERING_MULTIPLE);
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *scene = look(earth, 14.0, 1000.0, NEPH_SCATTERING_MULTIPLE);
     struct neph_sky_params params = usual;
     params.steps = 16;
     params.field.orders = 2;
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     double worst[TABLES] = {0.0, 0.0};
-    struct neph_sky *walk = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *walk = test_sky(scene, &params);
     for (int n = 0; n < TABLES; n++) {
         struct neph_diag diag = {0};
         params.view = (struct neph_sky_view_params){true, n ? 47 : 24, n ? 39 : 20};
-        struct neph_sky *table = make_sky(scene, &params);
+        OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
         neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
         for (int i = 0; i < WIDTH * HEIGHT; i++) {
             const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
@@ -489,30 +465,26 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
                 worst[n] = fmax(worst[n], fabs(b.transmittance[c] - a.transmittance[c]));
             }
         }
-        neph_sky_destroy(table);
     }
     print_message("table of views: off by %.2g, with twice the nodes by %.2g\n", worst[0],
                   worst[1]);
     assert_true(worst[0] < 0.03 && worst[1] < 0.3 * worst[0]);
-    neph_sky_destroy(walk);
-    neph_scene_destroy(scene);
-    neph_scene_destroy(earth);
 }
 
 /* The ground from a few metres up: 100 m to 4 km of air before it, of which as much is missing as
  * the way is shorter than between two nodes; towards the sun and away from it. */
 static void test_view_table_sees_the_ground_near(void **state)
 {
-    struct neph_scene *earth = test_load("catalog/sky_earth");
-    struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_SINGLE);
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *scene = look(earth, 5.0, 2.0, NEPH_SCATTERING_SINGLE);
     struct neph_sky_params params = usual;
     struct neph_diag diag = {0};
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
     const struct neph_vec3 sun = scene->sun.direction;
     const double across = hypot(sun.x, sun.z);
-    struct neph_sky *walk = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *walk = test_sky(scene, &params);
     params.view = (struct neph_sky_view_params){true, 48, 48};
-    struct neph_sky *table = make_sky(scene, &params);
+    OWNED(sky) struct neph_sky *table = test_sky(scene, &params);
     double worst = 0.0;
     neph_assert_ok(neph_sky_stand(table, camera.position_m, &diag), &diag);
     for (int i = 0; i < 80; i++) {
@@ -528,10 +500,6 @@ static void test_view_table_sees_the_ground_near(void **state)
     }
     print_message("air before the ground near: off by %.2g\n", worst);
     assert_true(worst < 0.01);
-    neph_sky_destroy(table);
-    neph_sky_destroy(walk);
-    neph_scene_destroy(scene);
-    neph_scene_destroy(earth);
 }
 
 /* --- layers ----------------------------------------------------------------------------------- */
@@ -540,8 +508,8 @@ static void test_view_table_sees_the_ground_near(void **state)
  * numbers, to their rounding, which is that of the floats of the table of transmittance. */
 static void test_splitting_a_medium_changes_nothing(void **state)
 {
-    struct neph_scene *earth = test_load("catalog/sky_earth");
-    struct neph_scene *whole = look(earth, 8.0, 2000.0, NEPH_SCATTERING_MULTIPLE);
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *whole = look(earth, 8.0, 2000.0, NEPH_SCATTERING_MULTIPLE);
     struct neph_scene split = *whole;
     split.medium_count = 5; /* air 0.3, haze, ozone, air 0.5, air 0.2; then in another order */
     split.media[3] = split.media[4] = split.media[0];
@@ -553,8 +521,8 @@ static void test_splitting_a_medium_changes_nothing(void **state)
         mixed.media[i] = split.media[(2 * i + 1) % 5];
     struct neph_sky_params params = usual;
     params.field.orders = 2;
-    struct neph_sky *skies[3] = {make_sky(whole, &params), make_sky(&split, &params),
-                                 make_sky(&mixed, &params)};
+    struct neph_sky *skies[3] = {test_sky(whole, &params), test_sky(&split, &params),
+                                 test_sky(&mixed, &params)};
     uint64_t seed = 77;
     for (int n = 0; n < 40; n++) {
         const struct neph_vec3 eye_m = {0.0, pow(10.0, neph_test_uniform(&seed, 0.0, 5.0)), 0.0};
@@ -570,8 +538,6 @@ static void test_splitting_a_medium_changes_nothing(void **state)
     }
     for (int i = 0; i < 3; i++)
         neph_sky_destroy(skies[i]);
-    neph_scene_destroy(whole);
-    neph_scene_destroy(earth);
 }
 
 /* --- on a device ------------------------------------------------------------------------------ */
@@ -598,11 +564,12 @@ static void test_device_is_the_twin(void **state)
     params.field.altitudes = 6;
     params.field.suns = 16;
     params.field.orders = 3;
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     for (size_t n = 0; n < sizeof(cases) / sizeof(cases[0]); n++) {
+        OWNED(scene)
         struct neph_scene *scene = look(earth, cases[n].sun_deg, cases[n].altitude_m,
                                         cases[n].scattering);
-        struct neph_image *image = NULL;
+        OWNED(image) struct neph_image *image = NULL;
         struct neph_sky_stats stats;
         struct neph_diag diag = {0};
         params.field.degree = cases[n].degree;
@@ -616,7 +583,7 @@ static void test_device_is_the_twin(void **state)
         const struct test_rgb rgb = test_layer(image, NULL), volume = test_layer(image, "volume"),
                               through = test_layer(image, "transmittance");
         const float *depth = neph_image_channel(image, "Z");
-        struct neph_sky *sky = make_sky(scene, &params);
+        OWNED(sky) struct neph_sky *sky = test_sky(scene, &params);
         const struct neph_camera camera = neph_scene_camera(scene, 0.0);
         double worst = 0.0;
         neph_assert_ok(neph_sky_stand(sky, camera.position_m, &diag), &diag);
@@ -635,17 +602,13 @@ static void test_device_is_the_twin(void **state)
         }
         print_message("on a device, sun at %g degrees: off by %.2g\n", cases[n].sun_deg, worst);
         assert_true(worst < 4e-5);
-        neph_sky_destroy(sky);
-        neph_image_destroy(image);
-        neph_scene_destroy(scene);
     }
-    neph_scene_destroy(earth);
 }
 
 static void test_device_says_what_it_cannot(void **state)
 {
     char reason[200];
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_sky_params params = usual;
     assert_true(neph_sky_device_can(earth, &params, reason, sizeof(reason)));
     params.field.closure = true;
@@ -660,7 +623,6 @@ static void test_device_says_what_it_cannot(void **state)
     params = usual;
     assert_false(neph_sky_device_can(&more, &params, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "solids"));
-    neph_scene_destroy(earth);
 }
 
 /* --- refusals --------------------------------------------------------------------------------- */
@@ -679,7 +641,7 @@ static void refuses(const struct neph_scene *scene, const char *words)
 
 static void test_says_what_it_cannot(void **state)
 {
-    struct neph_scene *earth = test_load("catalog/sky_earth");
+    OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
     struct neph_scene scene = *earth;
     scene.medium_count = 0;
     refuses(&scene, "without an atmosphere");
@@ -704,7 +666,6 @@ static void test_says_what_it_cannot(void **state)
     scene = *earth;
     scene.media[1].emission_w_per_m2_sr.g = 1.0;
     refuses(&scene, "emits");
-    neph_scene_destroy(earth);
 }
 
 int main(void)

@@ -28,6 +28,13 @@ static const uint32_t taa_code[] = {
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
 
+static const uint32_t reconstruct_code[] = {
+#include "realtime/reconstruction/reconstruct.comp.inc"
+};
+static const uint32_t ray_march_code[] = {
+#include "realtime/ray_march/ray_march.comp.inc"
+};
+
 enum { ANSWERS = 64, CONSTANTS = 4 };
 
 struct constants {
@@ -161,12 +168,11 @@ static void specialize(const uint32_t *code, size_t code_bytes, const uint32_t *
                        int count, uint32_t **words, size_t *size_bytes, size_t *whole_bytes)
 {
     struct neph_diag diag = {0};
-    uint32_t *whole = NULL;
+    OWNED(memory) uint32_t *whole = NULL;
     neph_assert_ok(neph_shader_unpack(code, code_bytes, &whole, whole_bytes, &diag), &diag);
     assert_true(has_open_constants(whole, *whole_bytes));
     neph_assert_ok(neph_specialize(whole, *whole_bytes, constants, count, words, size_bytes, &diag),
                    &diag);
-    free(whole);
 }
 
 static void test_valid_whatever_the_constants(void **state)
@@ -227,10 +233,9 @@ static void test_unused_goes(void **state)
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
     size_t bytes[2], whole_bytes;
     for (int i = 0; i < 2; i++) {
-        uint32_t *spirv = NULL;
+        OWNED(memory) uint32_t *spirv = NULL;
         specialize(march_code, sizeof(march_code), i == 0 ? nothing : all_kinds, 12, &spirv,
                    &bytes[i], &whole_bytes);
-        free(spirv);
     }
     print_message("%zu bytes for nothing, %zu for all media\n", bytes[0], bytes[1]);
     assert_true(4 * bytes[0] < bytes[1]);
@@ -241,7 +246,7 @@ static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
     const uint32_t constants[3] = {[2] = 8};
-    uint32_t *words = NULL;
+    OWNED(memory) uint32_t *words = NULL;
     size_t bytes = 0, whole_bytes = 0;
     specialize(tracer_code, sizeof(tracer_code), constants, 3, &words, &bytes, &whole_bytes);
     bool has_size = false;
@@ -249,7 +254,40 @@ static void test_the_size_of_work_groups_stays(void **state)
         has_size |= (words[i] & 0xffff) == OP_DECORATE && words[i + 2] == BUILT_IN &&
                     words[i + 3] == WORKGROUP_SIZE;
     assert_true(has_size);
-    free(words);
+}
+
+/* Whether a module declares the capability, or has a type that needs it. */
+static bool has_int64(const uint32_t *words, size_t size_bytes)
+{
+    enum { HEADER_WORDS = 5, OP_CAPABILITY = 17, OP_TYPE_INT = 21, INT64 = 11 };
+    bool has = false;
+    for (size_t i = HEADER_WORDS; i < size_bytes / sizeof(*words); i += words[i] >> 16)
+        has |= ((words[i] & 0xffff) == OP_CAPABILITY && words[i + 1] == INT64) ||
+               ((words[i] & 0xffff) == OP_TYPE_INT && words[i + 2] == 64);
+    return has;
+}
+
+/* renderer/requirements.c asks a CPU for shaderInt64, and no GPU. */
+static void test_kernels_of_a_gpu_need_no_int64(void **state)
+{
+    static const struct {
+        const uint32_t *code;
+        size_t code_bytes;
+    } passes[] = {{taa_code, sizeof(taa_code)},
+                  {reconstruct_code, sizeof(reconstruct_code)},
+                  {ray_march_code, sizeof(ray_march_code)}};
+    for (size_t i = 0; i < COUNT(passes); i++)
+        for (uint32_t variant = 0; variant < 4; variant++) {
+            uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
+            size_t bytes = 0, whole_bytes = 0;
+            const bool is_gpu = variant / 2 == 1;
+            constants[RT_GPU_ACCESS_CONSTANT] = is_gpu;
+            constants[RT_SPECIALISED_CONSTANT] = variant % 2;
+            specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
+                       &bytes, &whole_bytes);
+            assert_true(has_int64(words, bytes) == !is_gpu);
+            free(words);
+        }
 }
 
 /* --- what is refused ---------------------------------------------------------------------- */
@@ -260,12 +298,15 @@ enum { PACKED_HEAD = 2 + 34 };
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
     uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
+    unsigned char planes[64];
+    for (size_t i = 0; i < size_bytes; i++)
+        planes[i % 4 * (size_bytes / 4) + i / 4] = ((const unsigned char *)module)[i];
     memset(packed, 0, 64 * sizeof(*packed));
     packed[0] = (uint32_t)size_bytes;
     packed[1] = 34;
     packed[2 + 1] = UINT32_MAX;
     packed[2 + 33] = 15;
-    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, module, size_bytes),
+    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, planes, size_bytes),
                      Z_OK);
     return PACKED_HEAD * sizeof(*packed) + deflated;
 }
@@ -323,6 +364,7 @@ int main(void)
         cmocka_unit_test(test_bits_that_are_not_read_change_nothing),
         cmocka_unit_test(test_unused_goes),
         cmocka_unit_test(test_the_size_of_work_groups_stays),
+        cmocka_unit_test(test_kernels_of_a_gpu_need_no_int64),
         cmocka_unit_test(test_a_refused_shader_is_named),
         cmocka_unit_test(test_a_damaged_shader_is_found),
     };

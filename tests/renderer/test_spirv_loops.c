@@ -87,11 +87,11 @@ static int run(struct neph_vulkan *vulkan, uint32_t way)
     int off = 0;
     for (uint32_t i = 0; i < ANSWERS; i++)
         asked[i] = i;
+    OWNED(memory)
     uint32_t *answers = test_probe(vulkan, &params, NULL, asked, sizeof(*asked), sizeof(*answers),
                                    ANSWERS);
     for (uint32_t i = 0; i < ANSWERS; i++)
         off += answers[i] != ways[way].answer(i);
-    free(answers);
     return off;
 }
 
@@ -108,13 +108,13 @@ static void test_what_is_lost_is_found(void **state)
         const struct neph_kernel_params params = params_of(way);
         struct neph_spirv_lost lost;
         size_t words = 0;
+        OWNED(memory)
         uint32_t *spirv = test_shader_words(params.code, params.code_bytes, params.constants, 2,
                                             &words);
         assert_true(neph_spirv_find_lost(spirv, words * sizeof(*spirv), &lost));
         print_message("%s: value %u, loop %u\n", ways[way].name, lost.value, lost.header);
         assert_int_equal(lost.value == 0, ways[way].is_kept);
         assert_int_equal(lost.header == 0, ways[way].is_kept);
-        free(spirv);
     }
 }
 
@@ -141,7 +141,8 @@ static void test_validation_tells(void **state)
     const struct neph_kernel_params kept = params_of(1), lost = params_of(2);
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true}, &vulkan, &diag),
+        neph_vulkan_create(&(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON}, &vulkan,
+                           &diag),
         &diag);
     neph_assert_ok(neph_kernel_get(vulkan, &kept, &kernel, &diag), &diag);
     neph_assert_ok(neph_vulkan_check(vulkan, &diag), &diag);

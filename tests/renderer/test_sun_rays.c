@@ -69,7 +69,7 @@ static double shown_depth(const struct neph_image *frame, const struct test_scen
 static double worst_difference(struct neph_vulkan *vulkan, const struct test_scene *test,
                                const struct neph_march_params *params, int *shaded)
 {
-    struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, params, NULL);
     const float *z_m = neph_image_channel(frame, "Z");
     double worst = 0.0;
     *shaded = 0;
@@ -85,7 +85,6 @@ static double worst_difference(struct neph_vulkan *vulkan, const struct test_sce
         worst = fmax(worst, fabs(shown_depth(frame, test, p) - own));
         *shaded += own > 0.1;
     }
-    neph_image_destroy(frame);
     return worst;
 }
 
@@ -109,8 +108,8 @@ static void test_through_voxels(void **state)
     };
     uint64_t random = 7;
     struct test_scene test;
-    test_scene_init(&test);
-    add_ground(&test);
+    test_scene_build(&test, add_ground);
+    OWNED(grid)
     struct neph_grid *grid = random_lattice((const int[3]){12, 11, 10},
                                             (struct neph_vec3){-3.0, 1.0, -15.0},
                                             (struct neph_vec3){0.6, 0.5, 0.7}, 0.0, &random);
@@ -125,25 +124,22 @@ static void test_through_voxels(void **state)
                       worst, shaded);
         assert_true(shaded > 20 && worst < 2e-5);
     }
-    neph_grid_destroy(grid);
 }
 
 /* Lengths add up to the way, wherever in the medium the points are. */
 static void test_in_an_even_medium(void **state)
 {
     struct test_scene test;
-    test_scene_init(&test);
-    add_ground(&test);
+    test_scene_build(&test, add_ground);
     const struct neph_bounds box = {{-500.0, -2.0, -500.0}, {500.0, 12.0, 500.0}};
     test_add(&test, make_homogeneous(0.05, box));
     struct neph_march_params params = marched;
     params.shortcuts = (struct neph_shortcuts){.sun_growth = 1.5, .sun_cone = 0.1};
-    struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
     const double depth = 0.05 * 14.0 / test.scene.sun.direction.y;
     const double shown = shown_depth(frame, &test, PIXELS - WIDTH_PX / 2);
     print_message("optical depth %.7f, where it is %.7f\n", shown, depth);
     assert_true(fabs(shown - depth) < 2e-6);
-    neph_image_destroy(frame);
 }
 
 static void test_other_rays_are_refused(void **state)

@@ -63,11 +63,10 @@ static void test_slabs_are_those_of_adding_and_doubling(void **state)
         double sum = 0.0, squares = 0.0;
         for (uint32_t seed = 0; seed < SEEDS; seed++) {
             const struct neph_march_params params = params_of(seed);
-            struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+            OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
             const double mean = mean_of(frame, "volume.G") / truth - 1.0;
             sum += mean;
             squares += mean * mean;
-            neph_image_destroy(frame);
         }
         const double error = sum / SEEDS;
         const double noise = sqrt((squares / SEEDS - error * error) / (SEEDS - 1));
@@ -119,8 +118,7 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
         struct test_scene test;
         if (f != by_day && !neph_test_is_night())
             continue;
-        test_scene_init(&test);
-        furnaces[f].build(&test);
+        test_scene_build(&test, furnaces[f].build);
         if (params->light.similar > 0.0)
             test.scene.media[0].phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.8};
         for (int m = 0; m < test.scene.medium_count; m++)
@@ -129,12 +127,11 @@ static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_p
         test.scene.sun.present = false;
         test.scene.background_w_per_m2_sr = make_grey(1.0);
         test.scene.environment_light = true;
-        struct neph_image *frame = test_march(vulkan, &test.scene, params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(vulkan, &test.scene, params, NULL);
         const double radiance = mean_of(frame, "G");
         print_message("%s: %.5f\n", furnaces[f].name, radiance);
         assert_true(mean_of(frame, "transmittance.G") < 0.95);
         assert_true(fabs(radiance - 1.0) < 5e-3);
-        neph_image_destroy(frame);
     }
 }
 
@@ -215,12 +212,8 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
 static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint64_t seed,
                       struct texel texels[TEXELS])
 {
-    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
-                                              .height_px = HEIGHT_PX,
-                                              .seed = seed,
-                                              .samples = 256,
-                                              .time_limit_s = INFINITY};
-    struct neph_image *frame = test_trace(vulkan, scene, &params, NULL);
+    const struct neph_tracer_params params = test_samples(WIDTH_PX, HEIGHT_PX, seed, 256);
+    OWNED(image) struct neph_image *frame = test_trace(vulkan, scene, &params, NULL);
     double light[TEXELS] = {0.0};
     const float *all = neph_image_channel(frame, "volume.G");
     const float *first = neph_image_channel(frame, "order1.G");
@@ -234,7 +227,6 @@ static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene
     }
     for (int t = 0; t < TEXELS; t++)
         texels[t].light = light[t] / texels[t].weight;
-    neph_image_destroy(frame);
 }
 
 /* Variance of a texel times its weight, from two runs. */
@@ -386,9 +378,8 @@ static void test_orders_that_had_no_time(void **state)
                                                  .memory = 32,
                                                  .blur_texels = 1.0,
                                                  .looks_ahead = ahead};
-        struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
+        OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         errors[ahead] = mean_of(frame, "volume.G") / truth - 1.0;
-        neph_image_destroy(frame);
     }
     print_message(
         "a slab of depth 80 from below, first picture: %+.1f %%, looking ahead %+.1f %%\n",
@@ -405,7 +396,6 @@ static void test_paths_that_end_ahead(void **state)
     const struct neph_slab_params slab = {16.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 0.7, 0,
                                           NULL, 24};
     struct test_scene test;
-    struct neph_march *row = NULL;
     struct neph_diag diag = {0};
     struct neph_march_params params = params_of(1);
     double sum = 0.0, squares = 0.0, spread[2];
@@ -420,10 +410,10 @@ static void test_paths_that_end_ahead(void **state)
                                                  .blur_texels = 1.0,
                                                  .looks_ahead = true,
                                                  .ends_ahead = ends};
-        neph_assert_ok(neph_march_create(*state, &test.scene, &params, &row, &diag), &diag);
+        OWNED(march) struct neph_march *row = test_march_open(*state, &test.scene, &params);
         for (int i = 0; i < 12; i++) {
             const struct neph_march_moment moment = {.continues = i > 0};
-            struct neph_image *frame = NULL;
+            OWNED(image) struct neph_image *frame = NULL;
             test.scene.sun.direction = i > 0 ? sun : (struct neph_vec3){0.995, 0.1, 0.0};
             neph_assert_ok(neph_march_frame(row, &test.scene, 0.0, &moment, &frame, NULL, &diag),
                            &diag);
@@ -433,10 +423,8 @@ static void test_paths_that_end_ahead(void **state)
                 sum += (double)light[p] / truth / (WIDTH_PX * HEIGHT_PX);
                 squares += pow((double)light[p] / truth, 2.0) / (WIDTH_PX * HEIGHT_PX);
             }
-            neph_image_destroy(frame);
         }
         spread[ends] = sqrt(squares - sum * sum);
-        neph_march_destroy(row);
     }
     print_message("ended ahead: %+.1f %%, rms %.1f %%; taken back: rms %.1f %%\n",
                   100.0 * (sum - 1.0), 100.0 * spread[1], 100.0 * spread[0]);
@@ -453,7 +441,7 @@ static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, 
     struct neph_march_params params = params_of(4);
     params.light = (struct neph_light_paths){
         .texel_px = 1, .paths = 3, .rounds = 24, .memory = 1, .similar = similar, .seed = 4};
-    struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
+    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
     const float *light = neph_image_channel(frame, "volume.G");
     const double mean = mean_of(frame, "volume.G");
     double squares = 0.0;
@@ -461,7 +449,6 @@ static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, 
         squares += pow((double)light[p] - mean, 2.0);
     *bias = mean / truth - 1.0;
     *rms = sqrt(squares / (WIDTH_PX * HEIGHT_PX)) / truth;
-    neph_image_destroy(frame);
 }
 
 /* A fifth of the way to delta-Eddington: what it is off by is docs/light.md's, with four standard
@@ -498,7 +485,7 @@ static void test_similar_media(void **state)
 static struct neph_image *play(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                uint32_t seed, int count)
 {
-    struct neph_settings settings = test_preset("ours", "light_texel_px=4 light_paths=8 "
+    struct neph_settings settings = test_preset("ours", "light_paths=8 "
                                                         "ray_dither=none upscale_dither=none");
     settings.values[RT_LIGHTING] = NEPH_MARCH_TRACED;
     const struct neph_realtime_params params = {
@@ -528,15 +515,13 @@ static void test_light_follows_a_camera(void **state)
     struct test_scene test;
     struct neph_camera_key keys[2];
     moving_scene(&test, keys);
-    struct neph_image *moving = play(*state, &test.scene, 1, PICTURES);
+    OWNED(image) struct neph_image *moving = play(*state, &test.scene, 1, PICTURES);
     struct neph_march_params params = params_of(5);
     params.frame = PICTURES - 1;
-    struct neph_image *still = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *still = test_march(*state, &test.scene, &params, NULL);
     const double ratio = mean_of(moving, "volume.G") / mean_of(still, "volume.G");
     print_message("after %d pictures in motion: %.4f of a picture at rest\n", PICTURES, ratio);
     assert_true(fabs(ratio - 1.0) < 0.05);
-    neph_image_destroy(still);
-    neph_image_destroy(moving);
 }
 
 static void test_same_seed_same_bits(void **state)
@@ -576,8 +561,7 @@ static void test_what_it_cannot_is_refused(void **state)
     struct test_scene test;
     struct neph_diag diag = {0};
     char reason[256];
-    test_scene_init(&test);
-    add_blob(&test);
+    test_scene_build(&test, add_blob);
     make_sunlit(&test);
     struct neph_march_params params = params_of(1);
     for (size_t i = 0; i < COUNT(bad); i++) {

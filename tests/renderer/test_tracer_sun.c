@@ -56,12 +56,8 @@ static void build(struct test_scene *test, void (*scene_of)(struct test_scene *)
 static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_scene *test,
                                  int sun_nodes, uint64_t seed, int samples)
 {
-    const struct neph_tracer_params params = {.width_px = WIDTH_PX,
-                                              .height_px = HEIGHT_PX,
-                                              .seed = seed,
-                                              .sun_nodes = sun_nodes,
-                                              .samples = samples,
-                                              .time_limit_s = INFINITY};
+    struct neph_tracer_params params = test_samples(WIDTH_PX, HEIGHT_PX, seed, samples);
+    params.sun_nodes = sun_nodes;
     struct neph_image *frame = test_trace(vulkan, &test->scene, &params, NULL);
     for (int c = 0; c < frame->channel_count; c++)
         for (int i = 0; i < PIXELS; i++)
@@ -118,25 +114,23 @@ static void judge_variance(int nodes, const struct neph_image *a, const struct n
 /* Too coarse a table is not used, which is no test of it. */
 static bool has_table(struct neph_vulkan *vulkan, const struct test_scene *test, int nodes)
 {
-    struct neph_image *rays = render(vulkan, test, 0, 1, 8);
-    struct neph_image *table = render(vulkan, test, nodes, 1, 8);
-    const bool differ = memcmp(rays->channels[0].samples, table->channels[0].samples,
-                               PIXELS * sizeof(float)) != 0;
-    neph_image_destroy(rays);
-    neph_image_destroy(table);
-    return differ;
+    OWNED(image) struct neph_image *rays = render(vulkan, test, 0, 1, 8);
+    OWNED(image) struct neph_image *table = render(vulkan, test, nodes, 1, 8);
+    return memcmp(rays->channels[0].samples, table->channels[0].samples, PIXELS * sizeof(float)) !=
+           0;
 }
 
 static void judge_tables(struct neph_vulkan *vulkan, void (*scene_of)(struct test_scene *),
                          const int *nodes, size_t count)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     build(&test, scene_of);
     const int samples = neph_test_by_day(64, 4096);
-    struct neph_image *rays = render(vulkan, &test, 0, 1, samples);
+    OWNED(image) struct neph_image *rays = render(vulkan, &test, 0, 1, samples);
     assert_true(has_table(vulkan, &test, nodes[count - 1]));
     float *of_rays[3], *of_table[3];
     for (size_t i = 0; i < count; i++) {
+        OWNED(image)
         struct neph_image *table = render(vulkan, &test, nodes[i], 2 + (uint64_t)i, samples);
         assert_true(neph_image_rgb(rays, "order1", of_rays) &&
                     neph_image_rgb(table, "order1", of_table));
@@ -144,10 +138,7 @@ static void judge_tables(struct neph_vulkan *vulkan, void (*scene_of)(struct tes
         assert_true(neph_image_rgb(rays, NULL, of_rays) && neph_image_rgb(table, NULL, of_table));
         judge_sum("all light", nodes[i], of_table, of_rays);
         judge_variance(nodes[i], table, rays);
-        neph_image_destroy(table);
     }
-    neph_image_destroy(rays);
-    scene_teardown(&test);
 }
 
 static void test_any_table_is_right(void **state)
@@ -166,11 +157,10 @@ static void test_a_table_that_misses_it_all_is_right(void **state)
  * render() looks. */
 static void test_no_light_is_negative(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
     build(&test, scene_of_spikes);
     for (uint64_t seed = 1; seed <= (uint64_t)neph_test_by_day(4, 16); seed++)
         neph_image_destroy(render(*state, &test, 1000 << (seed % 4), seed, 8));
-    scene_teardown(&test);
 }
 
 int main(void)

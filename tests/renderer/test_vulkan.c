@@ -95,14 +95,13 @@ static void with_environment(const char *name, const char *value,
                              const struct neph_vulkan_params *params, const char *in_message,
                              const char *in_hint)
 {
-    char *before = getenv(name) ? strdup(getenv(name)) : NULL;
+    OWNED(memory) char *before = getenv(name) ? strdup(getenv(name)) : NULL;
     setenv(name, value, 1);
     assert_unavailable(params, in_message, in_hint);
     if (before)
         setenv(name, before, 1);
     else
         unsetenv(name);
-    free(before);
 }
 
 static void test_no_driver_is_said_with_the_install_line(void **state)
@@ -114,7 +113,7 @@ static void test_no_driver_is_said_with_the_install_line(void **state)
 static void test_no_validation_layer_is_said_with_the_install_line(void **state)
 {
     with_environment("VK_LAYER_PATH", "/nonexistent",
-                     &(struct neph_vulkan_params){.validation = true}, "validation",
+                     &(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON}, "validation",
                      "apt-get install vulkan-validationlayers");
 }
 
@@ -208,7 +207,8 @@ static void test_too_large_a_buffer_is_refused(void **state)
 
 static void open_and_close(const char *cache_folder)
 {
-    const struct neph_vulkan_params params = {.validation = true, .cache_folder = cache_folder};
+    const struct neph_vulkan_params params = {.validation = NEPH_VALIDATION_ON,
+                                              .cache_folder = cache_folder};
     struct neph_vulkan *vulkan = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_vulkan_create(&params, &vulkan, &diag), &diag);
@@ -253,10 +253,10 @@ static void test_a_broken_cache_is_renewed(void **state)
         "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef and something"};
     char root[] = "/tmp/neph-test-pipelines-XXXXXX";
     assert_non_null(mkdtemp(root));
-    char *folder = neph_path_join(root, "made");
+    OWNED(memory) char *folder = neph_path_join(root, "made");
     struct neph_diag diag = {0};
     open_and_close(folder);
-    char *path = only_file(folder);
+    OWNED(memory) char *path = only_file(folder);
     assert_true(is_sound(path));
     for (size_t i = 0; i < sizeof(broken) / sizeof(broken[0]); i++) {
         neph_assert_ok(neph_file_write(path, broken[i], strlen(broken[i]), &diag), &diag);
@@ -264,8 +264,6 @@ static void test_a_broken_cache_is_renewed(void **state)
         open_and_close(folder);
         assert_true(is_sound(path));
     }
-    free(path);
-    free(folder);
     neph_assert_ok(neph_dir_remove(root, &diag), &diag);
 }
 

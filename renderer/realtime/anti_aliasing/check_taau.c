@@ -80,8 +80,8 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
     struct test_passes test;
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 5;
-        test_open(*state, 64, 36, 0, &test, "taa_box=distance taa_contrast=0 taa_format=float %s",
-                  kinds[k]);
+        test_open(*state, 64, 36, 0, &test,
+                  "taa_box=distance taa_contrast=0 target_format=float %s", kinds[k]);
         test.view.has_history = 1;
         test.view.jitter_px[0] = 0.3f;
         test.view.jitter_px[1] = -0.45f;
@@ -136,7 +136,7 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
     struct test_passes film;
     test_open(vulkan, 120, 8, 0, &film,
               "taa=on screen_percent=%d taa_box=none taa_hdr_weight=off taa_contrast=0 "
-              "taa_alpha=0.1 taa_format=float",
+              "taa_alpha=0.1 target_format=float",
               percent);
     test_fill(&film, RT_DEPTH, 128, 0, 0, 0);
     const struct neph_gpu_view *view = &film.view;
