@@ -11,11 +11,10 @@
 #define NEPH_PHASE_KINDS(of) \
     of(0, ISOTROPIC, isotropic) \
     of(1, HENYEY_GREENSTEIN, henyey_greenstein) \
-    of(2, RAYLEIGH, rayleigh) \
-    of(3, LINEAR, linear)
+    of(2, RAYLEIGH, rayleigh)
 /* clang-format on */
 
 /* Those that need the key asymmetry_g: for the reference of keys and for messages. */
-#define NEPH_PHASES_WITH_ASYMMETRY "henyey_greenstein, linear"
+#define NEPH_PHASES_WITH_ASYMMETRY "henyey_greenstein"
 
 #endif

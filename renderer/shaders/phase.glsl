@@ -9,7 +9,6 @@
 #include "numbers.glsl"
 #include "phase_henyey_greenstein.glsl"
 #include "phase_isotropic.glsl"
-#include "phase_linear.glsl"
 #include "phase_rayleigh.glsl"
 #include "scenes/phase_kinds.h"
 
@@ -18,7 +17,7 @@
 NEPH_PHASE_KINDS(PHASE_NUMBER)
 
 #define PHASE_ONE(number, NAME, name) +1
-#if NEPH_PHASE_KINDS(PHASE_ONE) != 4
+#if NEPH_PHASE_KINDS(PHASE_ONE) != 3
 #error A new kind: give each function below its line.
 #endif
 
@@ -30,8 +29,6 @@ float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
         return henyey_greenstein_per_sr(g, view, sun);
     if (kind == PHASE_RAYLEIGH)
         return rayleigh_per_sr(view, sun);
-    if (kind == PHASE_LINEAR)
-        return linear_per_sr(g, view, sun);
     return ISOTROPIC_PER_SR;
 }
 
@@ -51,16 +48,9 @@ float phase_versine(uint kind, float g, float u)
         return henyey_greenstein_versine(g, u);
     if (kind == PHASE_RAYLEIGH)
         return rayleigh_versine(u);
-    if (kind == PHASE_LINEAR)
-        return linear_versine(g, u);
     return isotropic_versine(u);
 }
 
-float phase_mean_cosine(uint kind, float g)
-{
-    if (kind == PHASE_HENYEY_GREENSTEIN)
-        return g;
-    return kind == PHASE_LINEAR ? g / 3.0 : 0.0;
-}
+float phase_mean_cosine(uint kind, float g) { return kind == PHASE_HENYEY_GREENSTEIN ? g : 0.0; }
 
 #endif

@@ -88,17 +88,6 @@ static void test_rayleigh_inverts_its_distribution(void **state)
     }
 }
 
-/* The share of cosines below c is (1 + c) / 2 - g (1 - c^2) / 4. */
-static void test_linear_inverts_its_distribution(void **state)
-{
-    for (size_t i = 0; i < COUNT(asymmetries); i++)
-        for (double u = 0.001; u < 1.0; u += 0.0127) {
-            const double g = fabs(asymmetries[i]);
-            const double v = neph_phase_versine(&(struct neph_phase){NEPH_PHASE_LINEAR, g}, u);
-            neph_assert_close(1.0 - 0.5 * v - 0.25 * g * v * (2.0 - v), u, 1e-13, 1e-15);
-        }
-}
-
 enum { DRAWS = 100000, BINS = 20 };
 
 /* Directions around a slanted axis: unit; cosines equally frequent in bins of equal probability
@@ -175,7 +164,6 @@ int main(void)
         cmocka_unit_test(test_first_numbers_of_streams),
         cmocka_unit_test(test_henyey_greenstein_inverts_its_distribution),
         cmocka_unit_test(test_rayleigh_inverts_its_distribution),
-        cmocka_unit_test(test_linear_inverts_its_distribution),
         cmocka_unit_test(test_phase_sampling),
         cmocka_unit_test(test_cosine_sampling),
     };
