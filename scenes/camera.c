@@ -48,9 +48,6 @@ static const struct neph_field camera_fields[] = {
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(camera_key_count),
      .record = &camera_key_record, .standard = "none"},
     {"up", NEPH_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .standard = "[0, 1, 0]"},
-    {"roll_deg", NEPH_NUMBER, SCENE(camera_roll_rad), "degrees", -180, 180,
-     .note = "about the view: the right side of the picture goes down", .standard = "0",
-     .hashing = NEPH_HASHED_IF_SET, .hash_name = "roll_rad"},
     {"vertical_fov_deg", NEPH_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
      .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`",
      .hash_name = "vertical_fov_rad"},
@@ -97,7 +94,6 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
         status = make_camera_key(written, reader->diag);
     scene->camera_up = neph_vec3_normalize(scene->camera_up);
     scene->vertical_fov_rad *= NEPH_RAD_PER_DEG;
-    scene->camera_roll_rad *= NEPH_RAD_PER_DEG;
     return status;
 }
 
@@ -171,10 +167,6 @@ struct neph_camera neph_scene_camera(const struct neph_scene *scene, double fram
     camera.forward = neph_vec3_normalize(neph_vec3_sub(key.look_at_m, key.position_m));
     camera.right = neph_vec3_normalize(neph_vec3_cross(camera.forward, scene->camera_up));
     camera.up = neph_vec3_cross(camera.right, camera.forward);
-    const struct neph_vec3 right = camera.right, up = camera.up;
-    const double sine = sin(scene->camera_roll_rad), cosine = cos(scene->camera_roll_rad);
-    camera.right = neph_vec3_along(neph_vec3_scale(right, cosine), up, -sine);
-    camera.up = neph_vec3_along(neph_vec3_scale(up, cosine), right, sine);
     return camera;
 }
 

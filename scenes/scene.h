@@ -275,7 +275,6 @@ struct neph_scene {
     int camera_key_count; /* >= 1 */
     struct neph_camera_key *camera_keys;
     struct neph_vec3 camera_up;
-    double camera_roll_rad;  /* about the view: the right side of the picture goes down */
     double vertical_fov_rad; /* one of the two, the other is 0; see struct neph_camera */
     double orthographic_height_m;
 

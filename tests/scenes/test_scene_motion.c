@@ -144,19 +144,6 @@ static void test_camera_is_held_until_it_cuts(void **state)
     neph_scene_destroy(scene);
 }
 
-/* A quarter of a turn: what was up lies to the right. */
-static void test_camera_rolls(void **state)
-{
-    struct neph_camera_key key = {.look_at_m = {0, 0, -1}};
-    struct neph_scene scene = {.camera_keys = &key,
-                               .camera_key_count = 1,
-                               .camera_up = {0, 1, 0},
-                               .camera_roll_rad = 0.5 * M_PI};
-    const struct neph_camera rolled = neph_scene_camera(&scene, 0.0);
-    neph_assert_close(rolled.up.x, 1.0, 1e-15, 0.0);
-    neph_assert_close(rolled.right.y, -1.0, 1e-15, 0.0);
-}
-
 static void test_cuts_lie_behind_the_earlier_picture(void **state)
 {
     struct neph_scene *scene = load_three(cut_camera, sun,
@@ -507,7 +494,6 @@ int main(void)
         cmocka_unit_test(test_a_point_of_a_solid_is_found_before),
         cmocka_unit_test(test_sizes_hold_from_their_picture_on),
         cmocka_unit_test(test_camera_is_held_until_it_cuts),
-        cmocka_unit_test(test_camera_rolls),
         cmocka_unit_test(test_cuts_lie_behind_the_earlier_picture),
         cmocka_unit_test(test_sun_goes_along_the_great_circle),
         cmocka_unit_test(test_steady_wind_is_a_product),
