@@ -53,11 +53,11 @@ static double advanced(const struct neph_scene *scene, double frame)
 double neph_scene_time_frame(const struct neph_scene *scene, double frame)
 {
     if (scene->advance_count > 0)
-        return scene->first_frame + advanced(scene, frame);
+        return advanced(scene, frame);
     for (int i = 0; i < scene->pause_count; i++)
         if (frame > scene->pauses[i].frame)
             frame = fmax(scene->pauses[i].frame, frame - scene->pauses[i].count);
-    return scene->first_frame + frame;
+    return frame;
 }
 
 void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *width_px,

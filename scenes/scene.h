@@ -280,7 +280,6 @@ struct neph_scene {
 
     int frame_count; /* >= 1 */
     double frame_rate_hz;
-    double first_frame; /* of the keys, at picture 0 */
     int pause_count;
     struct neph_pause *pauses; /* ascending frames */
     int advance_count;         /* 0: from picture to picture the keys go on by 1 frame */

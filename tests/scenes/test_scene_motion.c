@@ -66,13 +66,6 @@ static void test_time_stands_still_in_pauses(void **state)
     neph_scene_destroy(scene);
 }
 
-static void test_time_begins_at_its_first_frame(void **state)
-{
-    const struct neph_scene scene = {.first_frame = 2.5};
-    assert_true(neph_scene_time_frame(&scene, 0.0) == 2.5);
-    assert_true(neph_scene_time_frame(&scene, 4.0) == 6.5);
-}
-
 static void test_time_goes_on_unevenly(void **state)
 {
     struct neph_scene *scene = load_three(camera, sun, "frames: {advance: [0.25, 2, 0]}\n");
@@ -494,7 +487,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_time_stands_still_in_pauses),
-        cmocka_unit_test(test_time_begins_at_its_first_frame),
         cmocka_unit_test(test_time_goes_on_unevenly),
         cmocka_unit_test(test_there_are_no_media_where_they_are_cleared),
         cmocka_unit_test(test_solids_are_where_their_keys_say),
