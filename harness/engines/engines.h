@@ -24,6 +24,7 @@
     of(march_slab) \
     of(sky) \
     of(fog_look) \
+    of(unscattered) \
     of(screen) \
     of(realtime) \
     of(cycles) \
