@@ -24,7 +24,6 @@
     of(march_slab) \
     of(sky) \
     of(fog_look) \
-    of(unscattered) \
     of(screen) \
     of(realtime) \
     of(cycles) \
