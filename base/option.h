@@ -7,8 +7,7 @@
 #define NEPH_BASE_OPTION_H
 
 #include "base/status.h"
-
-#define NEPH_OPTIONS_MAX 160
+#include "settings/capacity.h" /* NEPH_OPTIONS_MAX: options of the longest table */
 
 enum neph_option_kind {
     NEPH_OPTION_INTEGER,
@@ -17,9 +16,9 @@ enum neph_option_kind {
     NEPH_OPTION_KIND_COUNT,
 };
 
-/* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. The choices of
- * its last row, if any, are words that are gone: the name of an option and a reason by turns. For
- * one release they are accepted and ignored. */
+/* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. The choices
+ * of its last row, if any, are words that are gone: the name of an option and a reason by turns.
+ * For one release they are accepted and ignored. */
 struct neph_option {
     const char *name;
     enum neph_option_kind kind;

@@ -27,7 +27,8 @@ _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pic
  * costs more to compile than to read some small frames. */
 static bool stays_on_device(const struct neph_vulkan *vulkan, const struct neph_shot *shot)
 {
-    return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
+    const struct neph_rt_settings settings = neph_rt_settings_of(&shot->settings);
+    return settings.shared.split != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
 }
 
 /* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
@@ -36,7 +37,8 @@ static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_re
                                 const struct neph_shot *shot, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int left = (int)shot->settings.values[RT_WARM_UP]; left > 0 && !status; left--) {
+    for (int left = neph_rt_settings_of(&shot->settings).shared.warm_up; left > 0 && !status;
+         left--) {
         const struct neph_realtime_frame picture = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
         status = neph_realtime_render(realtime, &picture,
@@ -105,28 +107,28 @@ static double of_targets(uint64_t bytes)
 }
 
 /* What comes again and again in a sequence with these settings, for the metrics of flicker. */
-static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *settings,
+static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *values,
                                      struct neph_diag *diag)
 {
-    const double *values = settings->values;
-    const bool jitters = values[RT_TAA] != 0.0 && values[RT_TAA_JITTER] != RT_JITTER_NONE;
-    const bool splits = values[RT_SPLIT] == RT_SPLIT_FOUR;
-    const bool rests = splits && values[RT_OVERRIDE] != RT_OVERRIDE_NONE;
+    const struct neph_rt_settings settings = neph_rt_settings_of(values);
+    const bool jitters = settings.anti_aliasing.kind != RT_TAA_OFF &&
+                         settings.anti_aliasing.jitter != RT_JITTER_NONE;
+    const bool splits = settings.shared.split == RT_SPLIT_FOUR;
+    const bool rests = splits && settings.tile_index.override != RT_OVERRIDE_NONE;
     const struct {
         const char *name;
         double period; /* frames; below 2: none */
     } cycles[] = {
         {"slot", splits ? 4.0 : 0.0},
-        {"TAA jitter", jitters ? neph_rt_jitter_length((int)values[RT_TAA_JITTER_LENGTH],
-                                                       (int)values[RT_SCREEN_PERCENT])
+        {"TAA jitter", jitters ? neph_rt_jitter_length(settings.anti_aliasing.jitter_length,
+                                                       settings.shared.screen_percent)
                                : 0.0},
-        {"ray dither", values[RT_RAY_DITHER_AMOUNT] > 0.0
-                           ? neph_rt_dither_period((int)values[RT_RAY_DITHER])
+        {"ray dither", settings.ray_march.ray_dither_amount > 0.0
+                           ? neph_rt_dither_period(settings.ray_march.ray_dither)
                            : 0.0},
-        {"upscale dither", values[RT_UPSCALE_AMOUNT_PX] > 0.0
-                               ? neph_rt_dither_period((int)values[RT_UPSCALE_DITHER])
-                               : 0.0},
-        {"override rest", rests ? 4.0 * values[RT_OVERRIDE_REST] : 0.0},
+        {"upscale dither",
+         settings.upscale.amount_px > 0.0 ? neph_rt_dither_period(settings.upscale.dither) : 0.0},
+        {"override rest", rests ? 4.0 * settings.tile_index.override_rest : 0.0},
     };
     char text[256] = "";
     for (size_t i = 0, used = 0; i < sizeof(cycles) / sizeof(cycles[0]); i++)

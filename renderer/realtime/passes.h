@@ -25,7 +25,7 @@ struct neph_rt_shader {
     size_t code_bytes;
     int column;   /* texels, one below the other, that a thread writes; 0: one */
     int block[2]; /* texels that a work group writes together; {0}: texels are independent */
-    /* Of a variant: it runs where all of these hold; ends early with {0}, which never does (below). */
+    /* Of a variant: it runs where all of these hold; ends early with {0}, which never does. */
     struct neph_rt_condition needs[NEPH_RT_NEEDS_MAX];
     const struct neph_rt_pass *absorbs; /* a pass whose targets a variant writes, too; or NULL */
 };
@@ -139,8 +139,8 @@ const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view
                                                 const struct neph_rt_pass *pass,
                                                 enum neph_rt_device_kind kind);
 
-/* Set in a view which passes are done by others, because variants on this kind of device absorb them:
- * none if the variants do not run. */
+/* Set in a view which passes are done by others, because variants on this kind of device absorb
+ * them: none if the variants do not run. */
 void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
                            bool has_variants);
 

@@ -35,7 +35,8 @@ _Static_assert((int)NEPH_RT_NOISE_COUNT == (int)NEPH_BLUE_NOISE_COUNT, "all rank
 
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
-    struct neph_settings settings;
+    struct neph_settings values;
+    struct neph_rt_settings settings; /* the same */
     uint32_t seed;
     uint32_t *noise_ranks; /* owned; NULL: no dither reads them */
     int picture_px[2];
@@ -64,9 +65,10 @@ struct neph_realtime {
     struct neph_realtime_test_hooks hooks;
 };
 
-static int choice_of(const struct neph_realtime *realtime, int setting)
+/* Whether fewer pixels are rendered than the picture has. */
+static bool is_upsampled(const struct neph_realtime *realtime)
 {
-    return (int)realtime->settings.values[setting];
+    return realtime->settings.shared.screen_percent < 100;
 }
 
 static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
@@ -193,13 +195,13 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
 /* A picture of this size. */
 static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
 {
-    const int percent = choice_of(realtime, RT_SCREEN_PERCENT);
+    const int percent = realtime->settings.shared.screen_percent;
     struct neph_march_params *march = &realtime->march;
     march->width_px = neph_rt_rendered_px(width_px, percent);
     march->height_px = neph_rt_rendered_px(height_px, percent);
     realtime->picture_px[0] = width_px;
     realtime->picture_px[1] = height_px;
-    if (neph_rt_is_upsampled(&realtime->settings))
+    if (is_upsampled(realtime))
         memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
 }
 
@@ -230,13 +232,14 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
 
 static bool has_taa(const struct neph_realtime *realtime)
 {
-    return choice_of(realtime, RT_TAA) != 0 && choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    return realtime->settings.anti_aliasing.kind != 0 &&
+           realtime->settings.shared.split != RT_SPLIT_NONE;
 }
 
 /* Whether solids may move, and somebody wants to know how far. */
 static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
 {
-    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 && has_taa(realtime);
+    return realtime->settings.solid_motion.is_on && scene->mover_count > 0 && has_taa(realtime);
 }
 
 /* Which pass lays the volume over what is behind it. */
@@ -309,7 +312,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
                               around->top_px + size_px[1] + around->bottom_px};
-    neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
+    neph_rt_view_init(&view, &realtime->values, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
     choose(realtime, scene, &view);
     set_hand_over(realtime, scene, &view);
@@ -326,7 +329,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
         status = neph_rt_inject_around(&realtime->device, around->value, &realtime->injected_values,
                                        diag);
-    if (!status && choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE)
+    if (!status && realtime->settings.shared.split == RT_SPLIT_NONE)
         status = neph_march_create(realtime->vulkan, scene, &realtime->march, &realtime->whole,
                                    diag);
     return status;
@@ -344,13 +347,10 @@ static void destroy_sized(struct neph_realtime *realtime)
 /* Whether any dither reads the masks of blue noise. */
 static bool needs_masks(const struct neph_realtime *realtime)
 {
-    static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
-    bool needs = false;
-    for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
-        const int dither = choice_of(realtime, dithers[i]);
-        needs |= dither >= RT_DITHER_BLUE;
-    }
-    return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
+    const struct neph_rt_settings *settings = &realtime->settings;
+    const bool needs = settings->ray_march.ray_dither >= RT_DITHER_BLUE ||
+                       settings->upscale.dither >= RT_DITHER_BLUE;
+    return needs && settings->shared.split == RT_SPLIT_FOUR;
 }
 
 static enum neph_status load_noise(struct neph_realtime *realtime, const char *path,
@@ -395,7 +395,8 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
-    made->settings = *params->settings;
+    made->values = *params->settings;
+    made->settings = neph_rt_settings_of(params->settings);
     made->seed = params->seed;
     made->march = march;
     set_size(made, params->width_px, params->height_px);
@@ -607,7 +608,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
     realtime->device.is_dark = is_dark(realtime);
-    if (!status && frame->given && neph_rt_is_upsampled(&realtime->settings))
+    if (!status && frame->given && is_upsampled(realtime))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has the picture's pixels: set screen_percent=100");
     if (!status && frame->given)
@@ -635,7 +636,7 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
         status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
-    if (!status && neph_rt_is_upsampled(&realtime->settings))
+    if (!status && is_upsampled(realtime))
         status = neph_rt_spread(&realtime->device, image, diag);
     neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)

@@ -106,8 +106,8 @@ typedef void neph_realtime_observer(struct neph_rt_device *device, const struct 
 void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observer *observer,
                            void *context);
 
-/* From the next frame on run the readable shader of each pass in place of its variant for the device,
- * to compare their times, or the variants again. */
+/* From the next frame on run the readable shader of each pass in place of its variant for the
+ * device, to compare their times, or the variants again. */
 void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves);
 
 /* For tests: paths that the pipeline takes by itself, with the same bits, taken or left. */

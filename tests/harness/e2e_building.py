@@ -20,7 +20,7 @@ LOADER.exec_module(matrix)
 
 DEBOOTSTRAP = """#!/bin/sh
 [ "$2" != broken ] || { echo no such release; exit 1; }
-mkdir -p "$3/etc" "$3/usr/sbin" "$3/root"
+mkdir -p "$3/etc/dpkg/dpkg.cfg.d" "$3/usr/sbin" "$3/root"
 """
 # The last argument is what scripts/matrix runs in a chroot, the one before it the chroot.
 UNSHARE = """#!/bin/sh

@@ -19,6 +19,7 @@ enum { SCENES = 3, PICTURE_BYTES = 40000 };
 struct fixture {
     char names[SCENES][16], exhibits[SCENES][SCRATCH_PATH_MAX], page_folder[SCRATCH_PATH_MAX];
     struct neph_failing_limit limit;
+    struct neph_failing failing;
     struct neph_scene scenes[SCENES], *listed[SCENES];
     struct neph_stress_cell cells[SCENES];
     struct neph_stress_row rows[SCENES];

@@ -29,10 +29,10 @@ static const uint32_t taa_code[] = {
 };
 
 static const uint32_t reconstruct_code[] = {
-#include "shaders/rt_reconstruct.comp.inc"
+#include "realtime/reconstruction/reconstruct.comp.inc"
 };
-static const uint32_t rt_march_code[] = {
-#include "shaders/rt_march.comp.inc"
+static const uint32_t ray_march_code[] = {
+#include "realtime/ray_march/ray_march.comp.inc"
 };
 
 enum { ANSWERS = 64, CONSTANTS = 4 };
@@ -275,17 +275,17 @@ static void test_kernels_of_a_gpu_need_no_int64(void **state)
         size_t code_bytes;
     } passes[] = {{taa_code, sizeof(taa_code)},
                   {reconstruct_code, sizeof(reconstruct_code)},
-                  {rt_march_code, sizeof(rt_march_code)}};
+                  {ray_march_code, sizeof(ray_march_code)}};
     for (size_t i = 0; i < COUNT(passes); i++)
         for (uint32_t variant = 0; variant < 4; variant++) {
             uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
             size_t bytes = 0, whole_bytes = 0;
-            const bool is_on_gpu = variant / 2 == 1;
-            constants[RT_GPU_ACCESS_CONSTANT] = is_on_gpu;
+            const bool is_gpu = variant / 2 == 1;
+            constants[RT_GPU_ACCESS_CONSTANT] = is_gpu;
             constants[RT_SPECIALISED_CONSTANT] = variant % 2;
             specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
                        &bytes, &whole_bytes);
-            assert_true(has_int64(words, bytes) == !is_on_gpu);
+            assert_true(has_int64(words, bytes) == !is_gpu);
             free(words);
         }
 }

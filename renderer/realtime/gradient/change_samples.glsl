@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What has changed around a tile, by the gradient samples of 3x3 of them (gradient.comp): what their
-// light has been multiplied with in common, and the most that this leaves unexplained in one of
-// them. A sun that sinks is a gain, which history takes along (relight); the edge of a shadow is a
-// change.
+// What has changed around a tile, by the gradient samples of 3x3 tiles (gradient.comp): the common
+// gain of their light, and the most that it leaves unexplained in one of them. A sun that sinks is
+// a gain, which history takes along (relight); the edge of a shadow is a change.
 //
 // A place is not sampled in every frame: a change is remembered for a while (change_hold), or what
 // changes would pass for unchanged by turns.

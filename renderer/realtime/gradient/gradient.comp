@@ -8,15 +8,15 @@
 // since the split of the frame and the jitter come back by themselves:
 //
 //     frames        0 1 2 3     4 5 6 7     8 9 ..
-//     white tiles   sample      compare     sample     A tile marches its four slots in four frames,
-//     black tiles   compare     sample      compare    twice in a row with the same ray_dither.
+//     white tiles   sample      compare     sample    A tile marches its four slots in four frames,
+//     black tiles   compare     sample      compare   twice in a row with the same ray_dither.
 //
 // - Medium: white and black are squares of a checkerboard, so every 3x3 tiles have a comparison. A
-//   ray is kept under the number of its frame, not of its slot, which an override may march twice in
-//   four frames.
-// - Behind all media: the jitter repeats after N = taa_jitter_length frames. In each frame every Nth
-//   of a tile's 16 pixels, row by row, is compared with its light N frames before. For N = 7 the
-//   numbers are the frames:
+//   ray is kept under the number of its frame, not of its slot, which an override may march twice
+//   in four frames.
+// - Behind all media: the jitter repeats after N = taa_jitter_length frames. In each frame every
+//   Nth of a tile's 16 pixels, row by row, is compared with its light N frames before. For N = 7
+//   the numbers are the frames:
 //       0 1 2 3
 //       4 5 6 0
 //       1 2 3 4

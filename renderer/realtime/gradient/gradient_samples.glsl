@@ -6,7 +6,8 @@
 
 #include "renderer/realtime/shared/view.glsl"
 
-// The factor from light `then` to light `now`, channel by channel, within 1 - relight .. 1 + relight.
+// The factor from light `then` to light `now`, channel by channel, between 1 - relight and
+// 1 + relight.
 vec3 gain_between(vec3 now, vec3 then)
 {
     vec3 gain;

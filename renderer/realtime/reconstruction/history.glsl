@@ -21,8 +21,8 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
-// Before a static camera and in still air history is in the texel's own place, and the search for it
-// is left out. A kernel knows this before it is compiled, or it searches.
+// Before a static camera and in still air history is in the texel's own place, and the search for
+// it is left out. A kernel knows this before it is compiled, or it searches.
 bool is_static()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
@@ -61,8 +61,8 @@ void add(History tap, float weight, inout Mean mean)
     extend(mean.range, tap.value);
 }
 
-// The bilinear mean of the taps that are not void, with the age of the heaviest; void if all are. It
-// is held in the range of the taps: equal ones come out exactly. All four are fetched before the
+// The bilinear mean of the taps that are not void, with the age of the heaviest; void if all are.
+// It is held in the range of the taps: equal ones come out exactly. All four are fetched before the
 // first is added: a GPU would wait for one tap after the other behind a branch, and a loop of
 // lavapipe's carries all of the mean through memory.
 History history_about(vec2 place_px)

@@ -5,12 +5,12 @@
 // texels, and from the frame before. After F. Bauer, "Creating the Atmospheric World of Red Dead
 // Redemption 2", SIGGRAPH 2019, as the article rebuilds it (docs/realtime.md).
 //
-// A tile of 2x2 half-resolution texels has one ray in this frame, through the texel R. Texels x have
-// none. A texel takes part in nine rays: its tile's and those of the 3x3 tiles around.
+// A tile of 2x2 half-resolution texels has one ray in this frame, through the texel R. Texels x
+// have none. A texel takes part in nine rays: its tile's and those of the 3x3 tiles around.
 //
 //     R x | x x | x R        A texel with a ray takes it, all of it (fresh_weight = 1) or blended
 //     x x | x R | x x        with its history. The others take their history, looked up where the
-//     ----+-----+----        medium was in the frame before (history.glsl) and clamped to the box of
+//     ----+-----+----        medium was in the frame before (history.glsl), clamped to the box of
 //     x x | R x | x x        those rays around that are as deep as the texel (clamp_history.glsl).
 //     x R | x x | R x        Without history they take the ray that is nearest in depth, or a mean
 //     ----+-----+----        (fallback).

@@ -18,8 +18,8 @@ Change change_around_tile(ivec2 tile);
 
 // --- change -----------------------------------------------------------------------------------
 
-// The difference of the nearest ray from the history of its own texel: of luminance, relative to the
-// larger, or of transmittance. A gradient as of C. Schied, C. Peters, C. Dachsbacher, "Gradient
+// The difference of the nearest ray from the history of its own texel: of luminance, relative to
+// the larger, or of transmittance. A gradient as of C. Schied, C. Peters, C. Dachsbacher, "Gradient
 // Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018: each tile has one for free.
 float change_at_ray(ivec2 tile, int ray)
 {
@@ -199,8 +199,8 @@ float medium_distance_m(Texel texel)
     return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, of_tile ? 0 : texel.nearest)).x;
 }
 
-// History in the light of this frame, clamped as far as it has moved or changed. Returns the part of
-// its age that counts.
+// History in the light of this frame, clamped as far as it has moved or changed. Returns the part
+// of its age that counts.
 float adapt_history(Texel texel, inout History history)
 {
     float part = 1.0;

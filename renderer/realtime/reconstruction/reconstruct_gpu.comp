@@ -4,8 +4,8 @@
 // The reconstruction (reconstruct.comp) for a GPU: work groups of 16x4 texels.
 //
 // - The rays of a group's tiles and of the tiles around them are loaded once, into shared memory.
-// - The group finds what has changed around its tiles, in place of the pass "change": one half of its
-//   threads, a subgroup or two, finds changes of the medium, the other half changes behind it.
+// - The group finds what has changed around its tiles, in place of the pass "change": one half of
+//   its threads, a subgroup or two, finds changes of the medium, the other half changes behind it.
 #extension GL_GOOGLE_include_directive : require
 
 #include "reconstruct.glsl"

@@ -11,8 +11,8 @@ layout(constant_id = RT_GPU_ACCESS_CONSTANT) const bool GPU_ACCESS = false;
 // --- branches and loops -----------------------------------------------------------------------
 
 // A number that is the same in all threads, hidden from the compiler: lavapipe compiles a kernel
-// anew, for milliseconds in each frame, when a number of the view decides a branch. A thread's index
-// never has the bit.
+// anew, for milliseconds in each frame, when a number of the view decides a branch. A thread's
+// index never has the bit.
 uint force_nonuniform(uint number)
 {
     return GPU_ACCESS ? number : number | gl_LocalInvocationIndex & 0x80000000u;
@@ -109,7 +109,5 @@ void store_word_pair(int target, uint index, uvec2 pair)
     else
         target_longs[target].words[index] = packUint2x32(pair);
 }
-
-const bool ON_GPU = GPU_ACCESS; // for shaders that have no variants yet
 
 #endif

@@ -145,7 +145,8 @@ vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
 vec2 jitter_before_px = vec2(view.jitter_before_px[0], view.jitter_before_px[1]);
 vec3 moved_by_wind_m = force_nonuniform(vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]));
 uint view_seed = view.seed, view_frame = force_nonuniform(view.frame);
-bool has_past = force_nonuniform(view.has_history) != 0u, is_cut = force_nonuniform(view.is_cut) != 0u;
+bool has_past = force_nonuniform(view.has_history) != 0u;
+bool is_cut = force_nonuniform(view.is_cut) != 0u;
 // Texels in a row of the targets of each resolution.
 int full_row = int(view.targets[RT_DEPTH].width);
 int picture_row = int(view.targets[RT_TAA_OUT].width);

@@ -10,11 +10,11 @@
 //     3 2                                                         2 3
 //
 // Where none of the eight rays around stands for the depth of a tile's nearest texel, the tile
-// marches that one; else, where none stands for the farthest, that one. This is the override: history
-// has to be clamped among rays of its own depth. In parallel all tiles may take each other for the
-// default and all change together: bars with the pitch of the tiles flash with a period of four
-// frames. Sequential is four dispatches, one for each colour: a tile sees what earlier colours chose
-// and what later ones would by default.
+// marches that one; else, where none stands for the farthest, that one. This is the override:
+// history has to be clamped among rays of its own depth. In parallel all tiles may take each other
+// for the default and all change together: bars with the pitch of the tiles flash with a period of
+// four frames. Sequential is four dispatches, one for each colour: a tile sees what earlier colours
+// chose and what later ones would by default.
 //
 // "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
 // OVERRIDE_SKY_M says. The comparison goes by unlimited depths: ray_depth_max_m is for what is

@@ -3,7 +3,14 @@
 //
 // The upscale from half to full resolution. A pixel's place in the half-resolution image, shifted
 // by dither, lies between four half-resolution texels; of these taps it takes what belongs to its
-// own depth.
+// own depth: a joint bilateral upsampling (J. Kopf, M. F. Cohen, D. Lischinski, M. Uyttendaele,
+// "Joint Bilateral Upsampling", SIGGRAPH 2007).
+//
+//     o - - - - - - - o
+//     :   x       x   :     o  centres of half-resolution texels, the taps
+//     :               :     x  centres of the pixels between them without jitter: a thread has
+//     :   x       x   :        these four, a quarter and three quarters of the way along each axis
+//     o - - - - - - - o
 //
 // Place: the centre of pixel x lies at (x + 1/2) / 2 - 1/2 texels, which are counted from the
 // centre of the first. The jitter of the scene's rays is added where the volume's have none, so
@@ -49,9 +56,9 @@
 //
 // With validity on, taps that are void or unsound do not count; a pixel without any tap is void.
 //
-// A thread makes 2x2 pixels. Without dither they lie between the same texels, since the jitter is
-// at most half a pixel, and one fetch of taps serves all four: pixels 2 k - 1 and 2 k, or 2 k and
-// 2 k + 1 about one texel (square).
+// Without dither a thread's four pixels lie between the same texels, since the jitter is at most
+// half a pixel, and one fetch of taps serves all four: pixels 2 k - 1 and 2 k, or 2 k and 2 k + 1
+// about one texel (square).
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"

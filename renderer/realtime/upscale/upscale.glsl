@@ -10,16 +10,16 @@
 #include "renderer/realtime/shared/dither.glsl"
 #include "renderer/realtime/tile_index/slots.glsl"
 
-const float LAW_PER_M = 0.00025; // 1 / 4 km
-const uint SHARED_FRAMES = 16u;
+const float LAW_PER_M = 0.00025;          // the shift ends at 4 km (upscale_law)
+const uint SHARED_FRAMES = 16u;           // period of the article's shift (upscale_pair = shared)
 const float FLOAT_MAX = 3.40282347e38;
 
 struct Tap {
     vec4 volume;
     float age, distance_m;
     float depth_m;
-    float difference_m; // of that from the pixel's
-    float place; // weight, bilinear or Gaussian
+    float difference_m; // of the tap's depth from the pixel's
+    float place;        // weight, bilinear or Gaussian
     bool is_used;
     bool is_foreign; // of the other kind, sky or solid
 };
@@ -45,7 +45,7 @@ vec4 fetch_volume(ivec2 half_pixel)
     return fetch_half(RT_HISTORY, half_pixel);
 }
 
-// History that may be used; all may be when nobody looks.
+// Whether history may be used: any, with validity = off.
 bool is_usable(vec4 volume, float age)
 {
     return choice(RT_VALIDITY) == 0 || all(bvec3(is_finite(age), age > 0.0, is_sound(volume)));
@@ -61,7 +61,7 @@ vec2 place_of(ivec2 pixel)
     return place;
 }
 
-// Held in 0 .. 1; 0 for what is no number.
+// Clamped to 0 .. 1; a NaN becomes 0.
 float unit(float value)
 {
     if (!is_finite(value) || value < 0.0)
