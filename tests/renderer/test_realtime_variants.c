@@ -10,8 +10,8 @@
 /* One half step: where both round the same sum, of float32 terms in another order, to halves. */
 static const double half_step = 0x1p-10;
 
-/* Passes whose results are rounded freely: how far apart values may be, and which part of them may be
- * farther apart, because a decision hangs on a rounded value. All else has the same bits. */
+/* Passes whose results are rounded freely: how far apart values may be, and which part of them may
+ * be farther apart, because a decision hangs on a rounded value. All else has the same bits. */
 static const struct {
     const char *pass;
     double step, beyond;
