@@ -106,58 +106,6 @@ static void test_the_passes_equal_their_twins(void **state)
     }
 }
 
-/* By one pass of a GPU or by two: every word of what has changed, and of what is made of it. */
-static void test_the_reconstruction_finds_changes_as_their_pass_does(void **state)
-{
-    static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {67, 35}};
-    static const int targets[] = {RT_CHANGE, RT_CHANGE_BEHIND, RT_HISTORY, RT_HISTORY_STATE};
-    static const int filled[] = {RT_TILE, RT_RAY, RT_RAY_DISTANCE, RT_HISTORY_BEFORE,
-                                 RT_HISTORY_STATE_BEFORE};
-    const struct neph_settings settings = test_settings(
-        "gradient=on relight=0.1 change_hold=0.8 box_change=0.1 box_motion_px=0.05 "
-        "reject_depth=0.1 "
-        "history_age_max=32");
-    for (int round = 0; round < 12; round++) {
-        uint64_t seed = (uint64_t)round + 1;
-        struct test_passes test;
-        test_passes_open(*state, &settings, sizes_px[round % 6], (int[2]){round % 3 * 4, 8},
-                         2 * (uint64_t)round + 1, &test);
-        test.view.has_history = round % 5 != 0;
-        test.view.now.forward[2] = round % 4 == 3 ? -0.999f : -1.0f;
-        fill_looks(&test, RT_LOOK_NOW, RT_LOOK_THEN, &seed);
-        fill_looks(&test, RT_LOOK_BEHIND_NOW, RT_LOOK_BEHIND_THEN, &seed);
-        for (int i = 0; i < 5; i++)
-            fill_kept(&test, filled[i], &seed);
-        fill_depths(&test, RT_HALF_DEPTH, &seed);
-        fill_depths(&test, RT_HALF_DEPTH_BEFORE, &seed);
-        uint32_t *before[4]; /* what is known of the frame before; of histories nothing */
-        for (int t = 0; t < 4; t++) {
-            const size_t count = neph_rt_device_words(&test.device, targets[t]);
-            before[t] = calloc(count, sizeof(*before[t]));
-            if (t >= 2)
-                continue;
-            fill_kept(&test, targets[t], &seed);
-            memcpy(before[t], test.twin.targets[targets[t]], count * sizeof(*before[t]));
-        }
-        test_passes_run(&test, "change");
-        test_take(&test, RT_CHANGE);
-        test_take(&test, RT_CHANGE_BEHIND);
-        test_passes_run(&test, "reconstruction");
-        for (int t = 0; t < 4; t++)
-            test_take(&test, targets[t]);
-        struct test_passes alone = test;
-        for (int t = 0; t < 4; t++)
-            alone.twin.targets[targets[t]] = before[t];
-        alone.view.settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
-        test_passes_run(&alone, "reconstruction");
-        for (int t = 0; t < 4; t++)
-            test_same_words(&test, targets[t], (uint64_t)round);
-        for (int t = 0; t < 4; t++)
-            free(before[t]);
-        test_passes_close(&test);
-    }
-}
-
 /* In every frame one half of the tiles repeats, so that one of any 2x1 does; each does for four
  * frames of eight. */
 static void test_tiles_repeat_by_turns(void **state)
@@ -499,7 +447,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_passes_equal_their_twins),
-        cmocka_unit_test(test_the_reconstruction_finds_changes_as_their_pass_does),
         cmocka_unit_test(test_tiles_repeat_by_turns),
         cmocka_unit_test(test_it_needs_the_split),
         cmocka_unit_test(test_what_flashes_with_a_period),

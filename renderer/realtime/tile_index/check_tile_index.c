@@ -456,37 +456,6 @@ static void test_coverage_equals_the_python_program(void **state)
     free(depths_m);
 }
 
-/* Depth map and tile index by one pass of a GPU or by two: every word, of views of all sizes. */
-static void test_the_tile_index_makes_the_depth_map_as_its_pass_does(void **state)
-{
-    static const int targets[] = {RT_HALF_DEPTH, RT_TILE};
-    const struct neph_settings settings = test_settings("");
-    for (uint64_t round = 0; round < 12; round++) {
-        uint64_t seed = round;
-        struct test_passes test;
-        test_passes_open(*state, &settings, sizes_px[round % 6], (int[2]){4, 8}, 2 * round + 1,
-                         &test);
-        test.view.frame = (uint32_t)round;
-        test.view.resting = round > 9;
-        for (size_t i = 0; i < test_elements(&test, RT_STEADY_DEPTH); i++)
-            test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
-        test_passes_run(&test, "depth map");
-        test_take(&test, RT_HALF_DEPTH);
-        test_passes_run(&test, "tile index");
-        uint32_t *const by_two[] = {test_download(&test, RT_HALF_DEPTH),
-                                    test_download(&test, RT_TILE)};
-        test_fill(&test, RT_HALF_DEPTH, 0, 0, 0, 0);
-        test.view.settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-        test_passes_run(&test, "tile index");
-        for (int t = 0; t < 2; t++) {
-            free(test.twin.targets[targets[t]]);
-            test.twin.targets[targets[t]] = by_two[t];
-            test_same_words(&test, targets[t], round);
-        }
-        test_passes_close(&test);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -498,7 +467,6 @@ int main(void)
         cmocka_unit_test(test_a_view_decides_alone),
         cmocka_unit_test(test_normalised_coordinates_leave_the_view),
         cmocka_unit_test(test_coverage_equals_the_python_program),
-        cmocka_unit_test(test_the_tile_index_makes_the_depth_map_as_its_pass_does),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
