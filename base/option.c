@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,6 +86,32 @@ static void hint_known(const struct neph_option *options, const char *owner, con
         neph_hint(diag, "settings of %s with a name like it: %s", owner, names);
 }
 
+/* The word of an option that is gone, with its reason behind it; NULL: there is none. */
+static const char *const *find_gone(const struct neph_option *options, const char *name,
+                                    size_t length)
+{
+    while (options->name)
+        options++;
+    for (const char *const *gone = options->choices; gone && *gone; gone += 2)
+        if (strlen(*gone) == length && strncmp(*gone, name, length) == 0)
+            return gone;
+    return NULL;
+}
+
+/* One warning for each word in a process: presets, sweeps and jobs read theirs many times. */
+static void warn_gone(const char *owner, const char *const *gone)
+{
+    static _Atomic(const char *const *) warned[64];
+    for (size_t i = 0; i < sizeof(warned) / sizeof(warned[0]); i++) {
+        const char *const *known = NULL;
+        if (atomic_compare_exchange_strong(&warned[i], &known, gone))
+            break;
+        if (known == gone)
+            return;
+    }
+    fprintf(stderr, "warning: %s: setting %s is gone and ignored: %s\n", owner, gone[0], gone[1]);
+}
+
 static enum neph_status parse_choice(const struct neph_option *option, const char *text,
                                      double *value, struct neph_diag *diag)
 {
@@ -131,10 +158,16 @@ enum neph_status neph_options_set(const struct neph_option *options, const char 
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not of the form key=value",
                          assignment);
     const int index = find(options, assignment, (size_t)(equals - assignment));
+    const size_t length = (size_t)(equals - assignment);
+    const char *const *gone = find_gone(options, assignment, length);
+    if (index < 0 && gone) {
+        warn_gone(owner, gone);
+        return NEPH_OK;
+    }
     if (index < 0) {
         neph_fail(diag, NEPH_ERR_USAGE, "%s has no setting '%.*s'", owner,
                   (int)(equals - assignment), assignment);
-        hint_known(options, owner, assignment, (size_t)(equals - assignment), diag);
+        hint_known(options, owner, assignment, length, diag);
         return NEPH_ERR_USAGE;
     }
     double *value = &settings->values[index];

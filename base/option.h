@@ -7,8 +7,7 @@
 #define NEPH_BASE_OPTION_H
 
 #include "base/status.h"
-
-#define NEPH_OPTIONS_MAX 160
+#include "settings/capacity.h" /* NEPH_OPTIONS_MAX: options of the longest table */
 
 enum neph_option_kind {
     NEPH_OPTION_INTEGER,
@@ -17,7 +16,9 @@ enum neph_option_kind {
     NEPH_OPTION_KIND_COUNT,
 };
 
-/* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. */
+/* One option. A table of them ends with a NULL name and has at most NEPH_OPTIONS_MAX. The choices
+ * of its last row, if any, are words that are gone: the name of an option and a reason by turns.
+ * For one release they are accepted and ignored. */
 struct neph_option {
     const char *name;
     enum neph_option_kind kind;
@@ -50,7 +51,8 @@ int neph_option_find(const struct neph_option *options, const char *name);
 
 /* Apply "key=value". `owner` ("engine march") is named in errors, which also name the key, the
  * value, the allowed range and the known keys (of very many those like it, if any is):
- * NEPH_ERR_USAGE. */
+ * NEPH_ERR_USAGE. The word of an option that is gone changes nothing; the first time in a process
+ * stderr has a warning. */
 enum neph_status neph_options_set(const struct neph_option *options, const char *owner,
                                   const char *assignment, struct neph_settings *settings,
                                   struct neph_diag *diag);

@@ -25,7 +25,7 @@ static const struct {
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
+                                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,
@@ -224,6 +224,11 @@ static enum neph_status record(struct neph_batch *batch, const struct neph_kerne
     const enum neph_status status = await_kernel(batch, kernel, diag);
     if (status)
         return status;
+    const uint32_t groups_max = batch->vulkan->limits.maxComputeWorkGroupCount[0];
+    if (dispatch->group_count > groups_max)
+        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                         "the kernel '%s' needs %u work groups at once; the device allows %u",
+                         kernel->params.name, dispatch->group_count, groups_max);
     VkDescriptorSet set;
     const struct neph_kernel_bound bound = bound_by(kernel, dispatch);
     const VkResult result = neph_kernel_sets_get(kernel, &bound, &set);

@@ -41,9 +41,10 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
 
-/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as an image of 1, 2 or 4 whole numbers of
- * 32 bits a texel, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for
- * each, and a texel of such an image in a few instructions for all. On a GPU nothing is done.
+/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of 1, 2 or 4 whole numbers of 32
+ * bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for each, and
+ * such a texel in a few instructions for all. Shaders have them as usamplerBuffer, which does not
+ * say how many words a texel has. On a GPU nothing is done.
  * NEPH_ERR_UNSUPPORTED: it has more texels than the device lets a kernel see. */
 enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
                                         struct neph_buffer *buffer, struct neph_diag *diag);
@@ -119,7 +120,8 @@ enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_
                                   struct neph_diag *diag);
 
 /* Add a dispatch; its copy is left out. Waits for its kernel, and meanwhile sends what the batch
- * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. */
+ * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: more work groups
+ * than the device allows. */
 enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      const struct neph_dispatch *dispatch, struct neph_diag *diag);
 

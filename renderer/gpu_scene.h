@@ -19,9 +19,6 @@ _Static_assert(NEPH_SCENE_MEDIA_MAX == NEPH_GPU_MEDIA_MAX &&
                "room in a frame");
 _Static_assert(NEPH_SCENE_LIGHTS_MAX == NEPH_GPU_LAMPS_MAX, "room for lights");
 _Static_assert(NEPH_SCENE_SOLIDS_MAX == NEPH_GPU_SOLIDS_MAX, "room for solids");
-_Static_assert(NEPH_PHASE_ISOTROPIC == 0 && NEPH_PHASE_HENYEY_GREENSTEIN == 1 &&
-                   NEPH_PHASE_RAYLEIGH == 2 && NEPH_PHASE_KIND_COUNT == 3,
-               "the kinds of phase.glsl and sampling.glsl");
 _Static_assert(NEPH_SOLID_BOX == 0 && NEPH_SOLID_SPHERE == 1 && NEPH_SOLID_KIND_COUNT == 2,
                "solids.glsl's kinds");
 

@@ -51,7 +51,7 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     if (kernel->params.texels_count > 0)
         bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
             .binding = NEPH_GPU_TEXELS_BINDING,
-            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+            .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             .descriptorCount = (uint32_t)kernel->params.texels_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };

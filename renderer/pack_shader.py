@@ -4,7 +4,8 @@
     pack_shader.py MODULE.spv LIST.inc
 
 The size in bytes, how many specialization constants there may be, the bits of each that the module
-reads, and the module deflated. renderer/shader_code.h reads it.
+reads, and the module deflated: the first bytes of all words, their second bytes, and so on.
+renderer/shader_code.h reads it.
 """
 
 import array
@@ -23,7 +24,7 @@ SPEC_ID = 1
 ALL_BITS = 0xFFFFFFFF
 # To take a texel buffer of an array by a number that is not known, which lavapipe does not offer:
 # the front end asks for it wherever a function is told the number, and has it known in the end.
-IDLE_CAPABILITY = 5305  # StorageTexelBufferArrayDynamicIndexing
+IDLE_CAPABILITY = 5304  # UniformTexelBufferArrayDynamicIndexing
 
 
 def instructions(words):
@@ -84,7 +85,8 @@ def pack(module: bytes) -> array.array:
         if operation != OP_CAPABILITY or instruction[1] != IDLE_CAPABILITY:
             kept.extend(instruction)
     bits = Constants(words).bits
-    deflated = zlib.compress(kept.tobytes(), 9)
+    code = kept.tobytes()
+    deflated = zlib.compress(b"".join(code[b::4] for b in range(4)), 9)
     packed = array.array("I", [4 * len(kept), len(bits), *bits])
     packed.frombytes(deflated + bytes(-len(deflated) % 4))
     return packed

@@ -8,17 +8,8 @@
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
 
-const char *const neph_sun_caches[] = {"off", "grid", NULL};
-const char *const neph_skips[] = {"off", "majorant", NULL};
-const char *const neph_grid_samplings[] = {"exact", "texture", NULL};
-const char *const neph_lights_ahead[] = {"none", "diffusion", "end", NULL};
 const char *const neph_texel_formats[] = {"r32f", "r16f", "r8", NULL};
-const char *const neph_cloud_shadows[] = {"off", "map", NULL};
-const char *const neph_switches[] = {"off", "on", NULL};
 const char *const neph_sky_refills[] = {"stale", "views", "all", NULL};
-const char *const neph_march_fogs[] = {"medium", "unreal", "filament", NULL};
-const char *const neph_skies[] = {"off", "tables", NULL};
-const char *const neph_shadow_planes[] = {"level", "sun", NULL};
 
 static enum neph_status check_range(const char *name, double value, double least, double most,
                                     struct neph_diag *diag)

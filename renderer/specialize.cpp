@@ -63,6 +63,26 @@ Values values_of(const uint32_t *constants, int count)
     return values;
 }
 
+/* Only a CPU's kernels have whole numbers of 64 bits, but all kernels of a shader that has them for
+ * a CPU declare the capability, which a GPU may lack. It goes where no type of 64 bits is left.
+ * (SPIRV-Tools can do this since 2023.4: --trim-capabilities.) */
+void remove_idle_int64(std::vector<uint32_t> *words)
+{
+    constexpr uint32_t op_capability = 17, op_type_int = 21, int64 = 11;
+    constexpr size_t header_words = 5;
+    size_t at_capability = 0;
+    for (size_t at = header_words; at < words->size(); at += (*words)[at] >> 16) {
+        const uint32_t operation = (*words)[at] & 0xffff;
+        if (operation == op_capability && (*words)[at + 1] == int64)
+            at_capability = at;
+        if (operation == op_type_int && (*words)[at + 2] == 64)
+            return;
+    }
+    const auto first = words->begin() + static_cast<std::ptrdiff_t>(at_capability);
+    if (at_capability > 0)
+        words->erase(first, first + 2);
+}
+
 /* The optimiser's words when it refuses; empty: it does not. */
 std::string optimize(const uint32_t *words, size_t word_count, const Values &values,
                      std::vector<uint32_t> *optimized)
@@ -85,6 +105,7 @@ std::string optimize(const uint32_t *words, size_t word_count, const Values &val
 std::string version()
 {
     std::string text = spvSoftwareVersionDetailsString();
+    text += " without idle Int64";
     for (const std::string &pass : passes)
         text += " " + pass;
     return text;
@@ -103,6 +124,7 @@ try {
     if (!refusal.empty())
         return neph_fail(diag, NEPH_ERR_INTERNAL, "SPIRV-Tools refuses to specialise it: %s",
                          refusal.c_str());
+    remove_idle_int64(&optimized);
     const size_t bytes = optimized.size() * sizeof(uint32_t);
     *specialized = static_cast<uint32_t *>(std::malloc(bytes));
     if (!*specialized)

@@ -6,6 +6,7 @@
 #include "renderer/kernel_sets.h"
 #include "renderer/lane.h"
 #include "renderer/pipeline_cache.h"
+#include "renderer/requirements.h"
 #include "renderer/shader_cache.h"
 
 #include <dlfcn.h>
@@ -87,7 +88,8 @@ static enum neph_status create_messenger(struct neph_vulkan *vulkan, struct neph
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "create the messenger", diag);
 }
 
-static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validation,
+static enum neph_status create_instance(struct neph_vulkan *vulkan,
+                                        enum neph_vulkan_validation validation,
                                         struct neph_diag *diag)
 {
     VkResult result = volkInitialize();
@@ -95,7 +97,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
         return unavailable_driver(result, "open the loader libvulkan.so.1", diag);
     if (vkEnumerateInstanceVersion == NULL)
         return unavailable_driver(VK_ERROR_INCOMPATIBLE_DRIVER, "Vulkan 1.1 or later", diag);
-    if (validation && !has_validation_layer()) {
+    if (validation != NEPH_VALIDATION_OFF && !has_validation_layer()) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "validation is asked for but %s is not installed",
                   validation_layer);
         neph_hint(diag, "%s", install_validation);
@@ -103,12 +105,14 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     }
 
     const VkValidationFeatureEnableEXT checks[] = {
-        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
+        VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+        VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
     const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan);
     const VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
         .pNext = &messenger, /* hears the creation and the destruction of the instance too */
-        .enabledValidationFeatureCount = sizeof(checks) / sizeof(checks[0]),
+        .enabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 3 : 1,
         .pEnabledValidationFeatures = checks,
     };
     const char *const layers[] = {validation_layer};
@@ -120,11 +124,11 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     };
     const VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-        .pNext = validation ? &features : NULL,
+        .pNext = validation != NEPH_VALIDATION_OFF ? &features : NULL,
         .pApplicationInfo = &application,
-        .enabledLayerCount = validation ? 1 : 0,
+        .enabledLayerCount = validation != NEPH_VALIDATION_OFF ? 1 : 0,
         .ppEnabledLayerNames = layers,
-        .enabledExtensionCount = validation ? 1 : 0,
+        .enabledExtensionCount = validation != NEPH_VALIDATION_OFF ? 1 : 0,
         .ppEnabledExtensionNames = extensions,
     };
     result = vkCreateInstance(&info, NULL, &vulkan->instance);
@@ -133,7 +137,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan, bool validat
     if (result != VK_SUCCESS)
         return unavailable_driver(result, "create an instance", diag);
     volkLoadInstanceOnly(vulkan->instance);
-    return validation ? create_messenger(vulkan, diag) : NEPH_OK;
+    return validation != NEPH_VALIDATION_OFF ? create_messenger(vulkan, diag) : NEPH_OK;
 }
 
 /* --- physical device ---------------------------------------------------------------------- */
@@ -154,58 +158,53 @@ static uint32_t find_queue_family(VkPhysicalDevice device, uint32_t *timestamp_b
     return UINT32_MAX;
 }
 
-static bool is_usable(VkPhysicalDevice device, const VkPhysicalDeviceProperties *properties)
+static struct neph_device_facts read_facts(VkPhysicalDevice device)
 {
-    uint32_t timestamp_bits;
-    return properties->apiVersion >= api_version &&
-           find_queue_family(device, &timestamp_bits) != UINT32_MAX;
-}
-
-/* A CPU device is preferred: every machine can have it, so results can be compared between them. */
-static bool is_better(const VkPhysicalDeviceProperties *candidate,
-                      const VkPhysicalDeviceProperties *chosen)
-{
-    return candidate->deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-           chosen->deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU;
+    VkPhysicalDeviceSubgroupProperties subgroup = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+    VkPhysicalDeviceVulkan12Features features_12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                          .pNext = &features_12};
+    VkFormatProperties r32f;
+    vkGetPhysicalDeviceProperties2(device, &properties);
+    vkGetPhysicalDeviceFeatures2(device, &features);
+    vkGetPhysicalDeviceFormatProperties(device, VK_FORMAT_R32_SFLOAT, &r32f);
+    struct neph_device_facts facts = {
+        .is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
+        .api_version = properties.properties.apiVersion,
+        .limits = properties.properties.limits,
+        .features = features.features,
+        .features_12 = features_12,
+        .subgroup = subgroup,
+        .r32f_features = r32f.optimalTilingFeatures,
+    };
+    facts.has_compute_queue = find_queue_family(device, &facts.timestamp_bits) != UINT32_MAX;
+    snprintf(facts.device, sizeof(facts.device), "%s", properties.properties.deviceName);
+    return facts;
 }
 
 static enum neph_status choose_device(struct neph_vulkan *vulkan, const char *wanted,
-                                      struct neph_diag *diag)
+                                      struct neph_device_facts *facts, struct neph_diag *diag)
 {
     VkPhysicalDevice devices[DEVICES_MAX];
+    struct neph_device_facts all[DEVICES_MAX];
     uint32_t count = DEVICES_MAX;
+    int chosen = 0;
     const VkResult result = vkEnumeratePhysicalDevices(vulkan->instance, &count, devices);
     if (result != VK_SUCCESS && result != VK_INCOMPLETE)
         return unavailable_driver(result, "list the devices", diag);
-
-    VkPhysicalDeviceProperties chosen = {0};
-    char names[600] = "";
-    for (uint32_t i = 0; i < count; i++) {
-        VkPhysicalDeviceProperties candidate;
-        vkGetPhysicalDeviceProperties(devices[i], &candidate);
-        const size_t used = strlen(names);
-        snprintf(names + used, sizeof(names) - used, "%s'%s'", used ? ", " : "",
-                 candidate.deviceName);
-        if (!is_usable(devices[i], &candidate) ||
-            (wanted && !strcasestr(candidate.deviceName, wanted)))
-            continue;
-        if (!vulkan->physical_device || is_better(&candidate, &chosen)) {
-            vulkan->physical_device = devices[i];
-            chosen = candidate;
-        }
-    }
-    if (vulkan->physical_device)
-        return NEPH_OK;
-    if (wanted) {
-        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "no Vulkan 1.2 compute device named like '%s'",
-                  wanted);
-        neph_hint(diag, "the devices are: %s", names[0] ? names : "none");
-    } else {
-        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "no Vulkan 1.2 compute device; there is: %s",
-                  names[0] ? names : "none");
-        neph_hint(diag, "%s", install_driver);
-    }
-    return NEPH_ERR_UNAVAILABLE;
+    for (uint32_t i = 0; i < count; i++)
+        all[i] = read_facts(devices[i]);
+    const enum neph_status status = neph_requirements_choose(all, (int)count, wanted, &chosen,
+                                                             diag);
+    if (status)
+        return status;
+    vulkan->physical_device = devices[chosen];
+    *facts = all[chosen];
+    return NEPH_OK;
 }
 
 static void describe_device(struct neph_vulkan *vulkan)
@@ -235,10 +234,11 @@ static void describe_device(struct neph_vulkan *vulkan)
 
 /* --- device ------------------------------------------------------------------------------- */
 
-static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *timestamp_bits,
-                                      struct neph_diag *diag)
+static enum neph_status create_device(struct neph_vulkan *vulkan,
+                                      const struct neph_device_facts *facts, struct neph_diag *diag)
 {
-    vulkan->queue_family = find_queue_family(vulkan->physical_device, timestamp_bits);
+    uint32_t timestamp_bits;
+    vulkan->queue_family = find_queue_family(vulkan->physical_device, &timestamp_bits);
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -246,18 +246,9 @@ static enum neph_status create_device(struct neph_vulkan *vulkan, uint32_t *time
         .queueCount = 1,
         .pQueuePriorities = &priority,
     };
-    /* Every desktop device and lavapipe have it; where it is missing the driver says so. */
-    const VkPhysicalDeviceFeatures features = {
-        .shaderStorageBufferArrayDynamicIndexing = VK_TRUE,
-        .shaderInt64 = VK_TRUE,
-        .shaderStorageImageExtendedFormats = VK_TRUE,
-    };
-    /* Arrays of numbers in uniform buffers lie as in C; clocks are set back by the CPU. */
-    const VkPhysicalDeviceVulkan12Features features_12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-        .uniformBufferStandardLayout = VK_TRUE,
-        .hostQueryReset = VK_TRUE,
-    };
+    VkPhysicalDeviceFeatures features;
+    VkPhysicalDeviceVulkan12Features features_12;
+    neph_requirements_features(facts, &features, &features_12);
     const VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .pNext = &features_12,
@@ -320,17 +311,17 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
         return neph_fail_memory(diag);
     pthread_mutex_init(&created->pipeline_lock, NULL);
 
-    uint32_t timestamp_bits = 0;
+    struct neph_device_facts facts;
     enum neph_status status = create_instance(created, params->validation, diag);
     if (!status)
-        status = choose_device(created, params->device, diag);
+        status = choose_device(created, params->device, &facts, diag);
     if (!status) {
         hold_drivers();
         describe_device(created);
-        status = create_device(created, &timestamp_bits, diag);
+        status = create_device(created, &facts, diag);
     }
     if (!status)
-        status = create_lanes(created, timestamp_bits, diag);
+        status = create_lanes(created, facts.timestamp_bits, diag);
     if (!status)
         status = neph_workers_create(maker_count(created), &created->makers, diag);
     if (!status && !(created->sets = neph_kernel_sets_create()))
@@ -369,6 +360,18 @@ int neph_vulkan_destroy(struct neph_vulkan *vulkan)
     pthread_mutex_destroy(&vulkan->pipeline_lock);
     free(vulkan);
     return message_count;
+}
+
+int neph_vulkan_requirements(const struct neph_vulkan *vulkan,
+                             struct neph_vulkan_requirement answers[NEPH_VULKAN_REQUIREMENTS_MAX])
+{
+    const struct neph_device_facts facts = read_facts(vulkan->physical_device);
+    int row_count, count = 0;
+    const struct neph_requirement *rows = neph_requirements(&row_count);
+    for (int i = 0; i < row_count; i++)
+        if (neph_requirement_applies(&rows[i], &facts))
+            answers[count++] = neph_requirement_answer(&rows[i], &facts);
+    return count;
 }
 
 struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vulkan)

@@ -16,8 +16,15 @@
 
 struct neph_vulkan;
 
+enum neph_vulkan_validation {
+    NEPH_VALIDATION_OFF,
+    NEPH_VALIDATION_ON,      /* core and synchronization checks; every message is counted */
+    NEPH_VALIDATION_SHADERS, /* those, and checks that the layer adds to the shaders: what they
+                              * read and write, as they run */
+};
+
 struct neph_vulkan_params {
-    bool validation;    /* core and synchronization checks; every message is counted */
+    enum neph_vulkan_validation validation;
     const char *device; /* part of the device name, in any case; NULL: a CPU device (lavapipe) when
                          * there is one, since every machine can have it, else the first */
     /* Borrowed; for specialised shaders and the driver's compiled pipelines; made if need be. NULL:
@@ -26,8 +33,9 @@ struct neph_vulkan_params {
 };
 
 /* Open a device with a compute queue. NULL params: all zero. Free with _destroy.
- * NEPH_ERR_UNAVAILABLE: no loader, no driver, no such device, none with Vulkan 1.2, or validation
- * is asked for and not installed; the hint is the line that installs what is missing. */
+ * NEPH_ERR_UNAVAILABLE: no loader, no driver, no such device, none that has what is required
+ * (requirements.h), or validation is asked for and not installed; the hint is the way out, such as
+ * the line that installs what is missing. */
 enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
                                     struct neph_vulkan **vulkan, struct neph_diag *diag);
 
@@ -36,6 +44,10 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
 int neph_vulkan_destroy(struct neph_vulkan *vulkan);
 
 struct neph_vulkan_description neph_vulkan_describe(const struct neph_vulkan *vulkan);
+
+/* What it was asked for before it was opened. Returns how many `answers` there are. */
+int neph_vulkan_requirements(const struct neph_vulkan *vulkan,
+                             struct neph_vulkan_requirement answers[NEPH_VULKAN_REQUIREMENTS_MAX]);
 
 /* NEPH_ERR_INTERNAL with the text of the first validation message of warning or above, when there
  * was any. */

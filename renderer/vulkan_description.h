@@ -14,4 +14,15 @@ struct neph_vulkan_description {
     bool is_cpu;
 };
 
+/* One row of the table of what a device must have (requirements.h), and what this one has. */
+struct neph_vulkan_requirement {
+    const char *name;    /* as Vulkan calls it */
+    const char *purpose; /* after "for" */
+    const char *without; /* what is done where an optional one is missing; else NULL */
+    char needed[32], value[32];
+    bool is_required, is_met;
+};
+
+enum { NEPH_VULKAN_REQUIREMENTS_MAX = 24 };
+
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/fields.h"
 
-#include "scenes/hash_text.h"
 #include "scenes/spelling.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -529,7 +529,7 @@ enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t 
     return neph_refuse(reader, "", "%s is exactly one of %s", what, keys);
 }
 
-/* --- Defaults, hash and ends --- */
+/* --- Defaults --- */
 
 /* Words are 0. */
 static void set_default(const struct neph_field *field, void *target)
@@ -559,17 +559,4 @@ void neph_fields_default(const struct neph_field *fields, void *target)
 {
     for (; fields->key; fields++)
         set_default(fields, target);
-}
-
-void neph_fields_hash(const struct neph_field *fields, const void *record, FILE *text)
-{
-    for (; fields->key; fields++) {
-        const void *value = (const char *)record + fields->at;
-        if (fields->type == NEPH_NUMBER)
-            neph_put_number(text, fields->key, *(const double *)value);
-        else if (fields->type == NEPH_THREE)
-            neph_put_vec3(text, fields->key, *(const struct neph_vec3 *)value);
-        else if (fields->type == NEPH_WHOLE || fields->type == NEPH_WORD)
-            neph_put_number(text, fields->key, *(const int *)value);
-    }
 }

@@ -35,6 +35,16 @@ enum neph_field_type {
     NEPH_FIELD_TYPE_COUNT,
 };
 
+/* What of a row goes into the scene's hash: a line with its name and value (scenes/hash_text.h). */
+enum neph_hashing {
+    NEPH_HASHED,
+    NEPH_HASHED_IF_SET,    /* where it is not 0: hashes from before the key was there stay */
+    NEPH_HASHED_WITH_LAST, /* where the row before it is */
+    NEPH_HASHED_AS_MADE,   /* not as it is written: the hash has the things that it is made into */
+    NEPH_NOT_HASHED,       /* no rendered value depends on it */
+    NEPH_HASHING_COUNT,
+};
+
 struct neph_reader;
 
 /* A mapping. */
@@ -45,6 +55,8 @@ struct neph_record {
      * stands in the place of a mapping that is left out is theirs, too. */
     enum neph_status (*read)(struct neph_reader *reader, const yaml_node_t *node,
                              const struct neph_record *record, void *target);
+    /* NULL: the fields, neph_fields_hash(). Others write what the mapping was made into. */
+    void (*hash)(const void *target, FILE *text);
 };
 
 struct neph_field {
@@ -60,6 +72,8 @@ struct neph_field {
     bool is_ascending; /* a list whose entries begin with a field that grows from one to the next */
     const char *const *words; /* ends with NULL */
     const struct neph_record *record;
+    enum neph_hashing hashing;
+    const char *hash_name; /* NULL: the key */
 };
 
 struct neph_reader {
@@ -95,8 +109,12 @@ struct neph_path {
 };
 struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* A line of a scene's hash per number, see scenes/hash_text.h; records and lists are left out. */
-void neph_fields_hash(const struct neph_field *fields, const void *record, FILE *text);
+/* The lines of a scene's hash, see scenes/hash_text.h: of every row that does not say otherwise. */
+void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text);
+
+/* "key: value, key: value", as a scene file may have it: of numbers, threes and flags, those that are
+ * hashed where they are set only then. */
+void neph_fields_write(const struct neph_field *fields, const void *target, FILE *out);
 
 /* What its value may be, in words. */
 void neph_field_describe(const struct neph_field *field, char *text, size_t size);

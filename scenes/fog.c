@@ -197,7 +197,8 @@ static const struct neph_field layer_fields[] = {
      .note = "where the layer has extinction_per_m"},
     {0},
 };
-static const struct neph_record layer_record = {sizeof(struct neph_fog_layer), layer_fields, NULL};
+static const struct neph_record layer_record = {.size = sizeof(struct neph_fog_layer),
+                                                .fields = layer_fields};
 
 static const struct neph_field unreal_layer_fields[] = {
     {"fog_density", NEPH_NUMBER, UNREAL(fog_density), "(Unreal's UI value)", 0, 10,
@@ -219,8 +220,9 @@ static enum neph_status read_unreal_layer(struct neph_reader *reader, const yaml
     return status;
 }
 
-static const struct neph_record unreal_layer_record = {sizeof(struct neph_fog_layer),
-                                                       unreal_layer_fields, read_unreal_layer};
+static const struct neph_record unreal_layer_record = {.size = sizeof(struct neph_fog_layer),
+                                                       .fields = unreal_layer_fields,
+                                                       .read = read_unreal_layer};
 
 static const struct neph_field height_fog_fields[] = {
     {"layers", NEPH_ENTRIES, AT(layers), .note = "they add", .least = 1,

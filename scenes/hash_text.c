@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/hash_text.h"
 
+#include <string.h>
+
 /* -0 and 0 render the same. */
 static double plain(double value)
 {
@@ -25,4 +27,9 @@ void neph_put_vec3(FILE *text, const char *name, struct neph_vec3 v)
 void neph_put_rgb(FILE *text, const char *name, struct neph_rgb c)
 {
     neph_put_three(text, name, c.r, c.g, c.b);
+}
+
+void neph_put_text(FILE *text, const char *name, const char *value)
+{
+    fprintf(text, "%s %zu %s\n", name, value ? strlen(value) : 0, value ? value : "");
 }

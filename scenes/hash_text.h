@@ -15,4 +15,7 @@ void neph_put_three(FILE *text, const char *name, double a, double b, double c);
 void neph_put_vec3(FILE *text, const char *name, struct neph_vec3 v);
 void neph_put_rgb(FILE *text, const char *name, struct neph_rgb c);
 
+/* With its length, so that no text can be taken for further lines; NULL is the empty text. */
+void neph_put_text(FILE *text, const char *name, const char *value);
+
 #endif

@@ -4,6 +4,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+const struct neph_injections *neph_scene_injections(const struct neph_scene *scene)
+{
+    static const struct neph_injections none = {.history_count = 0};
+    return scene->injections ? scene->injections : &none;
+}
+
 /* --- at a picture ---------------------------------------------------------------------------- */
 
 const struct neph_injected_history *

@@ -10,6 +10,7 @@
 #define NEPH_SCENES_INJECTION_H
 
 #include "base/vec3.h"
+#include "scenes/scene.h"
 
 #include <stdbool.h>
 
@@ -81,6 +82,9 @@ struct neph_injections {
     struct neph_injected_view view;
     struct neph_injected_mirror mirror;
 };
+
+/* Those of the scene's file; none of a scene that was built in memory. Never NULL. */
+const struct neph_injections *neph_scene_injections(const struct neph_scene *scene);
 
 /* All of it in words, such as "history nan at 16, rays 1 infinite at 20", for the caller to free;
  * "" without any, NULL when memory is short. No two that differ have the same words. */

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/bake.h"
+#include "scenes/hash_text.h"
 #include "scenes/media.h"
 #include "scenes/words.h"
 
@@ -29,6 +30,17 @@ enum { TITLE_MAX = 120, GATES_MAX = 64, PATH_TEXT_MAX = 1000 };
 bool neph_is_identifier(const char *text)
 {
     return strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
+}
+
+/* Shorter directions are refused: their normalised form would be noise. */
+#define DIRECTION_MIN 1e-9
+
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction)
+{
+    return neph_vec3_length(direction) < DIRECTION_MIN
+               ? neph_refuse(reader, path, "a direction of length 0")
+               : NEPH_OK;
 }
 
 static bool has_control(const char *text, const char *except)
@@ -89,7 +101,8 @@ static enum neph_status read_gate(struct neph_reader *reader, const yaml_node_t 
     return NEPH_OK;
 }
 
-static const struct neph_record gate_record = {sizeof(struct neph_gate), gate_fields, read_gate};
+static const struct neph_record gate_record = {
+    .size = sizeof(struct neph_gate), .fields = gate_fields, .read = read_gate};
 
 /* --- The file --- */
 
@@ -102,8 +115,16 @@ static const struct neph_field octaves_fields[] = {
     {"eccentricity", NEPH_NUMBER, OCTAVES(eccentricity), "", 0, 1, .standard = "0.5"},
     {0},
 };
-static const struct neph_record octaves_record = {sizeof(struct neph_octaves), octaves_fields,
-                                                  NULL};
+static void hash_octaves(const void *target, FILE *text)
+{
+    const struct neph_octaves *octaves = target;
+    neph_put_number(text, "octaves", octaves->count);
+    neph_put_three(text, "contribution attenuation eccentricity", octaves->contribution,
+                   octaves->attenuation, octaves->eccentricity);
+}
+
+static const struct neph_record octaves_record = {
+    .size = sizeof(struct neph_octaves), .fields = octaves_fields, .hash = hash_octaves};
 
 static const struct neph_field display_fields[] = {
     {"exposure_ev", NEPH_NUMBER, SCENE(exposure_ev), "EV", -40, 40,
@@ -114,14 +135,17 @@ static const struct neph_field display_fields[] = {
      .least = 1, .most = PATH_TEXT_MAX, .standard = "none"},
     {0},
 };
-static const struct neph_record display_record = {sizeof(struct neph_scene), display_fields, NULL};
+static const struct neph_record display_record = {.size = sizeof(struct neph_scene),
+                                                  .fields = display_fields};
 
-static const struct neph_field scene_fields[] = {
+const struct neph_field neph_scene_fields[] = {
     {"name", NEPH_TEXT, SCENE(name), .note = "a-z, 0-9 and _; the file's stem", .least = 1,
-     .most = 64},
-    {"title", NEPH_TEXT, SCENE(title), .note = "one line", .least = 1, .most = TITLE_MAX},
+     .most = 64, .hashing = NEPH_NOT_HASHED},
+    {"title", NEPH_TEXT, SCENE(title), .note = "one line", .least = 1, .most = TITLE_MAX,
+     .hashing = NEPH_NOT_HASHED},
     {"physics", NEPH_TEXT, SCENE(physics),
-     .note = "what the scene isolates and which truth applies", .least = 1, .most = 4000},
+     .note = "what the scene isolates and which truth applies", .least = 1, .most = 4000,
+     .hashing = NEPH_NOT_HASHED},
     {"camera", NEPH_RECORD, .record = &neph_camera_record},
     {"frames", NEPH_RECORD, .record = &neph_frames_record, .standard = ""},
     {"sun", NEPH_RECORD, .record = &neph_sun_record, .standard = "no sun"},
@@ -135,7 +159,7 @@ static const struct neph_field scene_fields[] = {
     {"scattering", NEPH_WORD, SCENE(scattering),
      .note = "`none`: media attenuate; `single`: plus light of sun and `lights` scattered once; "
              "`multiple`: all orders, surface bounces included",
-     .words = neph_scattering_words},
+     .words = neph_scattering_words, .hashing = NEPH_HASHED_AS_MADE},
     {"octaves", NEPH_RECORD, SCENE(octaves),
      .note = "of the ray marcher's lighting model of that name", .record = &octaves_record,
      .standard = ""},
@@ -143,17 +167,19 @@ static const struct neph_field scene_fields[] = {
      NEPH_GRID_SIDE_MAX,
      .note = "of the grid that engines without formulas get, along its longest side",
      .standard = "64"},
-    {"display", NEPH_RECORD, .record = &display_record, .standard = "an exposure of 0"},
+    {"display", NEPH_RECORD, .record = &display_record, .standard = "an exposure of 0",
+     .hashing = NEPH_NOT_HASHED},
     {"gates", NEPH_LIST, SCENE(gates), .most = GATES_MAX, .count_at = SCENE(gate_count),
-     .record = &gate_record, .standard = "none"},
-    {"failure", NEPH_RECORD, SCENE(failing), .note = "how methods fail over time, see Failures",
-     .record = &neph_failing_record, .standard = "none"},
-    {"inject", NEPH_RECORD, SCENE(injections),
+     .record = &gate_record, .standard = "none", .hashing = NEPH_NOT_HASHED},
+    {"failure", NEPH_RECORD, offsetof(struct neph_written_scene, failing),
+     .note = "how methods fail over time, see Failures", .record = &neph_failing_record,
+     .standard = "none", .hashing = NEPH_NOT_HASHED},
+    {"inject", NEPH_RECORD, offsetof(struct neph_written_scene, injections),
      .note = "what is put into a running renderer, see Injections",
-     .record = &neph_injection_record, .standard = "none"},
+     .record = &neph_injection_record, .standard = "none", .hashing = NEPH_NOT_HASHED},
     {"solids", NEPH_LIST, offsetof(struct neph_written_scene, solids),
      .most = NEPH_SCENE_SOLIDS_MAX, .count_at = offsetof(struct neph_written_scene, solid_count),
-     .record = &neph_solid_record, .standard = "none"},
+     .record = &neph_solid_record, .standard = "none", .hashing = NEPH_HASHED_AS_MADE},
     {"media", NEPH_ENTRIES, SCENE(media), .most = NEPH_SCENE_MEDIA_MAX,
      .count_at = SCENE(medium_count), .record = &neph_medium_record, .standard = "none"},
     {"fog_look", NEPH_RECORD, SCENE(fog_look),
@@ -165,7 +191,7 @@ static const struct neph_field scene_fields[] = {
 void neph_scene_print_keys(FILE *file)
 {
     fputs("| key | value | default | |\n| --- | --- | --- | --- |\n", file);
-    neph_fields_print(scene_fields, "", file);
+    neph_fields_print(neph_scene_fields, "", file);
     neph_forms_print(file);
 }
 
@@ -191,6 +217,8 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
     struct neph_scene *scene = &written->scene;
     char *stem = neph_scene_name_of(path);
     scene->path = neph_arena_text(reader->arena, path);
+    scene->failing = &written->failing;
+    scene->injections = &written->injections;
     enum neph_status status = stem && !reader->arena->is_short ? check_names(reader, scene, stem)
                                                                : neph_fail_memory(reader->diag);
     free(stem);
@@ -224,8 +252,8 @@ static enum neph_status load_document(struct neph_document *document, const char
         return neph_fail_memory(diag);
     struct neph_reader reader = {
         .document = document, .arena = &written->scene.arena, .diag = diag};
-    enum neph_status status = neph_read_fields(&reader, neph_document_root(document), scene_fields,
-                                               written);
+    enum neph_status status = neph_read_fields(&reader, neph_document_root(document),
+                                               neph_scene_fields, written);
     if (!status)
         status = finish(&reader, path, written);
     if (status)
@@ -283,7 +311,7 @@ enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
 enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point,
                                        struct neph_scene **made, struct neph_diag *diag)
 {
-    const struct swept swept = {&scene->failing, point};
+    const struct swept swept = {scene->failing, point};
     return load_file(scene->path, &swept, made, diag);
 }
 

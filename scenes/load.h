@@ -5,7 +5,9 @@
 #ifndef NEPH_SCENES_LOAD_H
 #define NEPH_SCENES_LOAD_H
 
+#include "scenes/failing.h"
 #include "scenes/fields.h"
+#include "scenes/injection.h"
 #include "scenes/scene.h"
 
 /* The scene comes first: freeing it frees all. */
@@ -16,7 +18,12 @@ struct neph_written_scene {
     struct neph_wind_key wind;
     int solid_count;
     struct neph_written_solid *solids; /* fences are one */
+    struct neph_failing failing;
+    struct neph_injections injections;
 };
+
+/* All keys of a scene file, read into a struct neph_written_scene. */
+extern const struct neph_field neph_scene_fields[];
 
 /* Read in place, into a struct neph_written_scene. */
 extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun_record,
@@ -39,9 +46,6 @@ extern const struct neph_record neph_fog_look_record;
 enum neph_status neph_check_fog_look(const struct neph_reader *reader,
                                      const struct neph_scene *scene);
 
-/* Its part of a scene's hash. */
-void neph_fog_look_hash(const struct neph_fog_look *look, FILE *text);
-
 /* Write the numbers of a point of the sweep into the file. */
 enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,
@@ -59,6 +63,10 @@ void neph_finish_sun(struct neph_written_scene *written);
 /* Fences become their bars, and what moves has its mover. */
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
 
+/* Their parts of the scene's hash. */
+void neph_solids_hash(const struct neph_scene *scene, FILE *text);
+void neph_movers_hash(const struct neph_scene *scene, FILE *text);
+
 /* No light is inside a solid: it would light nothing. */
 enum neph_status neph_check_lights(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
@@ -67,6 +75,19 @@ enum neph_status neph_check_lights(const struct neph_reader *reader,
  * that moves media and not too far. */
 enum neph_status neph_check_motion(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
+
+#define NEPH_KEY_FRAME_MAX 1e5
+
+/* A direction has a length. */
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction);
+
+/* The camera at a frame of the keys: outside solids, and looking somewhere. */
+enum neph_status neph_check_view(const struct neph_reader *reader, const struct neph_scene *scene,
+                                 double frame);
+
+/* Rows of a struct neph_camera_key. */
+extern const struct neph_field neph_camera_key_fields[];
 
 /* Position and target at a frame of the keys. */
 struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);

@@ -46,8 +46,8 @@ static enum neph_status read_limit(struct neph_reader *reader, const yaml_node_t
     return NEPH_OK;
 }
 
-static const struct neph_record limit_record = {sizeof(struct neph_failing_limit), limit_fields,
-                                                read_limit};
+static const struct neph_record limit_record = {
+    .size = sizeof(struct neph_failing_limit), .fields = limit_fields, .read = read_limit};
 
 /* --- Sweeps --- */
 
@@ -112,8 +112,8 @@ static enum neph_status read_axis(struct neph_reader *reader, const yaml_node_t 
     return check_paths(reader, axis);
 }
 
-static const struct neph_record axis_record = {sizeof(struct neph_failing_axis), axis_fields,
-                                               read_axis};
+static const struct neph_record axis_record = {
+    .size = sizeof(struct neph_failing_axis), .fields = axis_fields, .read = read_axis};
 
 /* --- The whole --- */
 
@@ -172,8 +172,8 @@ static enum neph_status read_failing(struct neph_reader *reader, const yaml_node
     return status;
 }
 
-const struct neph_record neph_failing_record = {sizeof(struct neph_failing), failing_fields,
-                                                read_failing};
+const struct neph_record neph_failing_record = {
+    .size = sizeof(struct neph_failing), .fields = failing_fields, .read = read_failing};
 
 /* --- A point of the sweep --- */
 

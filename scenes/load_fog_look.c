@@ -4,8 +4,6 @@
  */
 #include "scenes/load.h"
 
-#include "scenes/hash_text.h"
-
 #include <math.h>
 #include <stddef.h>
 
@@ -44,8 +42,9 @@ static const struct neph_field fields[] = {
 };
 
 /* Nothing of a scene that has none: what was stored before there were looks stays valid. */
-void neph_fog_look_hash(const struct neph_fog_look *look, FILE *text)
+static void hash_look(const void *target, FILE *text)
 {
+    const struct neph_fog_look *look = target;
     if (look->present)
         neph_fields_hash(fields, look, text);
 }
@@ -66,7 +65,8 @@ static enum neph_status read_look(struct neph_reader *reader, const yaml_node_t 
     return NEPH_OK;
 }
 
-const struct neph_record neph_fog_look_record = {sizeof(struct neph_fog_look), fields, read_look};
+const struct neph_record neph_fog_look_record = {
+    .size = sizeof(struct neph_fog_look), .fields = fields, .read = read_look, .hash = hash_look};
 
 enum neph_status neph_check_fog_look(const struct neph_reader *reader,
                                      const struct neph_scene *scene)

@@ -29,8 +29,8 @@ static const struct neph_field history_fields[] = {
      .standard = "`false`"},
     {0},
 };
-static const struct neph_record history_record = {sizeof(struct neph_injected_history),
-                                                  history_fields, NULL};
+static const struct neph_record history_record = {.size = sizeof(struct neph_injected_history),
+                                                  .fields = history_fields};
 
 static const struct neph_field ray_fields[] = {
     {"frame", NEPH_WHOLE, RAYS(frame), "", 0, FRAME_MAX, .note = picture_note},
@@ -39,7 +39,8 @@ static const struct neph_field ray_fields[] = {
     {"value", NEPH_WORD, RAYS(value), .words = neph_injected_value_words},
     {0},
 };
-static const struct neph_record ray_record = {sizeof(struct neph_injected_rays), ray_fields, NULL};
+static const struct neph_record ray_record = {.size = sizeof(struct neph_injected_rays),
+                                              .fields = ray_fields};
 
 static const struct neph_field view_fields[] = {
     {"left_px", NEPH_WHOLE, VIEW(left_px), "px", 0, MARGIN_MAX_PX, .note = "a multiple of 4",
@@ -71,8 +72,8 @@ static enum neph_status read_view(struct neph_reader *reader, const yaml_node_t 
     return NEPH_OK;
 }
 
-static const struct neph_record view_record = {sizeof(struct neph_injected_view), view_fields,
-                                               read_view};
+static const struct neph_record view_record = {
+    .size = sizeof(struct neph_injected_view), .fields = view_fields, .read = read_view};
 
 static const struct neph_field mirror_fields[] = {
     {"frame", NEPH_WHOLE, MIRROR(frame), "", 0, FRAME_MAX, .note = picture_note, .standard = "0"},
@@ -82,16 +83,16 @@ static const struct neph_field mirror_fields[] = {
     {0},
 };
 
-static const struct neph_record mirror_record = {sizeof(struct neph_injected_mirror), mirror_fields,
-                                                 NULL};
+static const struct neph_record mirror_record = {.size = sizeof(struct neph_injected_mirror),
+                                                 .fields = mirror_fields};
 
 static const struct neph_field size_fields[] = {
     {"frame", NEPH_WHOLE, SIZE(frame), "", 0, FRAME_MAX, .note = picture_note},
     {"scale", NEPH_NUMBER, SIZE(scale), "", 0.05, 4, .note = "of the picture's size"},
     {0},
 };
-static const struct neph_record size_record = {sizeof(struct neph_injected_size), size_fields,
-                                               NULL};
+static const struct neph_record size_record = {.size = sizeof(struct neph_injected_size),
+                                               .fields = size_fields};
 
 static const struct neph_field origin_fields[] = {
     {"frame", NEPH_WHOLE, ORIGIN(frame), "", 0, FRAME_MAX, .note = "the first picture of it"},
@@ -99,8 +100,8 @@ static const struct neph_field origin_fields[] = {
      .note = "how far the world, the camera included, lies from where the file has it"},
     {0},
 };
-static const struct neph_record origin_record = {sizeof(struct neph_injected_origin), origin_fields,
-                                                 NULL};
+static const struct neph_record origin_record = {.size = sizeof(struct neph_injected_origin),
+                                                 .fields = origin_fields};
 
 static const struct neph_field exposure_fields[] = {
     {"frame", NEPH_WHOLE, EXPOSURE(frame), "", 0, FRAME_MAX, .note = "the first picture of it"},
@@ -109,8 +110,8 @@ static const struct neph_field exposure_fields[] = {
              "radiance all the same"},
     {0},
 };
-static const struct neph_record exposure_record = {sizeof(struct neph_injected_exposure),
-                                                   exposure_fields, NULL};
+static const struct neph_record exposure_record = {.size = sizeof(struct neph_injected_exposure),
+                                                   .fields = exposure_fields};
 
 static const struct neph_field injection_fields[] = {
     {"history", NEPH_LIST, ALL(histories),
@@ -139,13 +140,13 @@ static const struct neph_field injection_fields[] = {
     {0},
 };
 
-const struct neph_record neph_injection_record = {sizeof(struct neph_injections), injection_fields,
-                                                  NULL};
+const struct neph_record neph_injection_record = {.size = sizeof(struct neph_injections),
+                                                  .fields = injection_fields};
 
 enum neph_status neph_check_injections(const struct neph_reader *reader,
                                        const struct neph_scene *scene)
 {
-    const struct neph_injections *injections = &scene->injections;
+    const struct neph_injections *injections = scene->injections;
     if (injections->mirror.count > 0 && scene->orthographic_height_m > 0.0)
         return neph_refuse(reader, "inject.mirror",
                            "an orthographic camera has no mirrored one: motion vectors know "

@@ -2,6 +2,7 @@
  *
  * An entry of `lights`.
  */
+#include "scenes/hash_text.h"
 #include "scenes/load.h"
 #include "scenes/solids.h"
 
@@ -48,18 +49,30 @@ static enum neph_status read_cone(struct neph_reader *reader, const yaml_node_t 
     return NEPH_OK;
 }
 
-static const struct neph_record cone_record = {sizeof(struct neph_light), cone_fields, read_cone};
+static void hash_cone(const void *target, FILE *text)
+{
+    const struct neph_light *light = target;
+    if (!light->is_spot)
+        return;
+    neph_put_vec3(text, "axis", light->axis);
+    neph_put_number(text, "inner_cosine", light->inner_cosine);
+    neph_put_number(text, "outer_cosine", light->outer_cosine);
+}
+
+static const struct neph_record cone_record = {
+    .size = sizeof(struct neph_light), .fields = cone_fields, .read = read_cone, .hash = hash_cone};
 
 static const struct neph_field light_fields[] = {
     {"position_m", NEPH_THREE, LIGHT(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "of a point: lights have no size"},
+     .note = "of a point: lights have no size", .hash_name = "light_position_m"},
     {"intensity_w_per_sr", NEPH_THREE, LIGHT(intensity_w_per_sr), "W/sr", 0, 1e9,
      .note = "the same into all directions, or within the inner angle"},
     {"cone", NEPH_RECORD, .record = &cone_record, .standard = "all around"},
     {0},
 };
 
-const struct neph_record neph_light_record = {sizeof(struct neph_light), light_fields, NULL};
+const struct neph_record neph_light_record = {.size = sizeof(struct neph_light),
+                                              .fields = light_fields};
 
 enum neph_status neph_check_lights(const struct neph_reader *reader, const struct neph_scene *scene)
 {

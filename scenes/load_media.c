@@ -3,6 +3,7 @@
  * An entry of `media`: one of the forms of the kinds, and what all of them have.
  */
 #include "scenes/bake.h"
+#include "scenes/hash_text.h"
 #include "scenes/load.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
@@ -10,9 +11,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
 
 #define AT(member) offsetof(struct neph_medium, member)
 #define BOUNDS(member) offsetof(struct neph_bounds, member)
@@ -22,14 +20,7 @@ enum {
     FIELDS_MAX = 32 /* of a form and of all */
 };
 
-static const char *const phase_words[] = {
-    [NEPH_PHASE_ISOTROPIC] = "isotropic",
-    [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
-    [NEPH_PHASE_RAYLEIGH] = "rayleigh",
-    NULL,
-};
-
-/* What every medium has. */
+/* What every medium has. The order is that of the hash. */
 static const struct neph_field common_fields[] = {
     {"extinction_color", NEPH_THREE, AT(extinction_color), "", 0, 1e3,
      .note = "extinction per channel, in parts of extinction_per_m", .standard = "[1, 1, 1]"},
@@ -38,15 +29,15 @@ static const struct neph_field common_fields[] = {
     {"emission_w_per_m2_sr", NEPH_THREE, AT(emission_w_per_m2_sr), "W/m2/sr", 0, 1e6,
      .note = "of the black body that it were, opaque and without scattering: emitted per metre is "
              "(1 - albedo) * extinction * emission, seen always, scattered with `multiple`",
-     .standard = "[0, 0, 0]"},
-    {"phase", NEPH_WORD, AT(phase.kind), .words = phase_words, .standard = "`isotropic`"},
+     .standard = "[0, 0, 0]", .hashing = NEPH_HASHED_IF_SET},
+    {"phase", NEPH_WORD, AT(phase.kind), .words = neph_phase_words, .standard = "`isotropic`"},
     {"asymmetry_g", NEPH_NUMBER, AT(phase.g), "", -0.999, 0.999,
      .note = "beyond 0.999 the phase function is a spike that Cycles clamps",
-     .standard = "needed by `henyey_greenstein`"},
+     .standard = "needed by `" NEPH_PHASES_WITH_ASYMMETRY "`", .hash_name = "g"},
     {"voxels", NEPH_WHOLE, offsetof(struct neph_written_medium, voxels), "nodes",
      NEPH_BAKE_RESOLUTION_MIN, NEPH_GRID_SIDE_MAX,
      .note = "along the longest side of the grid that replaces the medium",
-     .standard = "the medium itself"},
+     .standard = "the medium itself", .hashing = NEPH_HASHED_AS_MADE},
     {0},
 };
 
@@ -57,7 +48,15 @@ static const struct neph_field bounds_fields[] = {
      .note = "a corner of the box"},
     {0},
 };
-const struct neph_record neph_bounds_record = {sizeof(struct neph_bounds), bounds_fields, NULL};
+/* All media have bounds: hash_medium() writes them. */
+static void hash_bounds(const void *target, FILE *text)
+{
+    (void)target;
+    (void)text;
+}
+
+const struct neph_record neph_bounds_record = {
+    .size = sizeof(struct neph_bounds), .fields = bounds_fields, .hash = hash_bounds};
 
 static const struct neph_field planet_bounds_fields[] = {
     {"min_m", NEPH_THREE, BOUNDS(min_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
@@ -66,8 +65,8 @@ static const struct neph_field planet_bounds_fields[] = {
      .note = "a corner of the box"},
     {0},
 };
-const struct neph_record neph_planet_bounds_record = {sizeof(struct neph_bounds),
-                                                      planet_bounds_fields, NULL};
+const struct neph_record neph_planet_bounds_record = {
+    .size = sizeof(struct neph_bounds), .fields = planet_bounds_fields, .hash = hash_bounds};
 
 /* --- One form --- */
 
@@ -105,12 +104,14 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
                                      const struct neph_medium *medium)
 {
     const bool has_g = neph_reader_has(reader, node, "asymmetry_g");
-    const bool wants_g = neph_phase_has_asymmetry(medium->phase.kind);
+    const bool wants_g = neph_phase_row(medium->phase.kind)->has_asymmetry;
     const struct neph_rgb color = medium->extinction_color;
     if (wants_g && !has_g)
-        return neph_refuse(reader, "phase", "henyey_greenstein needs the key asymmetry_g");
+        return neph_refuse(reader, "phase", "%s needs the key asymmetry_g",
+                           neph_phase_words[medium->phase.kind]);
     if (!wants_g && has_g)
-        return neph_refuse(reader, "asymmetry_g", "only phase: henyey_greenstein has an asymmetry");
+        return neph_refuse(reader, "asymmetry_g",
+                           "only phase: " NEPH_PHASES_WITH_ASYMMETRY " has an asymmetry");
     if (color.r + color.g + color.b == 0.0)
         return neph_refuse(reader, "extinction_color",
                            "a medium that no channel sees; leave it out instead");
@@ -180,7 +181,8 @@ static void list_choices(struct choice choices[FORMS_MAX], struct neph_field fie
             if (!form->key)
                 continue;
             const size_t size = form->size ? form->size : sizeof(struct neph_written_medium);
-            choices[count] = (struct choice){{size, form->fields, read_form}, kind, form};
+            choices[count] = (struct choice){
+                {.size = size, .fields = form->fields, .read = read_form}, kind, form};
             fields[count] = (struct neph_field){form->key, NEPH_RECORD, .standard = "",
                                                 .record = &choices[count].record};
             count++;
@@ -220,8 +222,22 @@ void neph_forms_print(FILE *file)
     }
 }
 
+static void hash_medium(const void *target, FILE *text)
+{
+    const struct neph_medium *medium = target;
+    const struct neph_medium_row *row = neph_medium_row(medium->kind);
+    neph_put_number(text, "medium", medium->kind);
+    neph_fields_hash(bounds_fields, &medium->bounds, text);
+    neph_fields_hash(common_fields, medium, text);
+    if (row->hash)
+        row->hash(medium, text);
+    else
+        neph_fields_hash(row->forms[0].fields, medium, text);
+}
+
 /* For the table of keys: the common keys stand inside the mapping of the kind. */
-static const struct neph_record common_record = {sizeof(struct neph_medium), common_fields, NULL};
+static const struct neph_record common_record = {.size = sizeof(struct neph_medium),
+                                                 .fields = common_fields};
 
 static const struct neph_field kind_fields[] = {
     {"KIND", NEPH_RECORD,
@@ -230,5 +246,7 @@ static const struct neph_field kind_fields[] = {
     {0},
 };
 
-const struct neph_record neph_medium_record = {sizeof(struct neph_medium), kind_fields,
-                                               read_medium};
+const struct neph_record neph_medium_record = {.size = sizeof(struct neph_medium),
+                                               .fields = kind_fields,
+                                               .read = read_medium,
+                                               .hash = hash_medium};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Camera, frames, sun and wind from a scene file, and what the finished scene must keep to in all
- * of its frames.
+ * Frames, sun and wind from a scene file, and what the finished scene must keep to in all of its
+ * frames.
  */
 #include "scenes/load.h"
 #include "scenes/media.h"
@@ -13,71 +13,60 @@
 
 #define SCENE(member) offsetof(struct neph_scene, member)
 #define WRITTEN(member) offsetof(struct neph_written_scene, member)
-#define CAMERA_KEY(member) offsetof(struct neph_camera_key, member)
 #define SUN_KEY(member) offsetof(struct neph_sun_key, member)
 #define WIND_KEY(member) offsetof(struct neph_wind_key, member)
 
-/* Shorter directions are refused: their normalised form would be noise. */
-#define DIRECTION_MIN 1e-9
-/* A camera nearer to its target than this has no direction of view worth the name. */
-#define VIEW_DISTANCE_MIN_M 1e-3
-/* Sine of the smallest angle between the view and `up`: below it the picture could turn by any
- * angle with the last bits of the input. */
-#define VIEW_SINE_MIN 1e-6
 /* Nearer to opposite than this, directions of the sun do not say which way it goes between them. */
 #define SUN_SINE_MIN 1e-6
 #define DRIFT_MAX_M NEPH_FAR_M /* as far as a scene file may put a medium itself */
 
-#define KEY_FRAME_MAX 1e5
 #define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
 #define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
-
-static enum neph_status check_direction(const struct neph_reader *reader, const char *path,
-                                        struct neph_vec3 direction)
-{
-    return neph_vec3_length(direction) < DIRECTION_MIN
-               ? neph_refuse(reader, path, "a direction of length 0")
-               : NEPH_OK;
-}
 
 /* --- Frames --- */
 
 static const struct neph_field pause_fields[] = {
-    {"frame", NEPH_WHOLE, offsetof(struct neph_pause, frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, not of the pictures"},
+    {"frame", NEPH_WHOLE, offsetof(struct neph_pause, frame), "", 0, NEPH_KEY_FRAME_MAX,
+     .note = "of the keys, not of the pictures", .hash_name = "pause"},
     {"count", NEPH_WHOLE, offsetof(struct neph_pause, count), "frames", 1, 10000,
      .note = "so many pictures more show it"},
     {0},
 };
-static const struct neph_record pause_record = {sizeof(struct neph_pause), pause_fields, NULL};
+static const struct neph_record pause_record = {.size = sizeof(struct neph_pause),
+                                                .fields = pause_fields};
 
 static const struct neph_field clear_fields[] = {
-    {"frame", NEPH_WHOLE, offsetof(struct neph_clear, frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, the first without media"},
-    {"count", NEPH_WHOLE, offsetof(struct neph_clear, count), "frames", 1, KEY_FRAME_MAX,
+    {"frame", NEPH_WHOLE, offsetof(struct neph_clear, frame), "", 0, NEPH_KEY_FRAME_MAX,
+     .note = "of the keys, the first without media", .hash_name = "clear"},
+    {"count", NEPH_WHOLE, offsetof(struct neph_clear, count), "frames", 1, NEPH_KEY_FRAME_MAX,
      .note = "of the keys"},
     {0},
 };
-static const struct neph_record clear_record = {sizeof(struct neph_clear), clear_fields, NULL};
+static const struct neph_record clear_record = {.size = sizeof(struct neph_clear),
+                                                .fields = clear_fields};
 
 static const struct neph_field size_fields[] = {
-    {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, KEY_FRAME_MAX,
-     .note = "the first picture of this size"},
+    {"frame", NEPH_WHOLE, offsetof(struct neph_frame_scale, frame), "", 0, NEPH_KEY_FRAME_MAX,
+     .note = "the first picture of this size", .hash_name = "frame_scale"},
     {"scale", NEPH_NUMBER, offsetof(struct neph_frame_scale, scale), "", 0.05, 4,
      .note = "of the size that was asked for"},
     {0},
 };
-static const struct neph_record size_record = {sizeof(struct neph_frame_scale), size_fields, NULL};
+static const struct neph_record size_record = {.size = sizeof(struct neph_frame_scale),
+                                               .fields = size_fields};
 
 static const struct neph_field frames_fields[] = {
-    {"count", NEPH_WHOLE, SCENE(frame_count), "", 1, 10000, .standard = "1"},
-    {"rate_hz", NEPH_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .standard = "30"},
+    {"count", NEPH_WHOLE, SCENE(frame_count), "", 1, 10000, .standard = "1",
+     .hash_name = "frame_count"},
+    {"rate_hz", NEPH_NUMBER, SCENE(frame_rate_hz), "Hz", 0.001, 1000, .standard = "30",
+     .hash_name = "frame_rate_hz"},
     {"pauses", NEPH_LIST, SCENE(pauses), .is_ascending = true, .least = 1,
      .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(pause_count), .record = &pause_record,
      .standard = "none"},
     {"advance", NEPH_NUMBERS, SCENE(advances), "frames", 0, 1000,
      .note = "of the keys from picture to picture, by turns: pictures at uneven times", .least = 1,
-     .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]"},
+     .most = NEPH_SCENE_ADVANCES_MAX, .count_at = SCENE(advance_count), .standard = "[1]",
+     .hash_name = "advance"},
     {"clear", NEPH_LIST, SCENE(clears), .note = "there are no media", .is_ascending = true,
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(clear_count),
      .record = &clear_record, .standard = "none"},
@@ -86,103 +75,30 @@ static const struct neph_field frames_fields[] = {
      .standard = "none"},
     {0},
 };
-const struct neph_record neph_frames_record = {sizeof(struct neph_scene), frames_fields, NULL};
-
-/* --- Camera --- */
-
-static const struct neph_field camera_key_fields[] = {
-    {"frame", NEPH_NUMBER, CAMERA_KEY(frame), "", 0, KEY_FRAME_MAX,
-     .note = "of the keys, see Time"},
-    {"position_m", NEPH_THREE, CAMERA_KEY(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "of the eye"},
-    {"look_at_m", NEPH_THREE, CAMERA_KEY(look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "in the middle of the picture"},
-    {"cut", NEPH_FLAG, CAMERA_KEY(cut), .note = "the camera stays at the key before and jumps",
-     .standard = "`false`"},
-    {0},
-};
-static const struct neph_record camera_key_record = {sizeof(struct neph_camera_key),
-                                                     camera_key_fields, NULL};
-
-static const struct neph_field camera_fields[] = {
-    {"position_m", NEPH_THREE, WRITTEN(camera.position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = "needed, or `keys`"},
-    {"look_at_m", NEPH_THREE, WRITTEN(camera.look_at_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .standard = "needed, or `keys`"},
-    {"keys", NEPH_LIST, SCENE(camera_keys),
-     .note = "in place of both, by ascending frames; linear in between", .is_ascending = true,
-     .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(camera_key_count),
-     .record = &camera_key_record, .standard = "none"},
-    {"up", NEPH_THREE, SCENE(camera_up), "", -NEPH_FAR_M, NEPH_FAR_M, .standard = "[0, 1, 0]"},
-    {"vertical_fov_deg", NEPH_NUMBER, SCENE(vertical_fov_rad), "degrees", 0.1, 170,
-     .note = "from the lower edge to the upper", .standard = "needed, or `orthographic_height_m`"},
-    {"orthographic_height_m", NEPH_NUMBER, SCENE(orthographic_height_m), "m", 1e-3, NEPH_FAR_M,
-     .note = "in place of it: parallel rays, the picture's height at any distance",
-     .standard = "none"},
-    {0},
-};
-
-static enum neph_status make_camera_key(struct neph_written_scene *written, struct neph_diag *diag)
-{
-    written->scene.camera_keys = neph_arena_copy(&written->scene.arena, &written->camera,
-                                                 sizeof(written->camera));
-    written->scene.camera_key_count = 1;
-    return neph_arena_check(&written->scene.arena, diag);
-}
-
-static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_t *node,
-                                    const struct neph_record *record, void *target)
-{
-    struct neph_written_scene *written = target;
-    struct neph_scene *scene = &written->scene;
-    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    if (status)
-        return status;
-    const bool has_position = neph_reader_has(reader, node, "position_m");
-    const bool has_target = neph_reader_has(reader, node, "look_at_m");
-    if (scene->camera_keys && (has_position || has_target))
-        return neph_refuse(reader, "keys",
-                           "give either keys or position_m and look_at_m, not both");
-    if (!scene->camera_keys && !(has_position && has_target))
-        return neph_refuse(reader, "", "give position_m and look_at_m, or keys");
-    if (scene->camera_keys && scene->camera_keys[0].cut)
-        return neph_refuse(reader, "keys[0].cut", "the first key has none before it to cut from");
-    if (neph_reader_has(reader, node, "vertical_fov_deg") ==
-        neph_reader_has(reader, node, "orthographic_height_m"))
-        return neph_refuse(reader, "", "give either vertical_fov_deg or orthographic_height_m");
-    if (scene->orthographic_height_m > 0.0 && scene->camera_key_count > 1)
-        return neph_refuse(reader, "keys",
-                           "an orthographic camera stands still: motion vectors know perspective "
-                           "cameras alone");
-    status = check_direction(reader, "up", scene->camera_up);
-    if (!status && !scene->camera_keys)
-        status = make_camera_key(written, reader->diag);
-    scene->camera_up = neph_vec3_normalize(scene->camera_up);
-    scene->vertical_fov_rad *= NEPH_RAD_PER_DEG;
-    return status;
-}
-
-const struct neph_record neph_camera_record = {sizeof(struct neph_written_scene), camera_fields,
-                                               read_camera};
+const struct neph_record neph_frames_record = {.size = sizeof(struct neph_scene),
+                                               .fields = frames_fields};
 
 /* --- Sun --- */
 
 static const struct neph_field sun_key_fields[] = {
-    {"frame", NEPH_NUMBER, SUN_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, SUN_KEY(frame), "", 0, NEPH_KEY_FRAME_MAX,
+     .note = "of the keys, see Time", .hash_name = "sun_key"},
     {"direction", NEPH_THREE, SUN_KEY(direction), "", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "towards the sun"},
     {"irradiance_w_per_m2", NEPH_THREE, SUN_KEY(irradiance_w_per_m2), "W/m2", 0, BRIGHT,
      .note = "on a plane across the direction"},
     {0},
 };
-static const struct neph_record sun_key_record = {sizeof(struct neph_sun_key), sun_key_fields,
-                                                  NULL};
+static const struct neph_record sun_key_record = {.size = sizeof(struct neph_sun_key),
+                                                  .fields = sun_key_fields};
 
 static const struct neph_field sun_fields[] = {
     {"direction", NEPH_THREE, WRITTEN(sun.direction), "", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "towards the sun; any length but 0", .standard = "needed, or `keys`"},
+     .note = "towards the sun; any length but 0", .standard = "needed, or `keys`",
+     .hashing = NEPH_HASHED_AS_MADE},
     {"irradiance_w_per_m2", NEPH_THREE, WRITTEN(sun.irradiance_w_per_m2), "W/m2", 0, BRIGHT,
-     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`"},
+     .note = "on a plane across the direction, per channel", .standard = "needed, or `keys`",
+     .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(sun_keys),
      .note = "in place of both, by ascending frames; directions go along the great circle, so "
              "neighbours may not be opposite",
@@ -196,7 +112,7 @@ static enum neph_status check_sun_key(const struct neph_reader *reader,
 {
     const struct neph_sun_key *key = &keys[index];
     const struct neph_path path = neph_at("keys[%d].direction", index);
-    const enum neph_status status = check_direction(reader, path.text, key->direction);
+    const enum neph_status status = neph_check_direction(reader, path.text, key->direction);
     if (status || index == 0)
         return status;
     const struct neph_vec3 sum = neph_vec3_add(neph_vec3_normalize(key->direction),
@@ -226,14 +142,14 @@ static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *
         return neph_refuse(reader, "", "give direction and irradiance_w_per_m2, or keys");
     scene->sun.present = true;
     if (!scene->sun_keys)
-        return check_direction(reader, "direction", written->sun.direction);
+        return neph_check_direction(reader, "direction", written->sun.direction);
     for (int i = 0; i < scene->sun_key_count && !status; i++)
         status = check_sun_key(reader, scene->sun_keys, i);
     return status;
 }
 
-const struct neph_record neph_sun_record = {sizeof(struct neph_written_scene), sun_fields,
-                                            read_sun};
+const struct neph_record neph_sun_record = {
+    .size = sizeof(struct neph_written_scene), .fields = sun_fields, .read = read_sun};
 
 /* A single key is a sun that stands still. */
 void neph_finish_sun(struct neph_written_scene *written)
@@ -259,17 +175,18 @@ void neph_finish_sun(struct neph_written_scene *written)
 /* --- Wind --- */
 
 static const struct neph_field wind_key_fields[] = {
-    {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, KEY_FRAME_MAX, .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, WIND_KEY(frame), "", 0, NEPH_KEY_FRAME_MAX,
+     .note = "of the keys, see Time", .hash_name = "wind_key"},
     {"velocity_m_per_s", NEPH_THREE, WIND_KEY(velocity_m_per_s), "m/s", -FAST_M_PER_S, FAST_M_PER_S,
      .note = "of what drifts, see Time"},
     {0},
 };
-static const struct neph_record wind_key_record = {sizeof(struct neph_wind_key), wind_key_fields,
-                                                   NULL};
+static const struct neph_record wind_key_record = {.size = sizeof(struct neph_wind_key),
+                                                   .fields = wind_key_fields};
 
 static const struct neph_field wind_fields[] = {
     {"velocity_m_per_s", NEPH_THREE, WRITTEN(wind.velocity_m_per_s), "m/s", -FAST_M_PER_S,
-     FAST_M_PER_S, .standard = "needed, or `keys`"},
+     FAST_M_PER_S, .standard = "needed, or `keys`", .hashing = NEPH_HASHED_AS_MADE},
     {"keys", NEPH_LIST, SCENE(wind_keys),
      .note = "in its place, by ascending frames; linear in between", .is_ascending = true,
      .least = 1, .most = NEPH_SCENE_KEYS_MAX, .count_at = SCENE(wind_key_count),
@@ -294,50 +211,10 @@ static enum neph_status read_wind(struct neph_reader *reader, const yaml_node_t 
     return neph_arena_check(reader->arena, reader->diag);
 }
 
-const struct neph_record neph_wind_record = {sizeof(struct neph_written_scene), wind_fields,
-                                             read_wind};
+const struct neph_record neph_wind_record = {
+    .size = sizeof(struct neph_written_scene), .fields = wind_fields, .read = read_wind};
 
 /* --- In the finished scene --- */
-
-/* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
-static struct neph_path camera_path(const struct neph_reader *reader,
-                                    const struct neph_scene *scene, double frame, const char *key)
-{
-    if (neph_document_find(reader->document, "camera.keys")->type != YAML_SEQUENCE_NODE)
-        return neph_at("camera.%s", key);
-    int index = 0;
-    while (index + 1 < scene->camera_key_count && scene->camera_keys[index + 1].frame <= frame)
-        index++;
-    return neph_at("camera.keys[%d].%s", index, key);
-}
-
-static enum neph_status check_view(const struct neph_reader *reader, const struct neph_scene *scene,
-                                   double frame)
-{
-    const struct neph_camera_key key = neph_camera_key_at(scene, frame);
-    const struct neph_vec3 view = neph_vec3_sub(key.look_at_m, key.position_m);
-    const double distance_m = neph_vec3_length(view);
-    if (distance_m < VIEW_DISTANCE_MIN_M)
-        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
-                           "at frame %g the camera is %g m from the point it looks at; at least %g "
-                           "m are needed",
-                           frame, distance_m, VIEW_DISTANCE_MIN_M);
-    const double sine = neph_vec3_length(neph_vec3_cross(view, scene->camera_up)) / distance_m;
-    if (sine < VIEW_SINE_MIN)
-        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
-                           "at frame %g the camera looks along its up direction; turn the view or "
-                           "give another camera.up",
-                           frame);
-    for (int i = 0; i < scene->solid_count; i++) {
-        const struct neph_solid solid = neph_scene_solid_at(scene, i, frame);
-        if (neph_solid_contains(&solid, key.position_m))
-            return neph_refuse(reader, camera_path(reader, scene, frame, "position_m").text,
-                               "at frame %g the camera is inside a solid (number %d of the %d in "
-                               "the scene, bars counted)",
-                               frame, i + 1, scene->solid_count);
-    }
-    return NEPH_OK;
-}
 
 /* The wind must have something to move, and must leave it where renderers can still see it. */
 static enum neph_status check_drift(const struct neph_reader *reader,
@@ -369,9 +246,9 @@ enum neph_status neph_check_motion(const struct neph_reader *reader, const struc
         return neph_refuse(reader, "frames.advance",
                            "give either advance, which may be 0, or pauses");
     for (int i = 0; i < scene->camera_key_count && !status; i++)
-        status = check_view(reader, scene, scene->camera_keys[i].frame);
+        status = neph_check_view(reader, scene, scene->camera_keys[i].frame);
     for (int frame = 0; frame < scene->frame_count && !status; frame++)
-        status = check_view(reader, scene, neph_scene_time_frame(scene, frame));
+        status = neph_check_view(reader, scene, neph_scene_time_frame(scene, frame));
     if (!status && scene->wind_key_count > 0)
         status = check_drift(reader, scene);
     return status;

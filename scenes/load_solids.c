@@ -2,6 +2,7 @@
  *
  * An entry of `solids`: a box, a sphere, or a fence, which is many thin boxes.
  */
+#include "scenes/hash_text.h"
 #include "scenes/load.h"
 
 #include <stddef.h>
@@ -31,9 +32,12 @@ struct neph_written_solid {
     struct neph_mover mover; /* without keys: it stands still */
 };
 
+/* The rows of solids hash a struct neph_solid, too. */
+_Static_assert(offsetof(struct neph_written_solid, solid) == 0, "a solid comes first");
+
 #define SOLID(member) offsetof(struct neph_written_solid, solid.member)
 #define FENCE(member) offsetof(struct neph_written_solid, fence.member)
-#define MOVER(member) offsetof(struct neph_written_solid, mover.member)
+#define MOVER(member) offsetof(struct neph_mover, member)
 #define KEY(member) offsetof(struct neph_solid_key, member)
 
 static const char albedo_note[] = "an albedo above 1 would make light out of nothing";
@@ -51,11 +55,20 @@ static const struct neph_field texture_fields[] = {
     {"pattern", NEPH_WORD, TEXTURE(pattern), .words = pattern_words},
     {"cell_m", NEPH_NUMBER, TEXTURE(cell_m), "m", 1e-3, 1e4,
      .note = "side of a square of it, or between values of noise"},
-    {"albedo", NEPH_THREE, TEXTURE(other), "", 0, 1, .note = "where its value is 1"},
+    {"albedo", NEPH_THREE, TEXTURE(other), "", 0, 1, .note = "where its value is 1",
+     .hash_name = "other"},
     {"seed", NEPH_WHOLE, TEXTURE(seed), "", 0, 1e9, .note = "of noise", .standard = "0"},
     {0},
 };
-static const struct neph_record texture_record = {0, texture_fields, NULL};
+/* Hashes from before there were textures stay. */
+static void hash_texture(const void *target, FILE *text)
+{
+    const struct neph_solid *solid = target;
+    if (neph_is_textured(&solid->surface))
+        neph_fields_hash(texture_fields, solid, text);
+}
+
+static const struct neph_record texture_record = {.fields = texture_fields, .hash = hash_texture};
 
 #define SURFACE                                                                                    \
     {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},                          \
@@ -66,11 +79,12 @@ static const struct neph_record texture_record = {0, texture_fields, NULL};
          0,                                                                                        \
          1,                                                                                        \
          .note = "so much of its light a metal of that colour reflects, the rest is Lambertian",   \
-         .standard = "0"},                                                                         \
+         .standard = "0",                                                                          \
+         .hashing = NEPH_HASHED_IF_SET},                                                           \
     {                                                                                              \
         "roughness", NEPH_NUMBER, SOLID(surface.roughness), "", 0, 1,                              \
             .note = "of the metal, the root of GGX's alpha; 0 is a mirror, else at least 0.02",    \
-            .standard = "0"                                                                        \
+            .standard = "0", .hashing = NEPH_HASHED_WITH_LAST                                      \
     }
 
 /* --- Motion --- */
@@ -78,14 +92,16 @@ static const struct neph_record texture_record = {0, texture_fields, NULL};
 static const char *const axis_words[] = {"x", "y", "z", NULL};
 
 static const struct neph_field key_fields[] = {
-    {"frame", NEPH_NUMBER, KEY(frame), "", 0, 1e5, .note = "of the keys, see Time"},
+    {"frame", NEPH_NUMBER, KEY(frame), "", 0, 1e5, .note = "of the keys, see Time",
+     .hash_name = "solid_key"},
     {"move_m", NEPH_THREE, KEY(move_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "from where it is built", .standard = "[0, 0, 0]"},
     {"turn_deg", NEPH_NUMBER, KEY(turn_rad), "degrees", -1e5, 1e5,
-     .note = "from how it is built, by the right hand", .standard = "0"},
+     .note = "from how it is built, by the right hand", .standard = "0", .hash_name = "turn_rad"},
     {0},
 };
-static const struct neph_record key_record = {sizeof(struct neph_solid_key), key_fields, NULL};
+static const struct neph_record key_record = {.size = sizeof(struct neph_solid_key),
+                                              .fields = key_fields};
 
 static const struct neph_field motion_fields[] = {
     {"axis", NEPH_WORD, MOVER(axis), .note = "of turns, by the pivot", .words = axis_words,
@@ -102,25 +118,26 @@ static const struct neph_field motion_fields[] = {
 static enum neph_status read_motion(struct neph_reader *reader, const yaml_node_t *node,
                                     const struct neph_record *record, void *target)
 {
-    struct neph_mover *mover = &((struct neph_written_solid *)target)->mover;
+    struct neph_mover *mover = target;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     for (int i = 0; i < mover->key_count && !status; i++)
         mover->keys[i].turn_rad *= NEPH_RAD_PER_DEG;
     return status;
 }
 
-static const struct neph_record motion_record = {0, motion_fields, read_motion};
+static const struct neph_record motion_record = {.fields = motion_fields, .read = read_motion};
 
 #define MOTION                                                                                     \
     {                                                                                              \
-        "motion", NEPH_RECORD, .record = &motion_record, .standard = ""                            \
+        "motion", NEPH_RECORD, offsetof(struct neph_written_solid, mover),                         \
+            .record = &motion_record, .standard = "", .hashing = NEPH_HASHED_AS_MADE               \
     }
 
 static const struct neph_field box_fields[] = {
     {"min_m", NEPH_THREE, SOLID(box.min_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "the lower corner"},
+     .note = "the lower corner", .hash_name = "box_min_m"},
     {"max_m", NEPH_THREE, SOLID(box.max_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
-     .note = "the upper corner"},
+     .note = "the upper corner", .hash_name = "box_max_m"},
     SURFACE,
     {"texture", NEPH_RECORD, .record = &texture_record, .standard = "",
      .note = "on its faces, see Surfaces"},
@@ -130,8 +147,9 @@ static const struct neph_field box_fields[] = {
 
 static const struct neph_field sphere_fields[] = {
     {"center_m", NEPH_THREE, SOLID(center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,
-     .note = "of the ball"},
-    {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too"},
+     .note = "of the ball", .hash_name = "sphere_center_m"},
+    {"radius_m", NEPH_NUMBER, SOLID(radius_m), "m", 1e-4, NEPH_PLANET_M, .note = "a planet, too",
+     .hash_name = "sphere_radius_m"},
     SURFACE,
     MOTION,
     {0},
@@ -145,7 +163,7 @@ static const struct neph_field rails_fields[] = {
      .note = "along Z, less than that of the bars"},
     {0},
 };
-static const struct neph_record rails_record = {0, rails_fields, NULL};
+static const struct neph_record rails_record = {.fields = rails_fields};
 
 static const struct neph_field fence_fields[] = {
     {"origin_m", NEPH_THREE, FENCE(origin_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
@@ -247,9 +265,9 @@ static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_
     return status ? status : check_surface(reader, node, &solid->surface);
 }
 
-static const struct neph_record box_record = {0, box_fields, read_box};
-static const struct neph_record sphere_record = {0, sphere_fields, read_sphere};
-static const struct neph_record fence_record = {0, fence_fields, read_fence};
+static const struct neph_record box_record = {.fields = box_fields, .read = read_box};
+static const struct neph_record sphere_record = {.fields = sphere_fields, .read = read_sphere};
+static const struct neph_record fence_record = {.fields = fence_fields, .read = read_fence};
 
 static const struct neph_field solid_fields[] = {
     {"box", NEPH_RECORD, .record = &box_record, .standard = ""},
@@ -264,8 +282,8 @@ static enum neph_status read_solid(struct neph_reader *reader, const yaml_node_t
     return neph_read_choice(reader, node, record->fields, target, "a solid");
 }
 
-const struct neph_record neph_solid_record = {sizeof(struct neph_written_solid), solid_fields,
-                                              read_solid};
+const struct neph_record neph_solid_record = {
+    .size = sizeof(struct neph_written_solid), .fields = solid_fields, .read = read_solid};
 
 /* --- Fences into bars --- */
 
@@ -399,4 +417,25 @@ enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_writ
             *next++ = written->solids[i].solid;
     }
     return finish_movers(reader, written);
+}
+
+/* --- Hash --- */
+
+void neph_solids_hash(const struct neph_scene *scene, FILE *text)
+{
+    static const struct neph_field *const fields[NEPH_SOLID_KIND_COUNT] = {
+        [NEPH_SOLID_BOX] = box_fields, [NEPH_SOLID_SPHERE] = sphere_fields};
+    for (int i = 0; i < scene->solid_count; i++) {
+        neph_fields_hash(fields[scene->solids[i].kind], &scene->solids[i], text);
+        neph_put_number(text, "thin", scene->solids[i].thin); /* for the mask of a frame */
+    }
+}
+
+void neph_movers_hash(const struct neph_scene *scene, FILE *text)
+{
+    for (int i = 0; i < scene->mover_count; i++) {
+        neph_put_number(text, "mover", scene->movers[i].first);
+        neph_put_number(text, "count", scene->movers[i].count);
+        neph_fields_hash(motion_fields, &scene->movers[i], text);
+    }
 }

@@ -37,8 +37,8 @@ static const struct neph_field index_box_fields[] = {
      .note = "indices of the highest voxel, which is inside"},
     {0},
 };
-static const struct neph_record index_box_record = {sizeof(struct neph_volume_box),
-                                                    index_box_fields, NULL};
+static const struct neph_record index_box_record = {.size = sizeof(struct neph_volume_box),
+                                                    .fields = index_box_fields};
 
 const struct neph_field neph_volume_fields[] = {
     {"file", NEPH_TEXT, VOLUME(file),

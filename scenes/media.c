@@ -7,7 +7,6 @@
 #include "scenes/grid.h"
 
 #include "scenes/emission.h"
-#include "scenes/hash_text.h"
 #include "scenes/medium_kind.h"
 
 #include <math.h>
@@ -184,24 +183,6 @@ bool neph_scene_is_endless(const struct neph_scene *scene)
     return false;
 }
 
-void neph_medium_hash(const struct neph_medium *medium, FILE *text)
-{
-    neph_put_number(text, "medium", medium->kind);
-    neph_put_vec3(text, "min_m", medium->bounds.min_m);
-    neph_put_vec3(text, "max_m", medium->bounds.max_m);
-    neph_put_rgb(text, "extinction_color", medium->extinction_color);
-    neph_put_rgb(text, "albedo", medium->albedo);
-    if (neph_medium_emits(medium)) /* what was stored before there was emission stays valid */
-        neph_put_rgb(text, "emission_w_per_m2_sr", medium->emission_w_per_m2_sr);
-    neph_put_number(text, "phase", medium->phase.kind);
-    neph_put_number(text, "g", medium->phase.g);
-    const struct neph_medium_row *row = rows[medium->kind];
-    if (row->hash)
-        row->hash(medium, text);
-    else
-        neph_fields_hash(row->forms[0].fields, medium, text);
-}
-
 /* --- all media of a scene -------------------------------------------------------------------- */
 
 struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
@@ -216,56 +197,4 @@ struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct 
             sum = neph_rgb_add(sum, neph_rgb_attenuation(medium->extinction_color, optical_depth));
     }
     return sum;
-}
-
-/* --- phase functions ------------------------------------------------------------------------- */
-
-static double henyey_greenstein_per_sr(double g, double cosine)
-{
-    /* 1 + g^2 - 2 g c without its cancellation at the peak, for either sign of g. */
-    const double base = g >= 0.0 ? (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine)
-                                 : (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + cosine);
-    return (1.0 - g) * (1.0 + g) / (4.0 * M_PI * base * sqrt(base));
-}
-
-double neph_phase_per_sr(const struct neph_phase *phase, double cosine)
-{
-    switch (phase->kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return henyey_greenstein_per_sr(phase->g, fmin(1.0, fmax(-1.0, cosine)));
-    case NEPH_PHASE_RAYLEIGH:
-        return 3.0 / (16.0 * M_PI) * (1.0 + cosine * cosine);
-    case NEPH_PHASE_ISOTROPIC:
-        return 1.0 / (4.0 * M_PI);
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return NAN;
-}
-
-bool neph_phase_has_asymmetry(enum neph_phase_kind kind)
-{
-    switch (kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return true;
-    case NEPH_PHASE_ISOTROPIC:
-    case NEPH_PHASE_RAYLEIGH:
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return false;
-}
-
-double neph_phase_mean_cosine(const struct neph_phase *phase)
-{
-    switch (phase->kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return phase->g;
-    case NEPH_PHASE_ISOTROPIC:
-    case NEPH_PHASE_RAYLEIGH:
-        return 0.0;
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return NAN;
 }

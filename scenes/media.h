@@ -72,9 +72,6 @@ bool neph_medium_is_endless(const struct neph_medium *medium);
 bool neph_scene_is_endless(const struct neph_scene *scene); /* some medium of it is */
 extern const char neph_endless_reason[]; /* why others cannot have it, in words */
 
-/* Write all that changes a rendered value, see scenes/hash_text.h. */
-void neph_medium_hash(const struct neph_medium *medium, FILE *text);
-
 /* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
  * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
  * infinite where there is no such end (height fog, homogeneous, shell). Minimum = maximum on some
@@ -95,16 +92,6 @@ double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_v
 /* The sum over all media of a scene, per channel: each medium's times its extinction_color. */
 struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                          struct neph_vec3 direction, double t0_m, double t1_m);
-
-/* Phase function [1/sr], normalised over the sphere; cosine between the directions of travel
- * before and after. */
-double neph_phase_per_sr(const struct neph_phase *phase, double cosine);
-
-/* Whether `g` of a phase function means anything. */
-bool neph_phase_has_asymmetry(enum neph_phase_kind kind);
-
-/* The mean over the sphere of the cosine, weighted by the phase function. */
-double neph_phase_mean_cosine(const struct neph_phase *phase);
 
 /* Unreal Engine's ExponentialHeightFog (UI values; height in metres) <-> natural exponent.
  *   sigma_t = a e^{-b (y-h)},  a = (ln 2)^2 density_ui / 10,  b = ln 2 falloff_ui / 10  [1/m].

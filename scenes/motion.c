@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/motion.h"
 
+#include "scenes/injection.h"
+#include "scenes/keys.h"
 #include "scenes/load.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
@@ -14,42 +16,6 @@
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 /* --- between keys ---------------------------------------------------------------------------- */
-
-/* The keys around a frame, and how far it is from the one to the other: 0..1. */
-struct span {
-    int from, to;
-    double part;
-};
-
-/* `keys` is an array of structures of `size` bytes that begin with their frame. */
-static double frame_of(const void *keys, size_t size, int index)
-{
-    return *(const double *)((const char *)keys + (size_t)index * size);
-}
-
-static struct span span_at(const void *keys, size_t size, int count, double frame)
-{
-    const int last = count - 1;
-    if (frame <= frame_of(keys, size, 0))
-        return (struct span){0, 0, 0.0};
-    if (frame >= frame_of(keys, size, last))
-        return (struct span){last, last, 0.0};
-    int from = 0, to = last;
-    while (to - from > 1) {
-        const int middle = (from + to) / 2;
-        if (frame_of(keys, size, middle) <= frame)
-            from = middle;
-        else
-            to = middle;
-    }
-    const double start = frame_of(keys, size, from), end = frame_of(keys, size, to);
-    return (struct span){from, to, (frame - start) / (end - start)};
-}
-
-static struct neph_vec3 mix(struct neph_vec3 a, struct neph_vec3 b, double part)
-{
-    return neph_vec3_add(neph_vec3_scale(a, 1.0 - part), neph_vec3_scale(b, part));
-}
 
 static struct neph_rgb mix_rgb(struct neph_rgb a, struct neph_rgb b, double part)
 {
@@ -106,72 +72,6 @@ void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *wi
 
 /* --- camera ---------------------------------------------------------------------------------- */
 
-struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame)
-{
-    const struct neph_camera_key *keys = scene->camera_keys;
-    const struct span span = span_at(keys, sizeof(*keys), scene->camera_key_count, key_frame);
-    const struct neph_camera_key *a = &keys[span.from], *b = &keys[span.to];
-    const double part = b->cut ? 0.0 : span.part;
-    return (struct neph_camera_key){
-        .frame = key_frame,
-        .position_m = mix(a->position_m, b->position_m, part),
-        .look_at_m = mix(a->look_at_m, b->look_at_m, part),
-    };
-}
-
-struct neph_camera neph_scene_camera(const struct neph_scene *scene, double frame)
-{
-    struct neph_camera_key key = neph_camera_key_at(scene, neph_scene_time_frame(scene, frame));
-    struct neph_camera camera = {.position_m = key.position_m,
-                                 .vertical_fov_rad = scene->vertical_fov_rad,
-                                 .orthographic_height_m = scene->orthographic_height_m};
-    camera.forward = neph_vec3_normalize(neph_vec3_sub(key.look_at_m, key.position_m));
-    camera.right = neph_vec3_normalize(neph_vec3_cross(camera.forward, scene->camera_up));
-    camera.up = neph_vec3_cross(camera.right, camera.forward);
-    return camera;
-}
-
-double neph_camera_half_height(const struct neph_camera *camera)
-{
-    return camera->orthographic_height_m > 0.0 ? 0.5 * camera->orthographic_height_m
-                                               : tan(0.5 * camera->vertical_fov_rad);
-}
-
-/* Pixels are square. Blender and POV-Ray were measured to use the same rays. */
-struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
-                                      double i, double j)
-{
-    const bool is_parallel = camera->orthographic_height_m > 0.0;
-    const double half_height = neph_camera_half_height(camera);
-    const double half_width = half_height * width_px / height_px;
-    const double x = (2.0 * (i + 0.5) / width_px - 1.0) * half_width;
-    const double y = (1.0 - 2.0 * (j + 0.5) / height_px) * half_height;
-    const struct neph_vec3 middle = is_parallel ? camera->position_m : camera->forward;
-    const struct neph_vec3 place = neph_vec3_along(neph_vec3_along(middle, camera->right, x),
-                                                   camera->up, y);
-    if (is_parallel)
-        return (struct neph_pixel_ray){place, camera->forward};
-    return (struct neph_pixel_ray){camera->position_m, neph_vec3_normalize(place)};
-}
-
-bool neph_camera_find_pixel(const struct neph_camera *camera, int width_px, int height_px,
-                            struct neph_vec3 point_m, struct neph_point_in_frame *found)
-{
-    const bool is_parallel = camera->orthographic_height_m > 0.0;
-    const struct neph_vec3 way_m = neph_vec3_sub(point_m, camera->position_m);
-    const double depth_m = neph_vec3_dot(way_m, camera->forward);
-    if (!is_parallel && !(depth_m > 0.0))
-        return false;
-    const double half_height = neph_camera_half_height(camera);
-    const double half_width = half_height * width_px / height_px;
-    const double scale = is_parallel ? 1.0 : 1.0 / depth_m;
-    const double x = neph_vec3_dot(way_m, camera->right) * scale / half_width;
-    const double y = neph_vec3_dot(way_m, camera->up) * scale / half_height;
-    *found = (struct neph_point_in_frame){0.5 * (1.0 + x) * width_px - 0.5,
-                                          0.5 * (1.0 - y) * height_px - 0.5, depth_m};
-    return true;
-}
-
 bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to)
 {
     const double earlier = neph_scene_time_frame(scene, fmin(frame_from, frame_to));
@@ -191,8 +91,8 @@ struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame)
     if (scene->sun_key_count == 0)
         return scene->sun;
     const struct neph_sun_key *keys = scene->sun_keys;
-    const struct span span = span_at(keys, sizeof(*keys), scene->sun_key_count,
-                                     neph_scene_time_frame(scene, frame));
+    const struct neph_span span = neph_span_at(keys, sizeof(*keys), scene->sun_key_count,
+                                               neph_scene_time_frame(scene, frame));
     const struct neph_sun_key *a = &keys[span.from], *b = &keys[span.to];
     return (struct neph_sun){
         .present = true,
@@ -204,8 +104,9 @@ struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame)
 static struct neph_vec3 velocity_at(const struct neph_scene *scene, double key_frame)
 {
     const struct neph_wind_key *keys = scene->wind_keys;
-    const struct span span = span_at(keys, sizeof(*keys), scene->wind_key_count, key_frame);
-    return mix(keys[span.from].velocity_m_per_s, keys[span.to].velocity_m_per_s, span.part);
+    const struct neph_span span = neph_span_at(keys, sizeof(*keys), scene->wind_key_count,
+                                               key_frame);
+    return neph_mix(keys[span.from].velocity_m_per_s, keys[span.to].velocity_m_per_s, span.part);
 }
 
 /* The integral of the velocity over frames [start, end], cut at the keys: what is linear has the
@@ -248,13 +149,13 @@ bool neph_scene_is_clear(const struct neph_scene *scene, double frame)
 static struct neph_placing placing_at(const struct neph_mover *mover, double key_frame)
 {
     const struct neph_solid_key *keys = mover->keys;
-    const struct span span = span_at(keys, sizeof(*keys), mover->key_count, key_frame);
+    const struct neph_span span = neph_span_at(keys, sizeof(*keys), mover->key_count, key_frame);
     const struct neph_solid_key *a = &keys[span.from], *b = &keys[span.to];
     const double turn_rad = a->turn_rad + span.part * (b->turn_rad - a->turn_rad);
     return (struct neph_placing){
         .turn = {mover->axis, cos(turn_rad), sin(turn_rad)},
         .pivot_m = mover->pivot_m,
-        .move_m = mix(a->move_m, b->move_m, span.part),
+        .move_m = neph_mix(a->move_m, b->move_m, span.part),
     };
 }
 
@@ -406,7 +307,7 @@ static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
 /* Whether solids are its own, so that they can be moved. */
 static bool has_own_solids(const struct neph_scene *scene)
 {
-    return scene->mover_count > 0 || scene->injections.origin_count > 0;
+    return scene->mover_count > 0 || neph_scene_injections(scene)->origin_count > 0;
 }
 
 static void place_solids(const struct neph_scene *scene, double frame, struct neph_solid *solids)

@@ -13,9 +13,8 @@
 #include "base/hash.h"
 #include "base/status.h"
 #include "base/vec3.h"
-#include "scenes/failing.h"
 #include "scenes/fog_look.h"
-#include "scenes/injection.h"
+#include "scenes/phase.h"
 #include "scenes/surface.h"
 
 #include <stdbool.h>
@@ -32,18 +31,6 @@
 /* Axis-aligned; a side at -inf or +inf is open. */
 struct neph_bounds {
     struct neph_vec3 min_m, max_m;
-};
-
-enum neph_phase_kind {
-    NEPH_PHASE_ISOTROPIC,
-    NEPH_PHASE_HENYEY_GREENSTEIN,
-    NEPH_PHASE_RAYLEIGH,
-    NEPH_PHASE_KIND_COUNT,
-};
-
-struct neph_phase {
-    enum neph_phase_kind kind;
-    double g; /* mean cosine, -0.999..0.999; used by Henyey-Greenstein alone */
 };
 
 enum neph_medium_kind {
@@ -273,6 +260,10 @@ struct neph_gate {
     int line; /* in the scene file */
 };
 
+/* What others keep beside a scene, from its file. */
+struct neph_failing;    /* stress tests: scenes/failing.h */
+struct neph_injections; /* the real-time renderer: scenes/injection.h */
+
 struct neph_scene {
     struct neph_arena arena; /* has what follows, but for grids and horizons */
 
@@ -325,8 +316,9 @@ struct neph_scene {
         *chain; /* the file of the picture chain, which its pictures are shown by; NULL: none */
     int gate_count;
     struct neph_gate *gates;
-    struct neph_failing failing;       /* how methods fail in it over time */
-    struct neph_injections injections; /* put into the renderer, not into the scene */
+    /* Of a scene that was built in memory: NULL. */
+    const struct neph_failing *failing;
+    const struct neph_injections *injections; /* ask neph_scene_injections() */
     bool borrows;     /* made by neph_scene_at() or neph_scene_variant(): all pointers belong to the
                      scene it came from */
     bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */

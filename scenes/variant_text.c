@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/document.h"
+#include "scenes/load.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -132,18 +133,28 @@ static void put_sun(FILE *out, struct file *file, const struct neph_scene *made)
     fprintf(out, "]}");
 }
 
+/* Keys that camera keys stand in place of. */
+static bool is_placing(const char *key)
+{
+    return !strcmp(key, "position_m") || !strcmp(key, "look_at_m") || !strcmp(key, "keys");
+}
+
 static void put_camera(FILE *out, struct file *file, const struct neph_scene *made)
 {
+    const yaml_node_t *camera = neph_document_find(&file->document, "camera");
+    const yaml_node_pair_t *pair = camera->data.mapping.pairs.start;
     fprintf(out, "{");
-    put_as_it_was(out, file, "camera.vertical_fov_deg", "");
-    put_as_it_was(out, file, "camera.up", ", ");
-    fprintf(out, ", keys: [");
+    for (; pair < camera->data.mapping.pairs.top; pair++) {
+        const char *key = neph_document_text(
+            yaml_document_get_node(&file->document.yaml, pair->key));
+        if (!is_placing(key) && put_as_it_was(out, file, neph_at("camera.%s", key).text, ""))
+            fprintf(out, ", ");
+    }
+    fprintf(out, "keys: [");
     for (int i = 0; i < made->camera_key_count; i++) {
-        const struct neph_camera_key *key = &made->camera_keys[i];
-        fprintf(out, "%s\n    {frame: %g, ", i ? "," : "", key->frame);
-        put_vec3(out, "position_m", key->position_m.x, key->position_m.y, key->position_m.z);
-        put_vec3(out, ", look_at_m", key->look_at_m.x, key->look_at_m.y, key->look_at_m.z);
-        fprintf(out, "%s}", key->cut ? ", cut: true" : "");
+        fprintf(out, "%s\n    {", i ? "," : "");
+        neph_fields_write(neph_camera_key_fields, &made->camera_keys[i], out);
+        fprintf(out, "}");
     }
     fprintf(out, "]}");
 }

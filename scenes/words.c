@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/words.h"
 
+#include "scenes/failing.h"
+#include "scenes/injection.h"
 #include "scenes/scene.h"
 
 /* A new kind does not compile before this file was looked through for it. */

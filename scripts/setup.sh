@@ -28,7 +28,15 @@ missing_packages() {
     while read -r package command need _; do
         case $package in '' | '#'*) continue ;; esac
         if [[ $needs != *" $need "* ]]; then continue; fi
-        if [ "$command" != - ] && command -v "$command" >/dev/null; then continue; fi
+        case $command in
+        -) ;;
+        /*) if [ -e "$command" ]; then continue; fi ;;
+        *) if command -v "$command" >/dev/null; then continue; fi ;;
+        esac
+        if [[ $package == *\? ]]; then
+            package=${package%\?}
+            if ! apt-cache show "$package" >/dev/null 2>&1; then continue; fi
+        fi
         dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || echo "$package"
     done <"$root/scripts/packages.txt"
 }
@@ -46,6 +54,7 @@ install_packages() { # install_packages build|validate|test|night
     echo "installing ${#missing[@]} packages: ${missing[*]}"
     export DEBIAN_FRONTEND=noninteractive
     if ! { [ -n "${lists_are_fresh-}" ] || step apt-update apt-get update; } ||
+        ! mapfile -t missing < <(missing_packages "$1") || # by lists of today
         ! step apt-install apt-get install -y --no-install-recommends "${missing[@]}"; then
         printf 'The packages could not be installed (offline?). When the network is there, run:\n  %s\n' "$line" >&2
         exit 69

@@ -8,10 +8,6 @@
 #include "scenes/scene.h"
 #include "truth/random.h"
 
-/* 1 - cos of the angle between the directions before and after, for a uniform number u in (0, 1):
- * the inverse of the distribution, without cancellation at the forward peak. In 0..2. */
-double neph_phase_versine(const struct neph_phase *phase, double u);
-
 /* A direction of travel after scattering: density neph_phase_per_sr() of the cosine. Unit. */
 struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_vec3 direction,
                                    struct neph_random *random);

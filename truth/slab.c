@@ -65,27 +65,11 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
         if (!(params->view_cosines[i] >= NEPH_SLAB_COSINE_MIN && params->view_cosines[i] <= 1.0))
             return neph_fail(diag, NEPH_ERR_INPUT, "slab: cosine of view %d is %g, not in %g..1", i,
                              params->view_cosines[i], NEPH_SLAB_COSINE_MIN);
-    if (params->view_count > 0 && neph_phase_has_asymmetry(params->phase.kind) &&
-        fabs(params->phase.g) > NEPH_SLAB_RADIANCE_G_MAX)
+    if (params->view_count > 0 && fabs(params->phase.g) > NEPH_SLAB_RADIANCE_G_MAX)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "slab: radiances for an asymmetry of %g: above %g only fluxes are exact",
                          params->phase.g, NEPH_SLAB_RADIANCE_G_MAX);
     return NEPH_OK;
-}
-
-static double moment(const struct neph_phase *phase, int l)
-{
-    switch (phase->kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return pow(phase->g, l);
-    case NEPH_PHASE_RAYLEIGH:
-        return l == 0 ? 1.0 : l == 2 ? 0.1 : 0.0;
-    case NEPH_PHASE_ISOTROPIC:
-        return l == 0 ? 1.0 : 0.0;
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return NAN;
 }
 
 /* Nodes so that series_rest is reached. */
@@ -93,10 +77,10 @@ static int choose_nodes(const struct neph_slab_params *params)
 {
     if (params->node_count > 0)
         return params->node_count;
-    if (!neph_phase_has_asymmetry(params->phase.kind) || params->phase.g == 0.0)
-        return 64;
-    const double wanted = ceil(0.5 * log(series_rest) / log(fabs(params->phase.g)));
-    return (int)fmin(256.0, fmax(64.0, wanted));
+    int nodes = 64;
+    while (nodes < 256 && fabs(neph_phase_moment(&params->phase, 2 * nodes)) > series_rest)
+        nodes++;
+    return nodes;
 }
 
 /* ---- memory ---- */
@@ -161,9 +145,9 @@ static enum neph_status work_init(struct work *work, const struct neph_slab_para
     for (int i = 0; i < params->view_count; i++)
         row_cosines[nodes + i] = params->view_cosines[i];
     /* Delta-M: the part `peak` of the scattering does not turn at all. */
-    const double peak = moment(&params->phase, 2 * nodes);
+    const double peak = neph_phase_moment(&params->phase, 2 * nodes);
     for (int l = 0; l < 2 * nodes; l++)
-        moments[l] = (moment(&params->phase, l) - peak) / (1.0 - peak);
+        moments[l] = (neph_phase_moment(&params->phase, l) - peak) / (1.0 - peak);
     work->layer = (struct neph_doubling){
         .optical_depth = params->optical_depth * (1.0 - params->albedo * peak),
         .albedo = params->albedo * (1.0 - peak) / (1.0 - params->albedo * peak),
@@ -250,18 +234,10 @@ static enum neph_status solve_modes(struct work *work, struct neph_slab *slab, i
 /* Light that is scattered twice has the modes of the phase function's series; fluxes have one. */
 static int mode_max(const struct neph_slab_params *params, int moment_count)
 {
-    if (params->view_count == 0)
-        return 1;
-    switch (params->phase.kind) {
-    case NEPH_PHASE_ISOTROPIC:
-        return 1;
-    case NEPH_PHASE_RAYLEIGH:
-        return 3;
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return params->phase.g == 0.0 ? 1 : moment_count;
+    int modes = params->view_count == 0 ? 1 : moment_count;
+    while (modes > 1 && neph_phase_moment(&params->phase, modes - 1) == 0.0)
+        modes--;
+    return modes;
 }
 
 enum neph_status neph_slab_create(const struct neph_slab_params *params, struct neph_slab **slab,

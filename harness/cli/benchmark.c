@@ -443,6 +443,8 @@ static void print_pass(const struct neph_benchmark_frames *benchmark,
     print_times(pass->name, pass->gpu_s, "", out);
     if (isfinite(pass->traffic_bytes))
         fprintf(out, "  %.4g MB", 1e-6 * pass->traffic_bytes);
+    if (isfinite(pass->variant_gain))
+        fprintf(out, "  %.3g times as fast as its readable shader", pass->variant_gain);
     if (isfinite(pass->density_evaluations))
         fprintf(out, "  %.4g M evaluations%s%s, %.4g M/s", 1e-6 * pass->density_evaluations,
                 pass->with[0] ? " with " : "", pass->with,
@@ -473,13 +475,12 @@ static void print_chain(const struct neph_post_params *params,
 static void print_steady(const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     if (engine->steady_from == 0)
-        fprintf(out,
-                "  the scene rests, and that was known: these are steady pictures (steady=auto)\n");
+        fprintf(out, "  the scene rests, and that was known: these are steady pictures\n");
     else if (engine->steady_from > 0)
-        fprintf(out,
-                "  of two kinds: steady from picture %d on, when it was known that the scene rests "
-                "(steady=auto)\n",
-                engine->steady_from + 1);
+        fprintf(
+            out,
+            "  of two kinds: steady from picture %d on, when it was known that the scene rests\n",
+            engine->steady_from + 1);
 }
 
 static void print_flight(const struct neph_benchmark_frames *benchmark,

@@ -8,6 +8,7 @@
 #include "base/arena.h"
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
+#include "harness/compare/verdict.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -27,7 +28,7 @@ struct request {
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: as usual */
     int warm_up_frames;
-    bool rings, by_position, frozen_is_fine, negative_is_fine;
+    bool rings, by_position, frozen_is_fine, negative_is_fine, all;
 };
 
 enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
@@ -89,13 +90,17 @@ static const struct neph_cli_option options[] = {
     {"negative-ok", 0, NULL,
      "Values below 0 are no reason to stop: a filter with negative lobes made them", NEPH_CLI_FLAG,
      AT(negative_is_fine), .group = JUDGING},
+    {"all", 0, NULL, "The table of all numbers and findings in place of the ten lines",
+     NEPH_CLI_FLAG, AT(all), .group = WRITING},
     {.name = "json", .group = WRITING},
     {"csv", 0, "FILE", "Results as CSV; '-': on stdout, in place of the table", NEPH_CLI_FILE,
      AT(csv), .group = WRITING},
     {"maps", 0, "DIR",
      "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png",
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
-    {.name = "quiet", .group = WRITING},
+    {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
+     .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),
+     .group = WRITING},
     {.name = NULL},
 };
 #undef AT
@@ -423,6 +428,12 @@ static void select_wanted(const struct request *request, struct neph_compared *c
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
+/* Whether stdout is for people. */
+static bool is_for_people(const struct request *request)
+{
+    return !request->shared.json && (!request->csv || strcmp(request->csv, "-") != 0);
+}
+
 static enum neph_status print_all(const struct request *request,
                                   const struct neph_compared *compared, struct neph_diag *diag)
 {
@@ -434,9 +445,16 @@ static enum neph_status print_all(const struct request *request,
                          request->mask);
     if (request->shared.json)
         status = neph_json_print(neph_compared_json(compared), diag);
-    else if (!request->csv || strcmp(request->csv, "-") != 0)
+    else if (is_for_people(request) && request->all)
         neph_comparison_print(compared, request->rings || request->mask,
                               request->metrics.count > 0);
+    else if (is_for_people(request))
+        neph_verdict_print(compared, &(struct neph_verdict_form){
+                                         .mask = wanted_mask(request),
+                                         .lines_used = limit_count(request),
+                                         .is_brief = request->shared.quiet,
+                                         .shows_metrics = request->metrics.count > 0,
+                                     });
     return request->csv && !status ? neph_comparison_write_csv(request->csv, compared, diag)
                                    : status;
 }
@@ -528,6 +546,15 @@ static enum neph_status check_all(const struct request *request,
     return status;
 }
 
+static void print_limits(const struct request *request, const struct neph_compared *compared)
+{
+    for (int i = 0; i < limit_count(request); i++) {
+        struct neph_limit limit;
+        if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
+            neph_verdict_print_limit(&compared->numbers, &limit);
+    }
+}
+
 /* Limits hold of all numbers, and are spoken of after those that are shown. */
 static enum neph_status tell(const struct request *request,
                              const struct neph_comparison *comparison,
@@ -536,6 +563,8 @@ static enum neph_status tell(const struct request *request,
 {
     struct neph_diag late = {.line = 0};
     const enum neph_status checked = check_all(request, compared, &late);
+    if (is_for_people(request))
+        print_limits(request, compared);
     select_wanted(request, compared);
     if (!status && request->versus)
         status = add_versus(request, comparison, other, compared, diag);

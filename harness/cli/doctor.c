@@ -118,6 +118,37 @@ static void print_engine(const struct neph_engine *engine, const struct neph_eng
         printf("         warning:  %s\n", info->warning);
 }
 
+/* ---- the Vulkan device ----------------------------------------------------------------------- */
+
+static json_t *requirement_json(const struct neph_vulkan_requirement *row)
+{
+    return json_pack("{s:s, s:s, s:s, s:b, s:b, s:s, s:s}", "name", row->name, "needed",
+                     row->needed, "value", row->value, "required", row->is_required, "met",
+                     row->is_met, "needed_for", row->purpose, "without",
+                     row->without ? row->without : "");
+}
+
+/* What it has of what the engines ask for; nothing where it was refused, as their lines say. */
+static json_t *check_requirements(const struct neph_shared_device *device, bool prints)
+{
+    struct neph_vulkan_requirement rows[NEPH_VULKAN_REQUIREMENTS_MAX];
+    const int count = device->open ? neph_vulkan_requirements(device->open->vulkan, rows) : 0;
+    json_t *list = json_array();
+    int met = 0;
+    for (int i = 0; i < count; i++) {
+        met += rows[i].is_met;
+        neph_json_add(&list, requirement_json(&rows[i]));
+    }
+    if (prints && count > 0)
+        printf("ok       %-10s has %d of %d features and limits that are asked for\n", "vulkan",
+               met, count);
+    for (int i = 0; i < count && prints; i++)
+        if (!rows[i].is_met)
+            printf("         %s is %s, not %s: %s\n", rows[i].name, rows[i].value, rows[i].needed,
+                   rows[i].without);
+    return list;
+}
+
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .doc = "What is installed, on which device, and how to get what is missing.\v"
@@ -144,6 +175,7 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
         if (!request.json)
             print_engine(engines[i], &info);
     }
+    json_t *requirements = check_requirements(&device, !request.json);
     neph_shared_device_close(&device);
     for (size_t i = 0; i < sizeof(tools) / sizeof(tools[0]); i++) {
         const bool there = tools[i].is_there(tools[i].program);
@@ -160,8 +192,10 @@ enum neph_status neph_cli_doctor(int argc, char **argv, struct neph_diag *diag)
     if (!request.json)
         printf("data     %s\n", data ? data : "");
     free(data);
-    const enum neph_status status = neph_cli_give_json(
-        json_pack("{s:o, s:o}", "host", neph_host_json(), "parts", list), request.json, diag);
+    const enum neph_status status = neph_cli_give_json(json_pack("{s:o, s:o, s:o}", "host",
+                                                                 neph_host_json(), "parts", list,
+                                                                 "vulkan", requirements),
+                                                       request.json, diag);
     if (status)
         return status;
     return broken ? NEPH_ERR_ENGINE : missing ? NEPH_ERR_UNAVAILABLE : NEPH_OK;

@@ -117,6 +117,13 @@ static enum neph_status hold_all(const struct neph_measurements *list,
     return NEPH_OK;
 }
 
+const struct neph_measurement *neph_limit_worst(const struct neph_measurements *list,
+                                                const struct neph_limit *limit)
+{
+    struct held held;
+    return hold_all(list, limit, &held, NULL) ? NULL : held.worst;
+}
+
 enum neph_status neph_limit_check(const struct neph_measurements *list,
                                   const struct neph_limit *limit, struct neph_diag *diag)
 {

@@ -17,6 +17,11 @@ struct neph_limit {
 enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limit *limit,
                                   struct neph_diag *diag);
 
+/* The number of that name that is furthest beyond the limit, or nearest to it; NULL: none was
+ * measured, or all are without an error. Borrowed of the list. */
+const struct neph_measurement *neph_limit_worst(const struct neph_measurements *list,
+                                                const struct neph_limit *limit);
+
 /* Hold every number of that name in a list to the limit, of all frames and of
  * each; the error names the worst. NEPH_ERR_GATE: beyond it, or not defined, or a time that the
  * sequence is too short for. NEPH_ERR_UNSUPPORTED: there is no such number. */

@@ -60,6 +60,9 @@ static struct neph_difference of_paired(const struct neph_measurement *number,
     const struct neph_mean *mean = &paired->difference;
     struct neph_difference made = {.number = number,
                                    .value = mean->value,
+                                   .first = number->value,
+                                   .below = paired->negative,
+                                   .above = paired->positive,
                                    .interval = mean->interval,
                                    .n = mean->n,
                                    .p = NAN,
@@ -140,8 +143,11 @@ static enum neph_status subtract_series(const struct sides *sides, double *value
             !gather(sides->second, sides, i, b))
             continue;
         status = neph_series_paired(a, b, sides->frame_count, NEPH_REPLICATE_FRAMES, &paired, diag);
-        if (!status)
-            out->list[out->count++] = of_series(number, &paired);
+        if (status)
+            break;
+        out->list[out->count] = of_series(number, &paired);
+        out->list[out->count++].first =
+            neph_series_mean(a, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
     }
     return status;
 }

@@ -11,6 +11,8 @@
 struct neph_difference {
     const struct neph_measurement *number; /* what of; borrowed of the first test */
     double value;                          /* mean of (first - second) over the frames */
+    double first;                          /* mean of the first */
+    int below, above;                      /* batches in which the first is lower, is higher */
     enum neph_interval_kind interval;      /* NONE: `because` says why */
     double low, high;                      /* 95 % */
     int n;                                 /* as in measurements */

@@ -18,7 +18,6 @@
 #include <stdio.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
@@ -122,25 +121,30 @@ static double asymmetry(const struct neph_phase *phase)
     return neph_phase_mean_cosine(phase);
 }
 
-/* A switch, so that a new phase function does not compile before it is known here. */
+/* The phase functions that some Cycles has. */
+static const char henyey_greenstein[] = "HENYEY_GREENSTEIN", rayleigh[] = "RAYLEIGH";
+static const struct {
+    enum neph_phase_kind kind;
+    const char *word;
+} cycles_phases[] = {
+    {NEPH_PHASE_ISOTROPIC, henyey_greenstein},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, henyey_greenstein},
+    {NEPH_PHASE_RAYLEIGH, rayleigh},
+};
+
+/* NULL: Cycles does not have it. */
 static const char *phase_word(const struct neph_phase *phase)
 {
-    switch (phase->kind) {
-    case NEPH_PHASE_ISOTROPIC:
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return "HENYEY_GREENSTEIN";
-    case NEPH_PHASE_RAYLEIGH:
-        return "RAYLEIGH";
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return "";
+    for (size_t i = 0; i < sizeof(cycles_phases) / sizeof(cycles_phases[0]); i++)
+        if (cycles_phases[i].kind == phase->kind)
+            return cycles_phases[i].word;
+    return NULL;
 }
 
 /* Cycles 3.4 has one phase function, to which versions from 4.3 on add others. */
 static bool has_other_phase(const struct neph_medium *medium)
 {
-    return medium->phase.kind == NEPH_PHASE_RAYLEIGH && brightest(medium->albedo) > 0.0 &&
+    return phase_word(&medium->phase) == rayleigh && brightest(medium->albedo) > 0.0 &&
            has_extinction(medium);
 }
 
@@ -154,8 +158,7 @@ bool neph_cycles_needs_rayleigh(const struct neph_scene *scene)
 
 static bool same_phase(const struct neph_phase *a, const struct neph_phase *b)
 {
-    return asymmetry(a) == asymmetry(b) &&
-           (a->kind == NEPH_PHASE_RAYLEIGH) == (b->kind == NEPH_PHASE_RAYLEIGH);
+    return asymmetry(a) == asymmetry(b) && phase_word(a) == phase_word(b);
 }
 
 /* Cycles 3.4 weighs the scattering of overlapping media by the plain sum of their phase functions
@@ -163,7 +166,9 @@ static bool same_phase(const struct neph_phase *a, const struct neph_phase *b)
 static enum neph_status check_phases(const struct neph_scene *scene,
                                      const struct neph_cycles_world *world, struct neph_diag *diag)
 {
-    for (int i = 0; i < scene->medium_count; i++)
+    for (int i = 0; i < scene->medium_count; i++) {
+        if (!phase_word(&scene->media[i].phase))
+            return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "a phase function that Cycles has not");
         for (int j = 0; j < i; j++) {
             const struct neph_medium *a = &scene->media[i], *b = &scene->media[j];
             if (world->used[i] && world->used[j] && brightest(a->albedo) > 0.0 &&
@@ -173,6 +178,7 @@ static enum neph_status check_phases(const struct neph_scene *scene,
                                  "media of different phase functions in one place (Cycles 3.4 adds "
                                  "the functions up without weights)");
         }
+    }
     return NEPH_OK;
 }
 

@@ -127,6 +127,10 @@ struct neph_engine_sequence {
      * and counted on the device. NULL: nobody can tell. */
     enum neph_status (*watch)(void *sequence, uint64_t *bad, struct neph_diag *diag);
 
+    /* From the next picture on leave out shaders that are faster on this device and have the same
+     * results, or take them again. NULL: the engine has none. */
+    void (*leave_variants)(void *sequence, bool leaves);
+
     /* NULL is fine. */
     void (*close)(void *sequence);
 };

@@ -115,6 +115,12 @@ static enum neph_status watch(void *opened, uint64_t *bad, struct neph_diag *dia
     return sequence->engine->gpu->watch(sequence->renderer, bad, diag);
 }
 
+static void leave_variants(void *opened, bool leaves)
+{
+    struct sequence *sequence = opened;
+    sequence->engine->gpu->leave_variants(sequence->renderer, leaves);
+}
+
 const struct neph_engine_sequence neph_gpu_sequence = {.open = open_sequence,
                                                        .next = next_frame,
                                                        .send = submit,
@@ -126,6 +132,7 @@ const struct neph_engine_sequence neph_gpu_sequence_watched = {.open = open_sequ
                                                                .send = submit,
                                                                .home = collect,
                                                                .watch = watch,
+                                                               .leave_variants = leave_variants,
                                                                .close = close_sequence};
 
 enum neph_status neph_engine_render(const struct neph_engine *engine, const struct neph_shot *shot,

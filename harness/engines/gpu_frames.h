@@ -44,13 +44,17 @@ struct neph_gpu_renderer {
     /* As neph_engine_sequence.watch, of neph_gpu_sequence_watched. */
     enum neph_status (*watch)(void *renderer, uint64_t *bad, struct neph_diag *diag);
 
+    /* As neph_engine_sequence.leave_variants, of neph_gpu_sequence_watched. */
+    void (*leave_variants)(void *renderer, bool leaves);
+
     /* Whether a shot needs the device; NULL: each does. */
     bool (*needs_device)(const struct neph_shot *shot);
 
     bool set_up_is_free; /* a frame by itself costs what the last of a sequence costs */
 };
 
-/* neph_engine.sequence of engines that have a neph_engine.gpu; the second has `watch`. */
+/* neph_engine.sequence of engines that have a neph_engine.gpu; the second has `watch` and
+ * `leave_variants`. */
 extern const struct neph_engine_sequence neph_gpu_sequence, neph_gpu_sequence_watched;
 
 /* Render one frame by itself, which pays for what it is set up with (but neph_gpu_renderer

@@ -7,11 +7,11 @@
  */
 #include "harness/engines/engines.h"
 
+#include "base/option_rows.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/gpu_frames.h"
 #include "harness/engines/vulkan_device.h"
 #include "renderer/march_average.h"
-#include "renderer/shortcuts.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,142 +20,10 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
-static const char *const modes[] = {"exact", "marched", NULL};
-static const char *const rays[] = {"1",  "2",  "4",   "8",   "16",
-                                   "32", "64", "128", "256", NULL}; /* 2 to the index */
-
-enum {
-    OPTION_STEPS,
-    OPTION_TRANSMITTANCE,
-    OPTION_SUN,
-    OPTION_SUN_STEPS,
-    OPTION_RAYS_PER_PX,
-    OPTION_SUN_CACHE,
-    OPTION_SUN_CACHE_VOXELS,
-    OPTION_SKIP,
-    OPTION_EARLY_OUT,
-    OPTION_STEP_GROWTH,
-    OPTION_DEPTH_GROWTH,
-    OPTION_SUN_GROWTH,
-    OPTION_SUN_CONE,
-    OPTION_GRID_SAMPLING,
-    OPTION_GRID_FORMAT,
-    OPTION_CLOUD_SHADOW,
-    OPTION_CLOUD_SHADOW_TEXELS,
-    OPTION_CLOUD_SHADOW_LAYERS,
-    OPTION_CLOUD_SHADOW_LEVELS,
-    OPTION_CLOUD_SHADOW_EXTENT,
-    OPTION_CLOUD_SHADOW_PLANE,
-    OPTION_SKY,
-    OPTION_SKY_COLUMNS,
-    OPTION_SKY_ROWS,
-    OPTION_SKY_SLICES,
-    OPTION_SKY_FAR,
-    OPTION_SKY_SHADOWS,
-    OPTION_SKY_REFILL,
-    OPTION_FOG,
-    OPTION_LIGHT_TEXEL, /* from here on of march_traced alone */
-    OPTION_LIGHT_PATHS,
-    OPTION_LIGHT_ROUNDS,
-    OPTION_LIGHT_BLUR,
-    OPTION_LIGHT_SIMILAR,
-    OPTION_LIGHT_AHEAD,
-    OPTION_AHEAD_CELLS,
-    OPTION_AHEAD_CYCLES,
-    OPTION_DIFFUSION_CELLS = OPTION_LIGHT_TEXEL, /* from here on of march_diffused alone */
-    OPTION_DIFFUSION_CYCLES,
-};
-
-/* Rows of all tables. */
-#define OPTIONS_OF_ALL                                                                             \
-    [OPTION_STEPS] = {"steps", NEPH_OPTION_INTEGER, 64, 1, NEPH_MARCH_STEPS_MAX,                   \
-                      NULL,    "steps per view ray"},                                              \
-    [OPTION_TRANSMITTANCE] =                                                                       \
-        {"transmittance",                                                                          \
-         NEPH_OPTION_CHOICE,                                                                       \
-         NEPH_MARCH_EXACT,                                                                         \
-         0,                                                                                        \
-         1,                                                                                        \
-         modes,                                                                                    \
-         "optical depth of view rays: closed form (but for Horizon clouds), or summed over the "   \
-         "steps"},                                                                                 \
-    [OPTION_SUN] =                                                                                 \
-        {"sun",                                                                                    \
-         NEPH_OPTION_CHOICE,                                                                       \
-         NEPH_MARCH_EXACT,                                                                         \
-         0,                                                                                        \
-         1,                                                                                        \
-         modes,                                                                                    \
-         "optical depth towards the sun: closed form (but for Horizon clouds), or marched"},       \
-    [OPTION_SUN_STEPS] = {"sun_steps", NEPH_OPTION_INTEGER,        16, 1, NEPH_MARCH_STEPS_MAX,    \
-                          NULL,        "steps per marched sun ray"},                               \
-    [OPTION_RAYS_PER_PX] = {"rays_per_px",                                                         \
-                            NEPH_OPTION_CHOICE,                                                    \
-                            0,                                                                     \
-                            0,                                                                     \
-                            0,                                                                     \
-                            rays,                                                                  \
-                            "rays averaged over the square of a pixel, at the points of a "        \
-                            "Hammersley set; 1: through "                                          \
-                            "its centre. Depth is always that of the centre"},                     \
-    [OPTION_SUN_CACHE] = NEPH_OPTION_SUN_CACHE,                                                    \
-    [OPTION_SUN_CACHE_VOXELS] = NEPH_OPTION_SUN_CACHE_VOXELS, [OPTION_SKIP] = NEPH_OPTION_SKIP,    \
-    [OPTION_EARLY_OUT] = NEPH_OPTION_EARLY_OUT, [OPTION_STEP_GROWTH] = NEPH_OPTION_STEP_GROWTH,    \
-    [OPTION_DEPTH_GROWTH] = NEPH_OPTION_DEPTH_GROWTH,                                              \
-    [OPTION_SUN_GROWTH] = NEPH_OPTION_SUN_GROWTH, [OPTION_SUN_CONE] = NEPH_OPTION_SUN_CONE,        \
-    [OPTION_GRID_SAMPLING] = NEPH_OPTION_GRID_SAMPLING,                                            \
-    [OPTION_GRID_FORMAT] = NEPH_OPTION_GRID_FORMAT,                                                \
-    [OPTION_CLOUD_SHADOW] = NEPH_OPTION_CLOUD_SHADOW,                                              \
-    [OPTION_CLOUD_SHADOW_TEXELS] = NEPH_OPTION_CLOUD_SHADOW_TEXELS,                                \
-    [OPTION_CLOUD_SHADOW_LAYERS] = NEPH_OPTION_CLOUD_SHADOW_LAYERS,                                \
-    [OPTION_CLOUD_SHADOW_LEVELS] = NEPH_OPTION_CLOUD_SHADOW_LEVELS,                                \
-    [OPTION_CLOUD_SHADOW_EXTENT] = NEPH_OPTION_CLOUD_SHADOW_EXTENT,                                \
-    [OPTION_CLOUD_SHADOW_PLANE] = NEPH_OPTION_CLOUD_SHADOW_PLANE, [OPTION_SKY] = NEPH_OPTION_SKY,  \
-    [OPTION_SKY_COLUMNS] = NEPH_OPTION_SKY_COLUMNS, [OPTION_SKY_ROWS] = NEPH_OPTION_SKY_ROWS,      \
-    [OPTION_SKY_SLICES] = NEPH_OPTION_SKY_SLICES, [OPTION_SKY_FAR] = NEPH_OPTION_SKY_FAR,          \
-    [OPTION_SKY_SHADOWS] = NEPH_OPTION_SKY_SHADOWS, [OPTION_SKY_REFILL] = NEPH_OPTION_SKY_REFILL,  \
-    [OPTION_FOG] = NEPH_OPTION_FOG
-
-static const struct neph_option options[] = {OPTIONS_OF_ALL, {.name = NULL}};
-
-static const struct neph_option options_of_traced[] = {
-    OPTIONS_OF_ALL,
-    [OPTION_LIGHT_TEXEL] = NEPH_OPTION_LIGHT_TEXEL,
-    [OPTION_LIGHT_PATHS] = NEPH_OPTION_LIGHT_PATHS(8),
-    [OPTION_LIGHT_ROUNDS] = NEPH_OPTION_LIGHT_ROUNDS(64),
-    [OPTION_LIGHT_BLUR] = NEPH_OPTION_LIGHT_BLUR,
-    [OPTION_LIGHT_SIMILAR] = NEPH_OPTION_LIGHT_SIMILAR,
-    [OPTION_LIGHT_AHEAD] = NEPH_OPTION_LIGHT_AHEAD,
-    [OPTION_AHEAD_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
-    [OPTION_AHEAD_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
-    {.name = NULL},
-};
-
-static const struct neph_option options_of_diffused[] = {
-    OPTIONS_OF_ALL,
-    [OPTION_DIFFUSION_CELLS] = NEPH_OPTION_DIFFUSION_CELLS,
-    [OPTION_DIFFUSION_CYCLES] = NEPH_OPTION_DIFFUSION_CYCLES(24),
-    {.name = NULL},
-};
+/* The tables of options, and what reads them into the parameters of a march. */
+#include "settings/march_table.inc"
 
 /* ---- pictures in a row ----------------------------------------------------------------------- */
-
-/* Each picture is by itself. */
-static struct neph_light_paths light_of(const struct neph_shot *shot)
-{
-    const double *values = shot->settings.values;
-    return (struct neph_light_paths){
-        .texel_px = (int)values[OPTION_LIGHT_TEXEL],
-        .paths = (int)values[OPTION_LIGHT_PATHS],
-        .rounds = (int)values[OPTION_LIGHT_ROUNDS],
-        .memory = 1,
-        .blur_texels = values[OPTION_LIGHT_BLUR],
-        .similar = values[OPTION_LIGHT_SIMILAR],
-        .looks_ahead = values[OPTION_LIGHT_AHEAD] != 0.0,
-        .ends_ahead = values[OPTION_LIGHT_AHEAD] == 2.0,
-        .seed = (uint32_t)shot->seed,
-    };
-}
 
 static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
                                const struct neph_shot *shot, void **renderer,
@@ -168,46 +36,15 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
         .width_px = shot->width_px,
         .height_px = shot->height_px,
         .frame = shot->frame,
-        .steps = (int)values[OPTION_STEPS],
-        .transmittance = (enum neph_march_mode)values[OPTION_TRANSMITTANCE],
-        .sun = (enum neph_march_mode)values[OPTION_SUN],
         .lighting = lighting,
-        .sun_steps = (int)values[OPTION_SUN_STEPS],
-        .shortcuts = {.sun_cache = values[OPTION_SUN_CACHE] != 0.0,
-                      .sun_cache_voxels = (int)values[OPTION_SUN_CACHE_VOXELS],
-                      .skip = values[OPTION_SKIP] != 0.0,
-                      .early_out = values[OPTION_EARLY_OUT],
-                      .step_growth = values[OPTION_STEP_GROWTH],
-                      .depth_growth = values[OPTION_DEPTH_GROWTH],
-                      .sun_growth = values[OPTION_SUN_GROWTH],
-                      .sun_cone = values[OPTION_SUN_CONE],
-                      .grid_texture = values[OPTION_GRID_SAMPLING] != 0.0,
-                      .grid_format = (enum neph_texel_format)(int)values[OPTION_GRID_FORMAT],
-                      .cloud_shadow = values[OPTION_CLOUD_SHADOW] != 0.0,
-                      .shadow = {.texels = (int)values[OPTION_CLOUD_SHADOW_TEXELS],
-                                 .layers = (int)values[OPTION_CLOUD_SHADOW_LAYERS],
-                                 .levels = (int)values[OPTION_CLOUD_SHADOW_LEVELS],
-                                 .extent_m = values[OPTION_CLOUD_SHADOW_EXTENT],
-                                 .plane = (enum neph_shadow_plane)(
-                                     int)values[OPTION_CLOUD_SHADOW_PLANE]}},
     };
-    params.sky = neph_sky_for_march(
-        (struct neph_march_sky_choices){.is_on = values[OPTION_SKY] != 0.0,
-                                        .has_shadows = values[OPTION_SKY_SHADOWS] != 0.0,
-                                        .columns = (int)values[OPTION_SKY_COLUMNS],
-                                        .rows = (int)values[OPTION_SKY_ROWS],
-                                        .slices = (int)values[OPTION_SKY_SLICES],
-                                        .far_m = values[OPTION_SKY_FAR],
-                                        .refill = (int)values[OPTION_SKY_REFILL]});
-    params.fog = neph_fog_for_march((int)values[OPTION_FOG]);
+    read_march(values, &params);
     if (lighting == NEPH_MARCH_TRACED) {
-        params.light = light_of(shot);
-        params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_AHEAD_CELLS],
-                                                         (int)values[OPTION_AHEAD_CYCLES]};
+        params.light = (struct neph_light_paths){.memory = 1, .seed = (uint32_t)shot->seed};
+        read_traced(values, &params); /* each picture is by itself */
     }
     if (lighting == NEPH_MARCH_DIFFUSED)
-        params.diffusion = (struct neph_light_diffusion){(int)values[OPTION_DIFFUSION_CELLS],
-                                                         (int)values[OPTION_DIFFUSION_CYCLES]};
+        read_diffused(values, &params);
     const enum neph_status status = neph_march_create(vulkan, shot->scene, &params, &march, diag);
     *renderer = march;
     return status;
@@ -323,7 +160,7 @@ const struct neph_engine neph_engine_march = {
     .summary = "our Vulkan ray marcher: full resolution, fixed steps, single scattering",
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
-    .options = options,
+    .options = options_of_march,
     .version = 5, /* 5: steps far from a lamp keep their length */
 };
 
@@ -334,7 +171,7 @@ const struct neph_engine neph_engine_march_octaves = {
     .typical_s = 2.0,
     .look = true,
     .bias = "a sum of octaves saturates with optical depth and does not conserve energy",
-    .options = options,
+    .options = options_of_march,
     .version = 3, /* no fused fraction of a voxel */
 };
 
@@ -345,7 +182,7 @@ const struct neph_engine neph_engine_march_horizon = {
     .typical_s = 2.0,
     .look = true,
     .bias = "floored Beer, lobes that do not integrate to 1, light where there is no density",
-    .options = options,
+    .options = options_of_march,
     .version = 3, /* no fused fraction of a voxel */
 };
 
@@ -358,7 +195,7 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
     .bias =
         "a sum of octaves knows no sides of a cloud and does not conserve energy; fitted on the "
         "tuning suite of `neph study light`",
-    .options = options,
+    .options = options_of_march,
     .version = 2, /* fitted to whole pictures, too */
 };
 
@@ -392,7 +229,7 @@ const struct neph_engine neph_engine_march_similarity = {
     .typical_s = 2.0,
     .look = true,
     .bias = "as march_octaves_fitted; nothing is left of where light came from",
-    .options = options,
+    .options = options_of_march,
     .version = 1,
 };
 
@@ -403,6 +240,6 @@ const struct neph_engine neph_engine_march_slab = {
     .typical_s = 2.0,
     .look = true,
     .bias = "a cloud is no slab: what leaves through its sides is not missed",
-    .options = options,
+    .options = options_of_march,
     .version = 1,
 };

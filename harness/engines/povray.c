@@ -101,6 +101,15 @@ static bool has_scatterer(const struct neph_scene *scene)
     return false;
 }
 
+/* Why its media are none that POV-Ray has, in words; NULL: it has them. */
+static const char *medium_obstacle(const struct neph_scene *scene)
+{
+    for (int i = 0; i < scene->medium_count; i++)
+        if (!neph_povray_has_phase(scene->media[i].phase.kind))
+            return "a phase function that POV-Ray does not have";
+    return neph_scene_is_endless(scene) ? neph_endless_reason : NULL;
+}
+
 /* Why its solids are none that POV-Ray has, in words; NULL: it has them. */
 static const char *solid_obstacle(const struct neph_scene *scene)
 {
@@ -137,8 +146,8 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     const char *cannot = solid_obstacle(scene);
     struct neph_diag diag = {0};
     struct neph_povray_world world;
-    if (!cannot && neph_scene_is_endless(scene))
-        cannot = neph_endless_reason;
+    if (!cannot)
+        cannot = medium_obstacle(scene);
     if (cannot)
         ;
     else if (scene->scattering == NEPH_SCATTERING_MULTIPLE && has_scatterer(scene) &&

@@ -55,38 +55,39 @@ static const double fade_units = 1e-3;
 
 /* ---- Phase functions ------------------------------------------------------------------------ */
 
-bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
+/* The phase functions that POV-Ray has. Its phase factor k(cos) is 4 pi p(cos) times the excess:
+ * Rayleigh's is 0.799372013 (1 + cos^2), whose mean over the sphere is 4/3 of the constant. */
+static const struct povray_phase {
+    enum neph_phase_kind kind;
+    int type;
+    double excess;
+} povray_phases[] = {
+    {NEPH_PHASE_ISOTROPIC, 1, 1.0},
+    {NEPH_PHASE_HENYEY_GREENSTEIN, 5, 1.0},
+    {NEPH_PHASE_RAYLEIGH, 4, 0.799372013 * 4.0 / 3.0},
+};
+
+static const struct povray_phase *povray_phase(enum neph_phase_kind kind)
 {
-    return a->kind == b->kind && (!neph_phase_has_asymmetry(a->kind) || a->g == b->g);
+    for (size_t i = 0; i < sizeof(povray_phases) / sizeof(povray_phases[0]); i++)
+        if (povray_phases[i].kind == kind)
+            return &povray_phases[i];
+    return NULL;
+}
+
+bool neph_povray_has_phase(enum neph_phase_kind kind)
+{
+    return povray_phase(kind) != NULL;
 }
 
 double neph_povray_phase_excess(enum neph_phase_kind kind)
 {
-    switch (kind) {
-    case NEPH_PHASE_RAYLEIGH:
-        return 0.799372013 * 4.0 / 3.0; /* the mean over the sphere of 0.799372013 (1 + cos^2) */
-    case NEPH_PHASE_ISOTROPIC:
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return 1.0;
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return NAN;
+    return povray_phase(kind)->excess;
 }
 
-static int povray_phase_type(enum neph_phase_kind kind)
+bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b)
 {
-    switch (kind) {
-    case NEPH_PHASE_ISOTROPIC:
-        return 1;
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return 5;
-    case NEPH_PHASE_RAYLEIGH:
-        return 4;
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return 0;
+    return a->kind == b->kind && a->g == b->g;
 }
 
 /* Places are found before the picture, down to each pixel, and none is added while it is made: that
@@ -425,11 +426,12 @@ static void write_scattering(struct neph_povray_writer *writer, const struct nep
         return;
     const struct neph_phase *phase = volume ? &pass->phase : &medium->phase;
     bool scatters = neph_povray_same_phase(phase, &medium->phase);
-    double scale = extinction_per_unit / (4.0 * neph_povray_phase_excess(phase->kind));
-    neph_povray_put(writer, "    scattering { %i, %m", povray_phase_type(phase->kind),
+    const struct povray_phase *own = povray_phase(phase->kind);
+    double scale = extinction_per_unit / (4.0 * own->excess);
+    neph_povray_put(writer, "    scattering { %i, %m", own->type,
                     neph_rgb_scale(neph_rgb_mul(medium->albedo, medium->extinction_color),
                                    scatters ? scale : 0.0));
-    if (neph_phase_has_asymmetry(phase->kind))
+    if (neph_phase_row(phase->kind)->has_asymmetry)
         neph_povray_put(writer, " eccentricity %n", phase->g);
     neph_povray_put(writer, " extinction 0 }\n");
 }

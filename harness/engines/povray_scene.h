@@ -33,8 +33,10 @@ struct neph_grid neph_povray_grid(const struct neph_grid *grid);
 /* Do two phase functions have the same shape? */
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);
 
-/* POV-Ray's phase factor k(cos) is 4 pi p(cos) times this. 1 but for Rayleigh, which POV-Ray
- * defines as 0.799372013 (1 + cos^2): its mean over the sphere is 4/3 of the constant. */
+/* Whether POV-Ray has a phase function. */
+bool neph_povray_has_phase(enum neph_phase_kind kind);
+
+/* By how much POV-Ray's phase factor exceeds 4 pi times one that it has. */
 double neph_povray_phase_excess(enum neph_phase_kind kind);
 
 #endif

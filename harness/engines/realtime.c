@@ -13,6 +13,7 @@
 #include "renderer/realtime/noise.h"
 #include "renderer/realtime/options.h"
 #include "renderer/realtime/pipeline.h"
+#include "scenes/injection.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,22 +22,13 @@
 
 _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
 
-/* The only file that a render writes is the mask of blue noise. */
-static void name_cache(enum neph_status status, struct neph_diag *diag)
-{
-    char *cache = status == NEPH_ERR_IO ? neph_cache_path() : NULL;
-    if (cache)
-        neph_hint(diag, "masks of blue noise are kept in %s; XDG_CACHE_HOME is another place",
-                  cache);
-    free(cache);
-}
-
 /* Whether warm-up frames stay on the device. Without the split the passes behind the march need
  * them on the CPU; and on a CPU device frames that are not read take a kernel of their own, which
  * costs more to compile than to read some small frames. */
 static bool stays_on_device(const struct neph_vulkan *vulkan, const struct neph_shot *shot)
 {
-    return shot->settings.values[RT_SPLIT] != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
+    const struct neph_rt_settings settings = neph_rt_settings_of(&shot->settings);
+    return settings.shared.split != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
 }
 
 /* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
@@ -45,14 +37,14 @@ static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_re
                                 const struct neph_shot *shot, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    for (int left = (int)shot->settings.values[RT_WARM_UP]; left > 0 && !status; left--) {
+    for (int left = neph_rt_settings_of(&shot->settings).shared.warm_up; left > 0 && !status;
+         left--) {
         const struct neph_realtime_frame picture = {shot->scene, shot->frame - left, shot->given};
         struct neph_image *image = NULL;
         status = neph_realtime_render(realtime, &picture,
                                       stays_on_device(vulkan, shot) ? NULL : &image, NULL, diag);
         neph_image_destroy(image);
     }
-    name_cache(status, diag);
     return status;
 }
 
@@ -61,19 +53,19 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
                                struct neph_diag *diag)
 {
     (void)engine;
-    char *cache = neph_cache_path();
+    char *blue_noise = neph_data_path("renderer/blue_noise.png");
     const struct neph_realtime_params params = {
         .width_px = shot->width_px,
         .height_px = shot->height_px,
         .settings = &shot->settings,
         .seed = (uint32_t)shot->seed,
-        .cache_folder = cache,
+        .blue_noise_path = blue_noise,
     };
     struct neph_realtime *realtime = NULL;
-    const enum neph_status status = cache ? neph_realtime_create(vulkan, shot->scene, &params,
-                                                                 &realtime, diag)
-                                          : neph_fail_memory(diag);
-    free(cache);
+    const enum neph_status status = blue_noise ? neph_realtime_create(vulkan, shot->scene, &params,
+                                                                      &realtime, diag)
+                                               : neph_fail_memory(diag);
+    free(blue_noise);
     *renderer = realtime;
     return status ? status : warm_up(vulkan, realtime, shot, diag);
 }
@@ -85,10 +77,7 @@ static void destroy(void *renderer)
 
 static enum neph_status resize(void *renderer, const struct neph_shot *shot, struct neph_diag *diag)
 {
-    const enum neph_status status = neph_realtime_resize(renderer, shot->scene, shot->width_px,
-                                                         shot->height_px, diag);
-    name_cache(status, diag);
-    return status;
+    return neph_realtime_resize(renderer, shot->scene, shot->width_px, shot->height_px, diag);
 }
 
 static enum neph_status label_passes(struct neph_image *image,
@@ -118,28 +107,28 @@ static double of_targets(uint64_t bytes)
 }
 
 /* What comes again and again in a sequence with these settings, for the metrics of flicker. */
-static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *settings,
+static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *values,
                                      struct neph_diag *diag)
 {
-    const double *values = settings->values;
-    const bool jitters = values[RT_TAA] != 0.0 && values[RT_TAA_JITTER] != RT_JITTER_NONE;
-    const bool splits = values[RT_SPLIT] == RT_SPLIT_FOUR;
-    const bool rests = splits && values[RT_OVERRIDE] != RT_OVERRIDE_NONE;
+    const struct neph_rt_settings settings = neph_rt_settings_of(values);
+    const bool jitters = settings.anti_aliasing.kind != RT_TAA_OFF &&
+                         settings.anti_aliasing.jitter != RT_JITTER_NONE;
+    const bool splits = settings.shared.split == RT_SPLIT_FOUR;
+    const bool rests = splits && settings.tile_index.override != RT_OVERRIDE_NONE;
     const struct {
         const char *name;
         double period; /* frames; below 2: none */
     } cycles[] = {
         {"slot", splits ? 4.0 : 0.0},
-        {"TAA jitter", jitters ? neph_rt_jitter_length((int)values[RT_TAA_JITTER_LENGTH],
-                                                       (int)values[RT_SCREEN_PERCENT])
+        {"TAA jitter", jitters ? neph_rt_jitter_length(settings.anti_aliasing.jitter_length,
+                                                       settings.shared.screen_percent)
                                : 0.0},
-        {"ray dither", values[RT_RAY_DITHER_AMOUNT] > 0.0
-                           ? neph_rt_dither_period((int)values[RT_RAY_DITHER])
+        {"ray dither", settings.ray_march.ray_dither_amount > 0.0
+                           ? neph_rt_dither_period(settings.ray_march.ray_dither)
                            : 0.0},
-        {"upscale dither", values[RT_UPSCALE_AMOUNT_PX] > 0.0
-                               ? neph_rt_dither_period((int)values[RT_UPSCALE_DITHER])
-                               : 0.0},
-        {"override rest", rests ? 4.0 * values[RT_OVERRIDE_REST] : 0.0},
+        {"upscale dither",
+         settings.upscale.amount_px > 0.0 ? neph_rt_dither_period(settings.upscale.dither) : 0.0},
+        {"override rest", rests ? 4.0 * settings.tile_index.override_rest : 0.0},
     };
     char text[256] = "";
     for (size_t i = 0, used = 0; i < sizeof(cycles) / sizeof(cycles[0]); i++)
@@ -196,11 +185,10 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
     struct neph_realtime_stats stats;
     enum neph_status status = neph_realtime_render(renderer, &picture, image, &stats, diag);
-    name_cache(status, diag);
     if (!status)
         status = label(*image, &stats, diag);
     if (!status)
-        status = label_injections(*image, &shot->scene->injections, &stats, diag);
+        status = label_injections(*image, neph_scene_injections(shot->scene), &stats, diag);
     if (!status)
         status = label_cycles(*image, &shot->settings, diag);
     if (!status)
@@ -213,9 +201,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
 {
     (void)cost;
     const struct neph_realtime_frame picture = {shot->scene, shot->frame, shot->given};
-    const enum neph_status status = neph_realtime_render(renderer, &picture, NULL, NULL, diag);
-    name_cache(status, diag);
-    return status;
+    return neph_realtime_render(renderer, &picture, NULL, NULL, diag);
 }
 
 /* What is done before the passes, if it is. */
@@ -247,6 +233,11 @@ static enum neph_status watch(void *renderer, uint64_t *bad, struct neph_diag *d
     return neph_realtime_watch(renderer, bad, diag);
 }
 
+static void leave_variants(void *renderer, bool leaves)
+{
+    neph_realtime_leave_variants(renderer, leaves);
+}
+
 static const struct neph_gpu_renderer gpu = {.create = create,
                                              .destroy = destroy,
                                              .resize = resize,
@@ -254,6 +245,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .submit = submit,
                                              .collect = collect,
                                              .watch = watch,
+                                             .leave_variants = leave_variants,
                                              .set_up_is_free = true};
 
 /* Where another lighting could, the reason says so. */
@@ -298,7 +290,7 @@ static bool describe_pass(int index, struct neph_engine_pass *pass)
         [RT_PICTURE] = "picture", [RT_FULL] = "full",      [RT_HALF] = "half",
         [RT_QUARTER] = "quarter", [RT_FROXEL] = "froxels", [RT_FROXEL_COLUMN] = "columns"};
     const struct neph_rt_pass *record = neph_rt_passes[index];
-    if (!record->name)
+    if (!record)
         return false;
     const struct neph_option *setting = &neph_rt_options[record->condition.setting];
     *pass = (struct neph_engine_pass){
@@ -327,7 +319,7 @@ const struct neph_engine neph_engine_realtime = {
     .remembers = true,
     .takes_given = true,
     .injects = true,
-    .version = 5, /* 5: steps far from a lamp keep their length */
+    .version = 6, /* 6: one mask of blue noise, which the seed shifts */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

@@ -9,12 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+static enum neph_vulkan_validation validation_named(const char *word)
+{
+    if (word && strcmp(word, "1") == 0)
+        return NEPH_VALIDATION_ON;
+    return word && strcmp(word, "shaders") == 0 ? NEPH_VALIDATION_SHADERS : NEPH_VALIDATION_OFF;
+}
+
 struct neph_vulkan_params neph_vulkan_device_params(void)
 {
-    const char *validation = getenv("NEPH_VULKAN_VALIDATION");
     const char *device = getenv("NEPH_VULKAN_DEVICE");
     return (struct neph_vulkan_params){
-        .validation = validation && strcmp(validation, "1") == 0,
+        .validation = validation_named(getenv("NEPH_VULKAN_VALIDATION")),
         .device = device && device[0] ? device : NULL,
     };
 }

@@ -4,6 +4,8 @@
 #include "base/files.h"
 #include "base/path.h"
 #include "harness/data.h"
+#include "scenes/failing.h"
+#include "scenes/injection.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +50,7 @@ static void put_failing(FILE *text, const struct neph_failing *failing)
 enum neph_status neph_scene_terms(const struct neph_scene *scene, char terms[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag)
 {
-    char *data = NULL, *injections = neph_injections_text(&scene->injections);
+    char *data = NULL, *injections = neph_injections_text(neph_scene_injections(scene));
     size_t size = 0;
     FILE *text = injections ? open_memstream(&data, &size) : NULL;
     const char *slash = scene->chain ? strrchr(scene->chain, '/') : NULL;
@@ -58,7 +60,7 @@ enum neph_status neph_scene_terms(const struct neph_scene *scene, char terms[NEP
         fprintf(text, "neph-scene-terms-1\nexposure_ev %.17g\nchain %s\ninject %s\n",
                 scene->exposure_ev, chain, injections);
         put_gates(text, scene);
-        put_failing(text, &scene->failing);
+        put_failing(text, scene->failing);
         failed = ferror(text);
         failed |= fclose(text);
     }

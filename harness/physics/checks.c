@@ -7,7 +7,6 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
-_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
 _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
 
 #define ISO                                                                                        \
@@ -209,21 +208,17 @@ static void describe(const struct row *row, char *text, size_t size)
         [NADIR] = "from high above, straight down on 8 km of the depth named",
         [RECIPROCITY] = "two narrow views, one with the places of camera and sun exchanged",
     };
-    static const char *const phases[] = {
-        [NEPH_PHASE_ISOTROPIC] = "isotropic scattering",
-        [NEPH_PHASE_HENYEY_GREENSTEIN] = "Henyey-Greenstein scattering",
-        [NEPH_PHASE_RAYLEIGH] = "Rayleigh scattering",
-    };
+    const struct neph_phase_row *phase = neph_phase_row(row->phase.kind);
     char g[32] = "", light[64] = "lit evenly from all sides";
-    if (row->phase.kind == NEPH_PHASE_HENYEY_GREENSTEIN)
+    if (phase->has_asymmetry)
         snprintf(g, sizeof(g), ", g = %g", row->phase.g);
     if (row->rung == FURNACE && row->albedo < 1.0)
         snprintf(light, sizeof(light), "lit evenly from all sides, and as hot as that");
     if (row->rung != FURNACE)
         snprintf(light, sizeof(light), "sun %.0f degrees high",
                  asin(row->sun_cosine) / NEPH_RAD_PER_DEG);
-    snprintf(text, size, "%s: optical depth %g, albedo %g, %s%s; %s; %s", media[row->medium],
-             row->optical_depth, row->albedo, phases[row->phase.kind], g, light,
+    snprintf(text, size, "%s: optical depth %g, albedo %g, %s scattering%s; %s; %s",
+             media[row->medium], row->optical_depth, row->albedo, phase->title, g, light,
              observables[row->observable]);
 }
 

@@ -1,28 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/physics/phases.h"
 
-#include "scenes/media.h"
 #include "scenes/quadrature.h"
-#include "truth/directions.h"
 
 #include <math.h>
-
-/* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_PHASE_KIND_COUNT == 3, "a new kind");
-
-static const struct neph_phase phases[NEPH_PHASES] = {
-    {NEPH_PHASE_ISOTROPIC, 0.0},
-    {NEPH_PHASE_RAYLEIGH, 0.0},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.0},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.95},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.99},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, 0.999},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.3},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.85},
-    {NEPH_PHASE_HENYEY_GREENSTEIN, -0.999},
-};
 
 /* [0, length] in pieces that halve towards both ends, where the peaks are. */
 enum { HALVINGS = 30, PIECES = 2 * HALVINGS };
@@ -74,18 +55,21 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     };
 }
 
-void neph_phases_check(struct neph_phase_finding found[NEPH_PHASES])
+/* The values of one kind. */
+static int check_kind(enum neph_phase_kind kind, struct neph_phase_finding *found)
 {
-    for (int i = 0; i < NEPH_PHASES; i++)
-        found[i] = neph_phase_check(&phases[i]);
+    const struct neph_phase_row *row = neph_phase_row(kind);
+    for (int i = 0; i < row->trial_count; i++)
+        found[i] = neph_phase_check(&(struct neph_phase){kind, row->trials[i]});
+    return row->trial_count;
 }
 
-const char *neph_phase_name(enum neph_phase_kind kind)
+int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX])
 {
-    static const char *const names[] = {
-        [NEPH_PHASE_ISOTROPIC] = "isotropic",
-        [NEPH_PHASE_HENYEY_GREENSTEIN] = "henyey_greenstein",
-        [NEPH_PHASE_RAYLEIGH] = "rayleigh",
-    };
-    return names[kind];
+    int count = 0;
+    for (int has_asymmetry = 0; has_asymmetry <= 1; has_asymmetry++)
+        for (int kind = 0; kind < NEPH_PHASE_KIND_COUNT; kind++)
+            if (neph_phase_row(kind)->has_asymmetry == (has_asymmetry == 1))
+                count += check_kind(kind, &found[count]);
+    return count;
 }

@@ -6,7 +6,7 @@
 #ifndef NEPH_HARNESS_PHYSICS_PHASES_H
 #define NEPH_HARNESS_PHYSICS_PHASES_H
 
-#include "scenes/scene.h"
+#include "scenes/phase.h"
 
 /* Gauss-Kronrod quadrature of functions that are smooth between its pieces is good to 1e-12; the
  * cosine, a double, resolves the peak of g = 0.999 to 1e-10 of its width. */
@@ -22,10 +22,9 @@ struct neph_phase_finding {
 
 struct neph_phase_finding neph_phase_check(const struct neph_phase *phase);
 
-/* All kinds, and g to 0.999 both ways. */
-enum { NEPH_PHASES = 11 };
-void neph_phases_check(struct neph_phase_finding found[NEPH_PHASES]);
-
-const char *neph_phase_name(enum neph_phase_kind kind);
+/* All kinds, each with the values of g that its row gives; those without g first. Returns how
+ * many. */
+enum { NEPH_PHASES_MAX = NEPH_PHASE_TRIALS_MAX * NEPH_PHASE_KIND_COUNT };
+int neph_phases_check(struct neph_phase_finding found[NEPH_PHASES_MAX]);
 
 #endif

@@ -48,7 +48,7 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
 static bool truth_holds(const struct neph_physics *physics)
 {
     bool holds = true;
-    for (int i = 0; i < NEPH_PHASES; i++)
+    for (int i = 0; i < physics->phase_count; i++)
         holds &= physics->phases[i].agrees;
     for (int i = 0; i < physics->row_count; i++) {
         const struct neph_physics_row *row = &physics->rows[i];
@@ -68,7 +68,7 @@ static void judge_all(struct neph_physics *physics)
         neph_sidak_alpha(NEPH_PHYSICS_FAMILY_ALPHA, physics->tests > 0 ? physics->tests : 1));
     for (int i = 0; i < physics->row_count; i++)
         judge(&physics->rows[i], physics->critical_z, &physics->arena);
-    neph_phases_check(physics->phases);
+    physics->phase_count = neph_phases_check(physics->phases);
     physics->passes = physics->row_count == physics->expected && physics->tests > 0 &&
                       truth_holds(physics);
 }

@@ -68,7 +68,7 @@ static json_t *check_json(const struct neph_physics_check *check)
 
 static json_t *phase_json(const struct neph_phase_finding *found)
 {
-    return json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase", neph_phase_name(found->phase.kind),
+    return json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "phase", neph_phase_words[found->phase.kind],
                      "g", found->phase.g, "integral", found->integral, "mean_cosine",
                      found->mean_cosine, "sampled_mean_cosine", found->sampled_mean_cosine,
                      "verdict", found->agrees ? "agrees" : "off");
@@ -86,7 +86,7 @@ static json_t *rungs_json(void)
 json_t *neph_physics_json(const struct neph_physics *physics)
 {
     json_t *phases = json_array(), *checks = json_array(), *rows = json_array();
-    for (int i = 0; i < NEPH_PHASES; i++)
+    for (int i = 0; i < physics->phase_count; i++)
         neph_json_add(&phases, phase_json(&physics->phases[i]));
     for (int i = 0; i < physics->check_count; i++)
         neph_json_add(&checks, check_json(&physics->checks[i]));
@@ -139,12 +139,12 @@ void neph_physics_print(const struct neph_physics *physics, FILE *out)
     struct neph_table table = {.cells = NULL};
     fprintf(out, "%-22s %8s %14s %14s %14s  %s\n", "phase function", "g", "integral - 1",
             "cosine - g", "sampled - g", "verdict");
-    for (int i = 0; i < NEPH_PHASES; i++) {
+    for (int i = 0; i < physics->phase_count; i++) {
         const struct neph_phase_finding *found = &physics->phases[i];
-        const double g = found->phase.g;
+        const double mean = neph_phase_mean_cosine(&found->phase);
         fprintf(out, "%-22s %8.3f %+14.1e %+14.1e %+14.1e  %s\n",
-                neph_phase_name(found->phase.kind), g, found->integral - 1.0,
-                found->mean_cosine - g, found->sampled_mean_cosine - g,
+                neph_phase_words[found->phase.kind], found->phase.g, found->integral - 1.0,
+                found->mean_cosine - mean, found->sampled_mean_cosine - mean,
                 found->agrees ? "agrees" : "off");
     }
     fill_rows(physics, &table);

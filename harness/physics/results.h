@@ -73,8 +73,8 @@ struct neph_physics {
     double critical_z; /* what the family's level leaves for each, in standard errors */
     bool passes;       /* nobody who claims to be the truth is off, and nothing broke */
     double seconds;
-    struct neph_phase_finding phases[NEPH_PHASES];
-    int check_count, row_count;
+    struct neph_phase_finding phases[NEPH_PHASES_MAX];
+    int phase_count, check_count, row_count;
     struct neph_physics_check *checks;
     struct neph_physics_row *rows;
 };

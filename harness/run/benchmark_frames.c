@@ -9,6 +9,7 @@
 #include "harness/progress.h"
 #include "metrics/statistics.h"
 #include "renderer/device_memory.h"
+#include "renderer/realtime/passes.h"
 #include "renderer/shortcuts.h"
 #include "scenes/motion.h"
 
@@ -66,11 +67,12 @@ static void conclude_pass(const struct neph_flown *flown, int pass, double *room
             .name = first->passes[pass].name,
             .gpu_s = spread_at(flown, offsetof(struct neph_flight_cost, passes[pass].gpu_s), room),
             .traffic_bytes = first->passes[pass].traffic_bytes,
+            .variant_gain = NAN,
             .density_evaluations = NAN,
         };
 }
 
-/* The first of these pictures from which on the gradient need not look (steady=auto); -1: none. */
+/* The first of these pictures from which on the gradient need not look; -1: none. */
 static int steady_from(const struct neph_job *job, const struct neph_flown *flown)
 {
     int pass = 0, from = flown->count;
@@ -107,7 +109,7 @@ static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct
     struct neph_flight_cost costs[REST_FRAMES];
     double frame_s[REST_FRAMES];
     enum neph_status status = NEPH_OK;
-    if (!is_on(job, "gradient") || is_on(job, "steady") || !neph_scene_is_static(job->shot.scene))
+    if (!is_on(job, "gradient") || !neph_scene_is_static(job->shot.scene))
         return NEPH_OK;
     for (int sent = 0; sent < REST_FRAMES_MAX && neph_wall_s() - start_s < limit_s && !status;
          sent += REST_FRAMES) {
@@ -299,6 +301,42 @@ static enum neph_status look(const struct neph_benchmark_frames *benchmark,
     return status;
 }
 
+/* --- gains of variants -------------------------------------------------------------------- */
+
+static double median_of(struct neph_benchmark_frames_engine *engine, const char *name)
+{
+    const struct neph_benchmark_pass *pass = pass_named(engine, name);
+    return pass ? pass->gpu_s.median : 0.0;
+}
+
+/* The same pictures by the readable shaders, timed as the engine's own. */
+static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engine,
+                                      enum neph_rt_device_kind kind, long *picture, int frame_count,
+                                      struct neph_diag *diag)
+{
+    const struct neph_engine_sequence *sequence = engine->job.engine->sequence;
+    struct neph_benchmark_frames_engine *readable = malloc(sizeof(*readable));
+    if (!readable)
+        return neph_fail_memory(diag);
+    *readable = *engine;
+    sequence->leave_variants(engine->job.sequence, true);
+    const enum neph_status status = time_frames(readable, picture, frame_count, diag);
+    sequence->leave_variants(engine->job.sequence, false);
+    for (int p = 0; p < engine->pass_count && !status; p++) {
+        struct neph_benchmark_pass *pass = &engine->passes[p];
+        const int index = neph_rt_pass_index(pass->name);
+        const struct neph_rt_shader *variant = index < 0 ? NULL
+                                                         : &neph_rt_passes[index]->variants[kind];
+        if (!variant || !variant->code)
+            continue;
+        const char *absorbed = variant->absorbs ? variant->absorbs->name : "";
+        pass->variant_gain = (median_of(readable, pass->name) + median_of(readable, absorbed)) /
+                             pass->gpu_s.median;
+    }
+    free(readable);
+    return status;
+}
+
 /* --- all of it ---------------------------------------------------------------------------- */
 
 /* The device is opened for it: the time is from nothing. */
@@ -331,6 +369,9 @@ static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark
     if (!status)
         status = time_frames(engine, &picture, frame_count, diag);
     engine->device_bytes = neph_device_memory_most() - others_bytes;
+    if (!status && engine->job.engine->sequence->leave_variants)
+        status = measure_gains(engine, benchmark->thread_count ? NEPH_RT_CPU : NEPH_RT_GPU,
+                               &picture, frame_count, diag);
     if (!status)
         status = look(benchmark, engine, picture, frame_count, diag);
     neph_job_close(&engine->job);
@@ -497,10 +538,11 @@ static json_t *passes_json(const struct neph_benchmark_frames *benchmark,
         const struct neph_benchmark_evaluation one = neph_benchmark_evaluation(benchmark, engine,
                                                                                pass);
         neph_json_add(&passes,
-                      json_pack("{s:s, s:o, s:o, s:o, s:s, s:s?, s:o, s:o, s:o}", "pass",
+                      json_pack("{s:s, s:o, s:o, s:o, s:o, s:s, s:s?, s:o, s:o, s:o}", "pass",
                                 pass->name, "gpu_s", spread_json(pass->gpu_s), "traffic_bytes",
                                 neph_json_number(pass->traffic_bytes), "density_evaluations",
-                                neph_json_number(pass->density_evaluations), "evaluations_with",
+                                neph_json_number(pass->density_evaluations), "variant_gain",
+                                neph_json_number(pass->variant_gain), "evaluations_with",
                                 pass->with, "ceiling", limit, "share", neph_json_number(share),
                                 "chain_share", neph_json_number(one.chain_share), "multiply_adds",
                                 neph_json_number(one.multiply_adds)));

@@ -23,7 +23,10 @@ struct neph_benchmark_pass {
     double density_evaluations; /* of the picture that was counted; NaN: it has none, or with those
                                    of something that has no time of its own */
     double evaluation_s;        /* median time of the passes that made these */
-    char with[64];              /* those beside this one: "scene, cloud shadow"; empty: none */
+    double
+        variant_gain; /* time of the readable shader, and of a pass that the variant for the device
+                            absorbs, over this time; NaN: it has no variant for the device */
+    char with[64];    /* those beside this one: "scene, cloud shadow"; empty: none */
 };
 
 struct neph_benchmark_frames_engine {

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "harness/compare/frame.h"
 #include "harness/engines/gpu_frames.h"
+#include "scenes/injection.h"
 #include "scenes/motion.h"
 #include "truth/lamp_peak.h"
 
@@ -41,7 +42,7 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
 {
     const struct neph_shot *shot = &job->shot;
     char *settings = neph_settings_text(job->engine, &shot->settings);
-    char *injected = job->engine->injects ? neph_injections_text(&shot->scene->injections)
+    char *injected = job->engine->injects ? neph_injections_text(neph_scene_injections(shot->scene))
                                           : strdup("");
     char *text = neph_format(
         "neph-job-1\nscene %s\nengine %s driver %u\nversion %s\nbuild %s\n"

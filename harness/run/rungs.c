@@ -101,7 +101,7 @@ enum neph_status neph_rungs_plan(const struct neph_job *job, struct neph_rungs_a
     go_by_time(job, rung_s, rungs);
     if (aim.error > 0.0) {
         const int samples = rungs->samples[0];
-        double noise2;
+        double noise2 = 0.0;
         status = probe_noise(job, samples, &noise2, diag);
         if (!status)
             go_by_error(job, 0, samples, noise2, rungs);

@@ -114,7 +114,7 @@ static enum neph_status print_news(const struct neph_stress_suite *suite,
         fprintf(out, ", and at %d points more", more);
     fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
     if (cell->verdict == NEPH_STRESS_FAIL)
-        fprintf(out, "  symptom: %s\n", row->scene->failing.symptom);
+        fprintf(out, "  symptom: %s\n", row->scene->failing->symptom);
     fprintf(out, "  %s\n", command);
     free(command);
     return NEPH_OK;
@@ -166,7 +166,7 @@ static char *suite_command(const struct neph_stress_suite *suite, const struct n
 char *neph_stress_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                           int column)
 {
-    const struct neph_failing *failing = &row->scene->failing;
+    const struct neph_failing *failing = row->scene->failing;
     const struct neph_stress_column *of = &suite->columns[column];
     const bool is_plain = of->is_preset && !of->engine->is_guest && !row->point[0] &&
                           !strchr(of->name, '+') && !suite->on_device;
@@ -208,7 +208,7 @@ static json_t *results_json(const struct neph_stress_suite *suite)
 
 static json_t *scene_json(const struct neph_stress_suite *suite, const struct neph_scene *scene)
 {
-    const struct neph_failing *failing = &scene->failing;
+    const struct neph_failing *failing = scene->failing;
     const int count = suite->full ? neph_failing_point_count(failing) : 1;
     json_t *points = json_array();
     for (int point = 0; point < count; point++) {

@@ -197,8 +197,8 @@ static enum neph_status add_shown(const struct neph_stress_suite *suite, struct 
     shown->entry = joined(record, json_pack("{s:s, s:s, s:s, s:[i, i], s:s}", "scene", scene->name,
                                             "column", suite->columns[spot->column].name, "point",
                                             spot->row->point, "size_px",
-                                            has_size ? suite->width_px : scene->failing.width_px,
-                                            has_size ? suite->height_px : scene->failing.height_px,
+                                            has_size ? suite->width_px : scene->failing->width_px,
+                                            has_size ? suite->height_px : scene->failing->height_px,
                                             "folder", folder));
     const json_t *names = json_object_get(shown->entry, "pictures");
     for (size_t i = 0; i < json_array_size(names); i++)

@@ -93,7 +93,7 @@ static bool has_engines(const struct neph_stress_suite *suite)
 {
     bool has = false;
     for (int s = 0; s < suite->scene_count; s++)
-        has |= suite->scenes[s]->failing.engines;
+        has |= suite->scenes[s]->failing->engines;
     return has;
 }
 
@@ -136,9 +136,9 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
 static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
 {
     const struct neph_engine *engine;
-    if (strcmp(scene->failing.presets, "none") == 0)
+    if (strcmp(scene->failing->presets, "none") == 0)
         return NEPH_OK;
-    char *words = strdup(scene->failing.presets), *rest = words;
+    char *words = strdup(scene->failing->presets), *rest = words;
     enum neph_status status = words ? NEPH_OK : neph_fail_memory(diag);
     for (const char *word; !status && (word = strsep(&rest, " "));)
         if (*word && find_preset(word, &engine, diag)) {
@@ -160,8 +160,8 @@ static enum neph_status add_scene(const struct neph_stress_params *params, const
     enum neph_status status = is_chosen ? neph_data_load_scene(name, &scene, diag) : NEPH_OK;
     if (status || !is_chosen)
         return status;
-    is_chosen = scene->failing.fails &&
-                (params->only_count > 0 || params->full || scene->failing.quick);
+    is_chosen = scene->failing->fails &&
+                (params->only_count > 0 || params->full || scene->failing->quick);
     status = is_chosen ? check_scene(scene, diag) : NEPH_OK;
     if (is_chosen && !status)
         suite->scenes[suite->scene_count++] = scene;
@@ -205,7 +205,7 @@ static enum neph_status choose_scenes(const struct neph_stress_params *params,
 
 static int point_count(const struct neph_stress_params *params, const struct neph_scene *scene)
 {
-    return params->full ? neph_failing_point_count(&scene->failing) : 1;
+    return params->full ? neph_failing_point_count(scene->failing) : 1;
 }
 
 static void add_row(struct neph_stress_suite *suite, const struct neph_scene *scene, int point,
@@ -222,7 +222,7 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
     for (int c = 0; c < suite->column_count && row->cells; c++)
         row->cells[c] = (struct neph_stress_cell){
             .value = NAN,
-            .verdict = neph_stress_measures(&scene->failing, limit, &suite->columns[c])
+            .verdict = neph_stress_measures(scene->failing, limit, &suite->columns[c])
                            ? NEPH_STRESS_NOT_YET
                            : NEPH_STRESS_NOT_ASKED,
             .why = ""};
@@ -235,10 +235,10 @@ static void add_point(const struct neph_stress_params *params, struct neph_stres
     const bool judges_all = params->width_px == 0 && !params->on_device;
     bool has_bad_values = false;
     char text[NEPH_FAILING_POINT_SIZE];
-    neph_failing_point_name(&scene->failing, point, text, sizeof(text));
+    neph_failing_point_name(scene->failing, point, text, sizeof(text));
     const char *name = neph_arena_text(&suite->arena, text);
-    for (int i = 0; i < scene->failing.limit_count; i++) {
-        const struct neph_failing_limit *limit = &scene->failing.limits[i];
+    for (int i = 0; i < scene->failing->limit_count; i++) {
+        const struct neph_failing_limit *limit = &scene->failing->limits[i];
         const bool is_of_bad_values = limit->measure == NEPH_FAILING_BAD_VALUES;
         has_bad_values |= is_of_bad_values;
         if (judges_all || is_of_bad_values)
@@ -254,7 +254,7 @@ static enum neph_status make_rows(const struct neph_stress_params *params,
     size_t most = 0;
     for (int s = 0; s < suite->scene_count; s++)
         most += (size_t)point_count(params, suite->scenes[s]) *
-                (size_t)(suite->scenes[s]->failing.limit_count + 1);
+                (size_t)(suite->scenes[s]->failing->limit_count + 1);
     suite->rows = neph_arena_zeroed(&suite->arena, most, sizeof(*suite->rows));
     for (int s = 0; s < suite->scene_count && suite->rows; s++)
         for (int point = 0; point < point_count(params, suite->scenes[s]); point++)

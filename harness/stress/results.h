@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "harness/engines/engine.h"
+#include "scenes/failing.h"
 #include "scenes/scene.h"
 
 enum { NEPH_STRESS_COLUMNS_MAX = 24, NEPH_STRESS_JOBS_MAX = 64 };

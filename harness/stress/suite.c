@@ -45,7 +45,7 @@ static int compare_trials(const void *a, const void *b)
 static void list_point(const struct neph_stress_suite *suite, const struct neph_stress_point *point,
                        struct neph_stress_trials *trials)
 {
-    const struct neph_failing *failing = &point->scene->failing;
+    const struct neph_failing *failing = point->scene->failing;
     bool has_truth[2] = {false, false}; /* of engines, of presets */
     for (int c = 0; c < suite->column_count; c++)
         if (neph_stress_has_trial(suite, point, c)) {
@@ -86,11 +86,12 @@ static void expect(struct neph_stress_bench *bench, const struct neph_stress_tri
         const struct neph_scene *scene = bench->suite->rows[trial->row].scene;
         neph_progress_expect(&bench->progress, neph_stress_kind(bench->suite, trial->column), 1,
                              column->is_preset ? take_typical_s : column->engine->typical_s);
-        if (column->is_preset && !trial->is_later && scene->failing.truth == NEPH_FAILING_MARCH &&
+        if (column->is_preset && !trial->is_later && scene->failing->truth == NEPH_FAILING_MARCH &&
             bench->params->width_px == 0 && !bench->params->on_device)
-            neph_progress_expect(&bench->progress, NEPH_STRESS_KIND_REFERENCE,
-                                 neph_reference_picture_count(scene, 0, scene->failing.frame_count),
-                                 picture_typical_s);
+            neph_progress_expect(
+                &bench->progress, NEPH_STRESS_KIND_REFERENCE,
+                neph_reference_picture_count(scene, 0, scene->failing->frame_count),
+                picture_typical_s);
     }
 }
 

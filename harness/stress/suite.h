@@ -9,6 +9,7 @@
 
 #include "harness/run/store.h"
 #include "harness/stress/results.h"
+#include "scenes/failing.h"
 
 /* Run it. NEPH_OK also when it does not pass. NEPH_ERR_USAGE: no such scenario or preset.
  * NEPH_ERR_INTERRUPTED: finished trials stay in the store. For _finish in any case. */

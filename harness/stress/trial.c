@@ -112,7 +112,7 @@ static enum neph_status set_words(const struct trial *trial, const char *words,
                                   struct neph_job *job, struct neph_diag *diag)
 {
     char steps[32];
-    snprintf(steps, sizeof(steps), "steps=%d", trial->point->at->failing.steps);
+    snprintf(steps, sizeof(steps), "steps=%d", trial->point->at->failing->steps);
     const enum neph_status status = neph_engine_words(words, steps, &job->engine,
                                                       &job->shot.settings, diag);
     if (!status)
@@ -124,7 +124,7 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
 {
     const struct neph_stress_column *column = column_of(trial);
     const struct neph_stress_params *params = trial->bench->params;
-    const struct neph_failing *failing = &trial->point->at->failing;
+    const struct neph_failing *failing = trial->point->at->failing;
     const bool has_own_size = params->width_px == 0;
     trial->job = (struct neph_job){
         .engine = column->engine,
@@ -331,7 +331,7 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
 
 static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
 {
-    const struct neph_failing *failing = &trial->point->at->failing;
+    const struct neph_failing *failing = trial->point->at->failing;
     const bool is_preset = column_of(trial)->is_preset;
     struct neph_meter_number kept[NEPH_STRESS_KEPT_MAX];
     char step[40];
@@ -378,9 +378,9 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
     const bool is_preset = column_of(trial)->is_preset;
     struct neph_stress_point *point = trial->point;
     trial->reference = is_preset ? &point->presets : &point->engines;
-    trial->frames = is_preset ? (struct neph_stress_frames){point->at->failing.frame_count, 1}
+    trial->frames = is_preset ? (struct neph_stress_frames){point->at->failing->frame_count, 1}
                               : neph_stress_engine_frames(point->at);
-    neph_stress_extractors(&point->at->failing, is_preset, trial->extractors);
+    neph_stress_extractors(point->at->failing, is_preset, trial->extractors);
     enum neph_status status = make_job(trial, diag);
     if (!status && !trial->bench->params->on_device)
         status = make_truth(trial, diag);

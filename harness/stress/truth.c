@@ -2,6 +2,7 @@
 #include "harness/stress/truth.h"
 
 #include "harness/engines/engines.h"
+#include "scenes/failing.h"
 #include "scenes/motion.h"
 
 #include <stdio.h>
@@ -13,7 +14,7 @@ _Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
 
 static bool stands_still(const struct neph_scene *scene)
 {
-    for (int frame = 1; frame < scene->failing.frame_count; frame++)
+    for (int frame = 1; frame < scene->failing->frame_count; frame++)
         if (!neph_scene_is_same_moment(scene, 0, frame))
             return false;
     return true;
@@ -23,7 +24,7 @@ struct neph_stress_frames neph_stress_engine_frames(const struct neph_scene *sce
 {
     return stands_still(scene)
                ? (struct neph_stress_frames){1, 1}
-               : (struct neph_stress_frames){3, (scene->failing.frame_count - 1) / 2};
+               : (struct neph_stress_frames){3, (scene->failing->frame_count - 1) / 2};
 }
 
 /* ---- engine exact ---------------------------------------------------------------------------- */
@@ -94,8 +95,8 @@ enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct ne
 {
     static const struct neph_stress_frames one = {1, 1};
     const struct neph_scene *scene = test->shot.scene;
-    if (scene->failing.truth == NEPH_FAILING_MARCH)
-        return neph_reference_make(test, scene->failing.frame_count, store, progress, reference,
+    if (scene->failing->truth == NEPH_FAILING_MARCH)
+        return neph_reference_make(test, scene->failing->frame_count, store, progress, reference,
                                    diag);
     if (!stands_still(scene))
         return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` is of what stands still",

@@ -2,6 +2,7 @@
 #include "harness/stress/watch.h"
 
 #include "base/interrupt.h"
+#include "scenes/injection.h"
 
 static enum neph_status count_in_picture(struct neph_job *job, const struct neph_shot *shot,
                                          uint64_t *bad, struct neph_diag *diag)
@@ -22,7 +23,7 @@ static enum neph_status count_in_picture(struct neph_job *job, const struct neph
 static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
                                         bool *has_images, uint64_t *bad, struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &shot->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(shot->scene);
     const struct neph_engine_sequence *sequence = job->engine->sequence;
     const bool flies = injections->mirror.count == 0 && injections->size_count == 0;
     enum neph_status status = flies ? sequence->send(job->sequence, shot, diag)

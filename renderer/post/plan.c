@@ -67,8 +67,8 @@ static enum neph_status read_changes(struct neph_reader *reader, const yaml_node
 }
 
 static const struct neph_field no_fields[] = {{0}};
-static const struct neph_record changes_record = {sizeof(struct neph_post_changes), no_fields,
-                                                  read_changes};
+static const struct neph_record changes_record = {
+    .size = sizeof(struct neph_post_changes), .fields = no_fields, .read = read_changes};
 
 /* --- volumes --------------------------------------------------------------------------------- */
 
@@ -92,7 +92,8 @@ static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *
                : NEPH_OK;
 }
 
-static const struct neph_record box_record = {sizeof(struct neph_post_box), box_fields, read_box};
+static const struct neph_record box_record = {
+    .size = sizeof(struct neph_post_box), .fields = box_fields, .read = read_box};
 
 static const struct neph_field volume_fields[] = {
     {"name", NEPH_TEXT, VOLUME(name), .least = 1, .most = TEXT_MAX},
@@ -109,8 +110,8 @@ static const struct neph_field volume_fields[] = {
     {0},
 };
 
-static const struct neph_record volume_record = {sizeof(struct neph_post_volume), volume_fields,
-                                                 NULL};
+static const struct neph_record volume_record = {.size = sizeof(struct neph_post_volume),
+                                                 .fields = volume_fields};
 
 /* --- passes ---------------------------------------------------------------------------------- */
 
@@ -131,8 +132,8 @@ static enum neph_status read_entry(struct neph_reader *reader, const yaml_node_t
     return status;
 }
 
-static const struct neph_record entry_record = {sizeof(struct neph_post_entry), entry_fields,
-                                                read_entry};
+static const struct neph_record entry_record = {
+    .size = sizeof(struct neph_post_entry), .fields = entry_fields, .read = read_entry};
 
 static enum neph_status check_entries(const struct neph_reader *reader, struct neph_post_plan *plan)
 {

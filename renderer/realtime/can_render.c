@@ -6,6 +6,7 @@
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/pipeline.h"
 #include "scenes/emission.h"
+#include "scenes/injection.h"
 #include "scenes/media.h"
 
 #include <stdio.h>
@@ -14,11 +15,11 @@
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
 /* False, with the reason, where a smaller picture does not become the whole one. */
-static bool can_upsample(const struct neph_scene *scene, const struct neph_settings *settings,
+static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_settings *settings,
                          char *reason, size_t reason_size)
 {
-    const struct neph_injected_view *around = &scene->injections.view;
-    if (settings->values[RT_TAA] == RT_TAA_OFF) {
+    const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
+    if (settings->anti_aliasing.kind == RT_TAA_OFF) {
         snprintf(reason, reason_size,
                  "a picture of fewer pixels without anti-aliasing, which makes it larger: taa=on "
                  "or screen_percent=100");
@@ -44,9 +45,11 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
 {
     const struct neph_march_veils veils = {settings->values[RT_SKY] != 0.0,
                                            neph_fog_for_march((int)settings->values[RT_FOG])};
+    const struct neph_rt_settings of_passes = neph_rt_settings_of(settings);
     struct neph_scene rest;
     if (!neph_march_rest(scene, veils, &rest, reason, reason_size) ||
-        (neph_rt_is_upsampled(settings) && !can_upsample(scene, settings, reason, reason_size)))
+        (of_passes.shared.screen_percent < 100 &&
+         !can_upsample(scene, &of_passes, reason, reason_size)))
         return false;
     for (int i = 0; i < rest.medium_count; i++) {
         if (!neph_medium_is_coloured(&rest.media[i]))
@@ -61,14 +64,14 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
         snprintf(reason, reason_size, "%s", neph_emission_reason);
         return false;
     }
-    if (settings->values[RT_ATROUS] != 0.0 && settings->values[RT_GRADIENT] != 0.0) {
+    if (of_passes.atrous.is_on && of_passes.gradient.is_on) {
         snprintf(reason, reason_size,
                  "gradient=on and atrous=on, which share memory: switch one of them off");
         return false;
     }
     const enum neph_march_lighting lighting = (enum neph_march_lighting)(
                                                   int)settings->values[RT_LIGHTING];
-    if (settings->values[RT_FROXEL_VOLUME] != 0.0 && lighting != NEPH_MARCH_SINGLE &&
+    if (of_passes.froxels.is_on && lighting != NEPH_MARCH_SINGLE &&
         lighting != NEPH_MARCH_OCTAVES) {
         snprintf(reason, reason_size,
                  "this lighting in froxels, which know single and octaves: froxels=off");

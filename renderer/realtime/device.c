@@ -32,11 +32,6 @@ static enum neph_status create_noise(struct neph_rt_device *device, const uint32
     return NEPH_OK;
 }
 
-void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks)
-{
-    memcpy(device->noise.mapped, ranks, NEPH_RT_NOISE_COUNT * sizeof(*ranks));
-}
-
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag)
 {
@@ -96,8 +91,8 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
         return neph_fail_memory(diag);
     *device->view = *view;
     status = create_noise(device, noise_ranks, diag);
-    device->on_gpu = !vulkan->description.is_cpu;
-    if (!status && device->on_gpu)
+    device->kind = vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
+    if (!status && neph_rt_tuning_of(device->kind)->has_driver_halves)
         status = neph_halves_ask(vulkan, &device->native_halves, diag);
     return status ? status : create_targets(device, targets, diag);
 }
@@ -149,21 +144,29 @@ void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_
     }
 }
 
+const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
+                                                   const struct neph_rt_pass *pass)
+{
+    return device->has_no_variants ? &pass->shader
+                                   : neph_rt_shader_for(device->view, pass, device->kind);
+}
+
 /* What a shader knows of a setting (realtime/shared/choices.glsl). */
 static uint32_t digit_of(int setting, float value)
 {
-    if (neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
+    if (setting >= RT_SETTING_COUNT || neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
         return (uint32_t)value;
     if (setting == RT_TAA_JITTER_LENGTH)
         return value < 15.0f ? (uint32_t)value : 15;
     return value != 0.0f;
 }
 
-/* What stands where it stood. A GPU has fewer kernels. */
+/* What is static in the view. */
 static uint32_t rests_of(const struct neph_rt_device *device)
 {
     const bool all_rest = neph_rt_view_rests(device->view);
-    const bool air_rests = all_rest || (!device->on_gpu && neph_rt_air_rests(device->view));
+    const bool air_rests = all_rest || (neph_rt_tuning_of(device->kind)->has_air_kernels &&
+                                        neph_rt_air_rests(device->view));
     return (all_rest ? RT_RESTS_ALL : 0u) | (air_rests ? RT_RESTS_AIR : 0u);
 }
 
@@ -180,11 +183,11 @@ static void set_choices(const struct neph_rt_device *device, const struct neph_r
     const float *values = device->view->settings;
     params->constant_count = RT_CONSTANT_COUNT;
     params->constants[RT_HALVES_CONSTANT] = device->native_halves;
-    params->constants[RT_ON_GPU_CONSTANT] = device->on_gpu;
+    params->constants[RT_GPU_ACCESS_CONSTANT] = device->kind == NEPH_RT_GPU;
     params->constants[RT_RESTS_CONSTANT] = pass->rays ? 0u : rests_of(device);
     params->constants[RT_SPECIALISED_CONSTANT] = device->specialises;
     params->constants[RT_DARK_CONSTANT] = device->is_dark;
-    for (int s = 0; s < RT_SETTING_COUNT && device->specialises; s++)
+    for (int s = 0; s < RT_NUMBER_COUNT && device->specialises; s++)
         if (!pass->rays || !is_of_rest(s))
             params->constants[RT_CHOICE_CONSTANT + s / 8] |= digit_of(s, values[s]) << 4 * (s % 8);
 }
@@ -197,9 +200,10 @@ void neph_rt_device_show(struct neph_rt_device *device)
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch)
 {
-    params->name = pass->shader.name;
-    params->code = pass->shader.code;
-    params->code_bytes = pass->shader.code_bytes;
+    const struct neph_rt_shader *shader = neph_rt_device_shader(device, pass);
+    params->name = shader->name;
+    params->code = shader->code;
+    params->code_bytes = shader->code_bytes;
     params->buffer_count = first + 2;
     params->array_count = pass->rays ? RT_RAY_TARGET_COUNT : RT_TARGET_COUNT;
     if (first == 0) { /* no scene before the view */
@@ -223,7 +227,8 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
                                    struct neph_diag *diag)
 {
     const uint64_t groups_max = device->vulkan->limits.maxComputeWorkGroupCount[0];
-    const uint64_t count = neph_rt_thread_count(device->view, pass, device->on_gpu);
+    const uint64_t count = neph_rt_thread_count(device->view, pass,
+                                                neph_rt_device_shader(device, pass));
     enum neph_status status = NEPH_OK;
     for (uint64_t first = 0; first < count && !status; first += groups_max * local_size) {
         const uint64_t groups = (count - first + local_size - 1) / local_size;
@@ -286,7 +291,8 @@ enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct 
     struct neph_dispatch dispatch = {.group_count = 0};
     const struct neph_kernel *kernel;
     enum neph_status status = bind_pass(device, pass, &dispatch, &kernel, diag);
-    const uint32_t colours = neph_rt_colour_count(device->view, pass, device->on_gpu);
+    const uint32_t colours = neph_rt_colour_count(device->view, pass,
+                                                  neph_rt_device_shader(device, pass));
     for (uint32_t colour = 0; colour < colours && !status; colour++)
         status = add_colour(device, pass, kernel, &dispatch, colour, submission, diag);
     return status;

@@ -13,7 +13,7 @@
 
 /* Ranks of the spatial mask of 64x64 and then of the spatiotemporal one of 64x64x32; the order of
  * renderer/blue_noise.h. */
-enum { NEPH_RT_NOISE_SPATIAL = 64 * 64, NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
+enum { NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
 
 struct neph_rt_device {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -27,7 +27,8 @@ struct neph_rt_device {
     bool specialises; /* compile the choices into the shaders: faster, but a compilation (seconds on
                          lavapipe) for each set of them. Same bits. */
     bool is_dark; /* rays see transmittance alone, and have no noise (ray_march/ray_march.comp) */
-    bool on_gpu;  /* compile for one. Same bits, but for what is rounded freely. */
+    enum neph_rt_device_kind kind; /* kernels are compiled for it */
+    bool has_no_variants;   /* run the readable shader of each pass, for tests and comparisons */
     uint32_t native_halves; /* NEPH_HALVES_READ, ..: what the driver may do itself; 0 on a CPU, so
                                that nobody has to be asked there. Same bits. */
     struct neph_buffer readback; /* as large as the largest target */
@@ -42,13 +43,14 @@ enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct 
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);
 
-/* Other noise, NEPH_RT_NOISE_COUNT ranks, before the first pass. */
-void neph_rt_device_give_noise(struct neph_rt_device *device, const uint32_t *ranks);
-
 /* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also
  * after an error. */
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag);
+
+/* The shader of a pass on this device. */
+const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
+                                                   const struct neph_rt_pass *pass);
 
 /* How many words a target has; 0 where it has no memory. */
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target);

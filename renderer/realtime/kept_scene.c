@@ -44,7 +44,8 @@ static bool may_keep(const struct neph_rt_device *device, int ring)
     uint64_t bytes = 0;
     for (int t = 0; t < rows[ring].target_count; t++)
         bytes += (uint64_t)count * neph_rt_target_bytes(view, rows[ring].targets[t]);
-    return !device->on_gpu && view->settings[RT_JITTERED_DEPTH] == 0.0f && count >= 2 &&
+    return neph_rt_tuning_of(device->kind)->elides_outputs &&
+           view->settings[RT_JITTERED_DEPTH] == 0.0f && count >= 2 &&
            count <= NEPH_RT_KEPT_PLACES_MAX && bytes <= NEPH_RT_KEPT_BYTES_MAX;
 }
 

@@ -6,7 +6,7 @@
 
 /* struct TargetRow of realtime/shared/view.glsl */
 static const struct {
-    int resolution, setting, half_format, float_format;
+    int resolution, half_format, float_format;
 } rows[RT_TARGET_COUNT] = {RT_TARGETS};
 
 static uint32_t divide_up(int value, int divisor)
@@ -56,9 +56,9 @@ static struct neph_gpu_target froxels_of(const struct neph_gpu_view *view, uint3
 static struct neph_gpu_target shape_of(const struct neph_gpu_view *view, int target,
                                        const int buffer_px[2])
 {
-    const int setting = rows[target].setting, resolution = rows[target].resolution;
+    const int resolution = rows[target].resolution;
     const int percent = resolution == RT_PICTURE ? 100 : (int)view->settings[RT_SCREEN_PERCENT];
-    const bool is_half = setting == RT_FIXED || view->settings[setting] == RT_FORMAT_HALF;
+    const bool is_half = view->settings[RT_TARGET_FORMAT] == RT_FORMAT_HALF;
     if (resolution == RT_FROXEL)
         return froxels_of(view, (uint32_t)rows[target].float_format);
     return (struct neph_gpu_target){

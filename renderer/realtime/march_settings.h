@@ -8,9 +8,6 @@
 #include "renderer/march_params.h"
 #include "renderer/realtime/options.h"
 
-/* Whether fewer pixels are rendered than the picture has. */
-bool neph_rt_is_upsampled(const struct neph_settings *settings);
-
 /* Whether froxels have the fog up to Unreal's view distance of its volumetric fog, and the look
  * begins there. */
 bool neph_rt_is_handed_over(const struct neph_scene *scene, const struct neph_settings *settings);

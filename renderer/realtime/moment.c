@@ -2,6 +2,7 @@
 #include "renderer/realtime/moment.h"
 
 #include "renderer/realtime/jitter.h"
+#include "scenes/injection.h"
 #include "scenes/motion.h"
 
 #include <string.h>
@@ -45,9 +46,9 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
 {
     struct neph_rt_moment now = {
         .drift_m = neph_scene_wind_displacement_m(scene, frame),
-        .origin_m = neph_injected_origin_at(&scene->injections, frame),
+        .origin_m = neph_injected_origin_at(neph_scene_injections(scene), frame),
         .frame = frame,
-        .exposure = neph_injected_exposure_at(&scene->injections, frame),
+        .exposure = neph_injected_exposure_at(neph_scene_injections(scene), frame),
     };
     double jitter_px[2] = {0.0, 0.0};
     if (moves_rays && view->settings[RT_TAA] != 0.0f)

@@ -8,9 +8,13 @@
 
 #include "base/option.h"
 #include "renderer/realtime/shared/names.h"
+#include "settings/realtime_settings.h"
 
 /* By the names RT_*; ends with a NULL name. The defaults are the preset `fixed`. */
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
+
+/* Values of these options, by the pass that they are of. */
+struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings);
 
 /* Whole pipelines: presets.c says where each comes from. */
 extern const struct neph_preset neph_rt_presets[];

@@ -134,30 +134,59 @@ static int resolution_of(const struct neph_gpu_view *view, const struct neph_rt_
                                                               : pass->resolution;
 }
 
+static bool can_run(const struct neph_gpu_view *view, const struct neph_rt_shader *variant)
+{
+    bool can = variant->code;
+    for (int i = 0; i < NEPH_RT_NEEDS_MAX && variant->needs[i].setting; i++)
+        can &= neph_rt_holds(view, variant->needs[i]);
+    return can;
+}
+
+const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view,
+                                                const struct neph_rt_pass *pass,
+                                                enum neph_rt_device_kind kind)
+{
+    return can_run(view, &pass->variants[kind]) ? &pass->variants[kind] : &pass->shader;
+}
+
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants)
+{
+    for (int p = 0; neph_rt_passes[p]; p++) {
+        const struct neph_rt_shader *variant = &neph_rt_passes[p]->variants[kind];
+        if (!variant->absorbs)
+            continue;
+        const struct neph_rt_condition other = variant->absorbs->done_by_other[0];
+        const bool absorbs = has_variants && can_run(view, variant) &&
+                             neph_rt_holds(view, neph_rt_passes[p]->condition) &&
+                             neph_rt_holds(view, variant->absorbs->condition);
+        view->settings[other.setting] = absorbs ? (float)other.choice : 0.0f;
+    }
+}
+
 uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
-                              bool on_gpu)
+                              const struct neph_rt_shader *shader)
 {
     const int resolution = resolution_of(view, pass);
-    const uint64_t column = pass->column ? (uint64_t)pass->column : 1;
+    const uint64_t column = shader->column ? (uint64_t)shader->column : 1;
+    const uint64_t block[2] = {(uint64_t)shader->block[0], (uint64_t)shader->block[1]};
     if (resolution == RT_FROXEL || resolution == RT_FROXEL_COLUMN)
         return neph_rt_texel_count(view, resolution);
     const bool is_picture = resolution == RT_PICTURE;
     const uint64_t width = is_picture ? view->picture_px[0]
                                       : quotient_up(view->size_px[0], (uint64_t)resolution);
     const uint64_t height = neph_rt_texel_count(view, resolution) / width;
-    const bool in_blocks = takes_turns(view, pass) || !pass->in_colours;
-    if (!on_gpu && takes_turns(view, pass)) /* a dispatch for each colour */
+    if (block[0] > 0)
+        return GROUP_THREADS * quotient_up(width, block[0]) * quotient_up(height, block[1]);
+    if (takes_turns(view, pass)) /* a dispatch for each colour */
         return quotient_up(width, 2) * quotient_up(height, 2);
     if (pass->in_quads)
         return (width / 2 + 1) * (height / 2 + 1);
-    if ((on_gpu || pass->rays) && in_blocks && pass->block[0] > 0)
-        return GROUP_THREADS * quotient_up(width, (uint64_t)pass->block[0]) *
-               quotient_up(height, (uint64_t)pass->block[1]);
     return width * quotient_up(height, column);
 }
 
 uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
-                              bool on_gpu)
+                              const struct neph_rt_shader *shader)
 {
-    return !on_gpu && takes_turns(view, pass) ? 4 : 1;
+    return takes_turns(view, pass) && shader->block[0] == 0 ? 4 : 1;
 }

@@ -7,17 +7,27 @@
 #define NEPH_RENDERER_REALTIME_PASSES_H
 
 #include "renderer/realtime/layout.h"
+#include "renderer/realtime/tuning.h"
+
+/* The choice that a setting must have. */
+struct neph_rt_condition {
+    int setting, choice;
+};
+
+struct neph_rt_pass;
+
+enum { NEPH_RT_NEEDS_MAX = 3 };
 
 /* A shader that includes realtime/shared/view.glsl; 64 threads a group, along x. */
 struct neph_rt_shader {
     const char *name;
     const uint32_t *code;
     size_t code_bytes;
-};
-
-/* The choice that a setting must have. */
-struct neph_rt_condition {
-    int setting, choice;
+    int column;   /* texels, one below the other, that a thread writes; 0: one */
+    int block[2]; /* texels that a work group writes together; {0}: texels are independent */
+    /* Of a variant: it runs where all of these hold; ends early with {0}, which never does. */
+    struct neph_rt_condition needs[NEPH_RT_NEEDS_MAX];
+    const struct neph_rt_pass *absorbs; /* a pass whose targets a variant writes, too; or NULL */
 };
 
 enum { NEPH_RT_OTHERS_MAX = 3 };
@@ -54,24 +64,23 @@ enum { NEPH_RT_HISTORIES_MAX = 2, NEPH_RT_SPARED_MAX = 6, NEPH_RT_PASSES_MAX = 3
      NEPH_RT_BIT(RT_LOOK_BEHIND_THEN) | NEPH_RT_BIT(RT_CHANGE_BEHIND))
 
 struct neph_rt_pass {
-    const char *name; /* "tile index" */
-    const char *note; /* what it makes, in a few words */
-    struct neph_rt_shader shader;
+    const char *name;             /* "tile index" */
+    const char *note;             /* what it makes, in a few words */
+    struct neph_rt_shader shader; /* the readable one, which the CPU reference mirrors */
+    /* Faster shaders with the same results, each for one kind of device, where `shader` does not
+     * run; {0}: it does. tests/renderer/test_realtime_variants.c compares both. */
+    struct neph_rt_shader variants[NEPH_RT_DEVICE_KINDS];
     struct neph_rt_condition condition; /* of being in the frame */
-    /* Where one of these holds; ends early with {0}, which never does (above). */
+    /* Where one of these holds; ends early with {0}, which never does (above). The setting of the
+     * first is 0 but where a variant absorbs the pass. */
     struct neph_rt_condition done_by_other[NEPH_RT_OTHERS_MAX];
     int resolution;        /* RT_FULL, ..: of the texels that it makes */
     int unread_resolution; /* of those in pictures that nobody reads (unread.h); 0: the same */
-    int column;            /* texels, one below the other, that a thread makes; 0: one */
     bool in_quads;         /* a thread makes 2x2, the first of which may be one before the view */
-    /* Texels that a group makes together on a GPU, with rays elsewhere, too, where there is
-     * in_colours if that holds; {0}: they are by themselves. */
-    int block[2];
     enum neph_rt_rays rays;
-    bool reads_noise; /* the masks of blue noise */
     /* Where this holds colours of 2x2 texels take turns, each of which sees what those before it
-     * wrote: by four dispatches, on a GPU by one of blocks that are by themselves. Else, or NULL,
-     * one dispatch of texels. */
+     * wrote: by four dispatches, or by one of blocks where the shader has them. Else, or NULL, one
+     * dispatch of independent texels. */
     const struct neph_rt_condition *in_colours;
     uint32_t reads, writes; /* targets, NEPH_RT_BIT() of each: all that its shader can touch */
     struct neph_rt_spared spared[NEPH_RT_SPARED_MAX]; /* of these; ends early with no targets */
@@ -124,12 +133,23 @@ uint32_t neph_rt_targets_used(const struct neph_gpu_view *view);
 /* The targets that a pass hands on, under the names that they have in the next frame. */
 uint32_t neph_rt_targets_before(const struct neph_rt_pass *pass);
 
-/* Threads of a dispatch of a pass. */
-uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
-                              bool on_gpu);
+/* The shader of a pass on a kind of device: its variant where the view has what that needs, or the
+ * readable one. */
+const struct neph_rt_shader *neph_rt_shader_for(const struct neph_gpu_view *view,
+                                                const struct neph_rt_pass *pass,
+                                                enum neph_rt_device_kind kind);
 
-/* Dispatches of a pass: 1 or 4. */
+/* Set in a view which passes are done by others, because variants on this kind of device absorb
+ * them: none if the variants do not run. */
+void neph_rt_absorb_passes(struct neph_gpu_view *view, enum neph_rt_device_kind kind,
+                           bool has_variants);
+
+/* Threads of a dispatch of a pass with one of its shaders. */
+uint64_t neph_rt_thread_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
+                              const struct neph_rt_shader *shader);
+
+/* Dispatches of a pass with one of its shaders: 1 or 4. */
 uint32_t neph_rt_colour_count(const struct neph_gpu_view *view, const struct neph_rt_pass *pass,
-                              bool on_gpu);
+                              const struct neph_rt_shader *shader);
 
 #endif

@@ -2,7 +2,7 @@
 #include "renderer/realtime/pipeline.h"
 
 #include "base/clock.h"
-#include "base/workers.h"
+#include "renderer/blue_noise.h"
 #include "renderer/march.h"
 #include "renderer/march_cut.h"
 #include "renderer/march_scene.h"
@@ -11,7 +11,6 @@
 #include "renderer/realtime/kept_scene.h"
 #include "renderer/realtime/march_settings.h"
 #include "renderer/realtime/moment.h"
-#include "renderer/realtime/noise.h"
 #include "renderer/realtime/stillness.h"
 #include "renderer/realtime/suns.h"
 #include "renderer/realtime/unread.h"
@@ -32,18 +31,14 @@ _Static_assert(NEPH_MARCH_BUFFERS + 2 + RT_RAY_TARGET_COUNT - NEPH_GPU_SCENE_UNI
                    NEPH_KERNEL_STORAGE_MAX,
                "room for all that a pass with rays is bound to");
 _Static_assert(2 + RT_TARGET_COUNT <= NEPH_KERNEL_STORAGE_MAX, "and a pass without");
+_Static_assert((int)NEPH_RT_NOISE_COUNT == (int)NEPH_BLUE_NOISE_COUNT, "all ranks");
 
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
-    struct neph_settings settings;
+    struct neph_settings values;
+    struct neph_rt_settings settings; /* the same */
     uint32_t seed;
-    char *cache_folder;    /* owned; or NULL */
-    uint32_t *noise_ranks; /* owned; the task writes them until has_noise */
-    bool has_noise;
-    struct neph_workers *noise_maker; /* owned; NULL: no noise is read */
-    struct neph_task noise_making;
-    enum neph_status noise_status; /* of the task, when it is done */
-    struct neph_diag noise_diag;
+    uint32_t *noise_ranks; /* owned; NULL: no dither reads them */
     int picture_px[2];
     struct neph_march_params march; /* of what is rendered for it */
     struct neph_march_scene scene;  /* of the split frame */
@@ -67,11 +62,18 @@ struct neph_realtime {
     struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES];    /* before them */
     neph_realtime_observer *observer;
     void *observer_context;
+    struct neph_realtime_test_hooks hooks;
 };
 
-static int choice_of(const struct neph_realtime *realtime, int setting)
+/* Whether fewer pixels are rendered than the picture has. */
+static bool is_upsampled(const struct neph_realtime *realtime)
 {
-    return (int)realtime->settings.values[setting];
+    return realtime->settings.shared.screen_percent < 100;
+}
+
+static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
+{
+    return vulkan->description.is_cpu ? NEPH_RT_CPU : NEPH_RT_GPU;
 }
 
 /* --- passes with rays ------------------------------------------------------------------------ */
@@ -193,13 +195,13 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
 /* A picture of this size. */
 static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
 {
-    const int percent = choice_of(realtime, RT_SCREEN_PERCENT);
+    const int percent = realtime->settings.shared.screen_percent;
     struct neph_march_params *march = &realtime->march;
     march->width_px = neph_rt_rendered_px(width_px, percent);
     march->height_px = neph_rt_rendered_px(height_px, percent);
     realtime->picture_px[0] = width_px;
     realtime->picture_px[1] = height_px;
-    if (neph_rt_is_upsampled(&realtime->settings))
+    if (is_upsampled(realtime))
         memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
 }
 
@@ -207,7 +209,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const enum neph_rt_device_kind kind = kind_of(realtime->vulkan);
     uint64_t most_rays = 1;
     enum neph_status status = NEPH_OK;
     for (int i = 0; neph_rt_passes[i] && !status; i++) {
@@ -215,8 +217,9 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
         const struct neph_march_params march = march_of(realtime, pass);
         if (!pass->rays || !neph_rt_holds(view, pass->condition))
             continue;
+        const struct neph_rt_shader *shader = neph_rt_shader_for(view, pass, kind);
         status = neph_march_cut_make(realtime->vulkan, scene, seen_by(realtime, pass), &march,
-                                     neph_rt_thread_count(view, pass, on_gpu), &realtime->cuts[i],
+                                     neph_rt_thread_count(view, pass, shader), &realtime->cuts[i],
                                      diag);
         if (pass->rays == NEPH_RT_RAYS_THROUGH_MEDIA && realtime->cuts[i].rays_max > most_rays)
             most_rays = realtime->cuts[i].rays_max;
@@ -229,28 +232,25 @@ static enum neph_status create_rays(struct neph_realtime *realtime, const struct
 
 static bool has_taa(const struct neph_realtime *realtime)
 {
-    return choice_of(realtime, RT_TAA) != 0 && choice_of(realtime, RT_SPLIT) != RT_SPLIT_NONE;
+    return realtime->settings.anti_aliasing.kind != 0 &&
+           realtime->settings.shared.split != RT_SPLIT_NONE;
 }
 
 /* Whether solids may move, and somebody wants to know how far. */
 static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
 {
-    return choice_of(realtime, RT_SOLID_MOTION) != 0 && scene->mover_count > 0 && has_taa(realtime);
+    return realtime->settings.solid_motion.is_on && scene->mover_count > 0 && has_taa(realtime);
 }
 
 /* Which pass lays the volume over what is behind it. */
 static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
+    const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
     const bool has_froxels = view->settings[RT_FROXEL_VOLUME] != 0.0f;
-    int composition = choice_of(realtime, RT_COMPOSITION);
-    if (composition == RT_COMPOSITION_AUTO)
-        composition = on_gpu ? RT_COMPOSITION_TAA : RT_COMPOSITION_UPSCALE;
-    if ((composition == RT_COMPOSITION_TAA &&
-         (!has_taa(realtime) || view->settings[RT_TAA] != (float)RT_TAA_ON)) ||
-        (composition == RT_COMPOSITION_UPSCALE && has_froxels))
-        composition = RT_COMPOSITION_PASS;
-    return composition;
+    const bool has_plain_taa = has_taa(realtime) && view->settings[RT_TAA] == (float)RT_TAA_ON;
+    if (tuning->composition == RT_COMPOSITION_TAA)
+        return has_plain_taa ? RT_COMPOSITION_TAA : RT_COMPOSITION_PASS;
+    return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
 
 /* What the scene and the settings say together. */
@@ -265,28 +265,22 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
-    const bool on_gpu = !realtime->vulkan->description.is_cpu;
     view->settings[RT_SOLID_MOTION] = follows_solids(realtime, scene);
     view->settings[RT_COMPOSITION] = (float)composition_of(realtime, view);
-    if (on_gpu && choice_of(realtime, RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_AUTO &&
-        choice_of(realtime, RT_OVERRIDE) == RT_OVERRIDE_SEQUENTIAL &&
-        choice_of(realtime, RT_GATHER) == RT_GATHER_TEXEL &&
-        choice_of(realtime, RT_TILE_ORIGIN) == RT_TILE_ORIGIN_VIEW)
-        view->settings[RT_DEPTH_MAP_PASS] = RT_DEPTH_MAP_PASS_TILE_INDEX;
-    if (on_gpu && choice_of(realtime, RT_CHANGE_PASS) == RT_CHANGE_PASS_AUTO &&
-        choice_of(realtime, RT_GRADIENT) != 0)
-        view->settings[RT_CHANGE_PASS] = RT_CHANGE_PASS_RECONSTRUCTION;
+    neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
 }
 
-/* On a GPU, where that takes no seconds. */
+/* Their kernels, where the device compiles them in no time. */
 static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
     enum neph_status status = NEPH_OK;
+    if (!neph_rt_tuning_of(realtime->device.kind)->prepares_kernels)
+        return NEPH_OK;
     for (int p = 0; neph_rt_passes[p] && !status; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (!pass->rays && neph_rt_holds(view, pass->condition) &&
-            !neph_rt_is_done_by_other(view, pass) && realtime->device.on_gpu)
+            !neph_rt_is_done_by_other(view, pass))
             status = neph_rt_device_prepare(&realtime->device, pass, diag);
     }
     return status;
@@ -313,12 +307,12 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
                                      struct neph_diag *diag)
 {
     struct neph_gpu_view view;
-    const struct neph_injected_view *around = &scene->injections.view;
+    const struct neph_injected_view *around = &neph_scene_injections(scene)->view;
     const int *size_px = realtime->picture_px;
     const int origin_px[2] = {around->left_px, around->top_px};
     const int buffer_px[2] = {around->left_px + size_px[0] + around->right_px,
                               around->top_px + size_px[1] + around->bottom_px};
-    neph_rt_view_init(&view, &realtime->settings, size_px, origin_px, buffer_px);
+    neph_rt_view_init(&view, &realtime->values, size_px, origin_px, buffer_px);
     view.seed = realtime->seed;
     choose(realtime, scene, &view);
     set_hand_over(realtime, scene, &view);
@@ -327,8 +321,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     enum neph_status status = create_rays(realtime, scene, &view, diag);
     if (!status)
         status = neph_rt_device_create(realtime->vulkan, &view, neph_rt_targets_used(&view),
-                                       realtime->has_noise ? realtime->noise_ranks : NULL,
-                                       &realtime->device, diag);
+                                       realtime->noise_ranks, &realtime->device, diag);
     realtime->device.specialises = true;
     realtime->device.is_dark = !status && is_dark(realtime);
     if (!status)
@@ -336,7 +329,7 @@ static enum neph_status create_sized(struct neph_realtime *realtime, const struc
     if (!status && (buffer_px[0] > size_px[0] || buffer_px[1] > size_px[1]))
         status = neph_rt_inject_around(&realtime->device, around->value, &realtime->injected_values,
                                        diag);
-    if (!status && choice_of(realtime, RT_SPLIT) == RT_SPLIT_NONE)
+    if (!status && realtime->settings.shared.split == RT_SPLIT_NONE)
         status = neph_march_create(realtime->vulkan, scene, &realtime->march, &realtime->whole,
                                    diag);
     return status;
@@ -351,51 +344,31 @@ static void destroy_sized(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
 
-/* Whether any dither reads the masks of blue noise, which take seconds to make for a new seed. */
+/* Whether any dither reads the masks of blue noise. */
 static bool needs_masks(const struct neph_realtime *realtime)
 {
-    static const int dithers[] = {RT_RAY_DITHER, RT_UPSCALE_DITHER};
-    bool needs = false;
-    for (size_t i = 0; i < sizeof(dithers) / sizeof(dithers[0]); i++) {
-        const int dither = choice_of(realtime, dithers[i]);
-        needs |= dither >= RT_DITHER_BLUE;
-    }
-    return needs && choice_of(realtime, RT_SPLIT) == RT_SPLIT_FOUR;
+    const struct neph_rt_settings *settings = &realtime->settings;
+    const bool needs = settings->ray_march.ray_dither >= RT_DITHER_BLUE ||
+                       settings->upscale.dither >= RT_DITHER_BLUE;
+    return needs && settings->shared.split == RT_SPLIT_FOUR;
 }
 
-static void make_noise(void *realtime_)
-{
-    struct neph_realtime *realtime = realtime_;
-    realtime->noise_status = neph_rt_noise_ranks(realtime->seed, realtime->cache_folder,
-                                                 realtime->noise_ranks, &realtime->noise_diag);
-}
-
-/* On another thread: the first pass that reads the masks waits for them (bring_noise). */
-static enum neph_status begin_noise(struct neph_realtime *realtime, struct neph_diag *diag)
+static enum neph_status load_noise(struct neph_realtime *realtime, const char *path,
+                                   struct neph_diag *diag)
 {
     if (!needs_masks(realtime))
         return NEPH_OK;
-    const enum neph_status status = neph_workers_create(1, &realtime->noise_maker, diag);
-    if (status)
-        return status;
-    realtime->noise_making = (struct neph_task){.work = make_noise, .context = realtime};
-    neph_workers_add(realtime->noise_maker, &realtime->noise_making);
-    return NEPH_OK;
+    realtime->noise_ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*realtime->noise_ranks));
+    return realtime->noise_ranks
+               ? neph_blue_noise_load(path, realtime->seed, realtime->noise_ranks, diag)
+               : neph_fail_memory(diag);
 }
 
 static enum neph_status create_once(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_realtime_params *params,
                                     struct neph_diag *diag)
 {
-    realtime->noise_ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*realtime->noise_ranks));
-    if (!realtime->noise_ranks)
-        return neph_fail_memory(diag);
-    enum neph_status status = NEPH_OK;
-    realtime->cache_folder = params->cache_folder ? strdup(params->cache_folder) : NULL;
-    if (params->cache_folder && !realtime->cache_folder)
-        status = neph_fail_memory(diag);
-    if (!status)
-        status = begin_noise(realtime, diag);
+    enum neph_status status = load_noise(realtime, params->blue_noise_path, diag);
     if (!status)
         status = neph_march_scene_create(realtime->vulkan, scene, &realtime->march,
                                          &realtime->scene, diag);
@@ -422,7 +395,8 @@ enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct n
     if (!made)
         return neph_fail_memory(diag);
     made->vulkan = vulkan;
-    made->settings = *params->settings;
+    made->values = *params->settings;
+    made->settings = neph_rt_settings_of(params->settings);
     made->seed = params->seed;
     made->march = march;
     set_size(made, params->width_px, params->height_px);
@@ -440,13 +414,11 @@ void neph_realtime_destroy(struct neph_realtime *realtime)
 {
     if (!realtime)
         return;
-    neph_workers_destroy(realtime->noise_maker);
     destroy_sized(realtime);
     neph_rt_stillness_destroy(&realtime->stillness);
     neph_buffer_destroy(realtime->vulkan, &realtime->counters);
     neph_march_scene_destroy(realtime->vulkan, &realtime->scene);
     free(realtime->noise_ranks);
-    free(realtime->cache_folder);
     free(realtime);
 }
 
@@ -471,6 +443,18 @@ void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observe
 {
     realtime->observer = observer;
     realtime->observer_context = context;
+}
+
+void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves)
+{
+    realtime->device.has_no_variants = leaves;
+    neph_rt_absorb_passes(realtime->device.view, realtime->device.kind, !leaves);
+}
+
+void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
+                                  struct neph_realtime_test_hooks hooks)
+{
+    realtime->hooks = hooks;
 }
 
 /* --- the passes of a frame ------------------------------------------------------------------ */
@@ -569,24 +553,6 @@ static enum neph_status begin_passes(struct neph_realtime *realtime, const struc
     return status;
 }
 
-/* The masks, before the first pass that reads them; the device has those before it meanwhile. */
-static enum neph_status bring_noise(struct neph_realtime *realtime,
-                                    struct neph_rt_submission *submission, struct neph_diag *diag)
-{
-    const enum neph_status status = neph_rt_submission_send(submission, diag);
-    if (status)
-        return status;
-    if (realtime->noise_maker)
-        neph_workers_wait(realtime->noise_maker, &realtime->noise_making);
-    if (realtime->noise_status && diag)
-        *diag = realtime->noise_diag;
-    if (realtime->noise_status)
-        return realtime->noise_status;
-    neph_rt_device_give_noise(&realtime->device, realtime->noise_ranks);
-    realtime->has_noise = true;
-    return NEPH_OK;
-}
-
 static enum neph_status run_passes(struct neph_realtime *realtime, struct progress *made,
                                    struct neph_diag *diag)
 {
@@ -600,12 +566,8 @@ static enum neph_status run_passes(struct neph_realtime *realtime, struct progre
         const struct neph_rt_pass *pass = neph_rt_passes[p];
         if (neph_rt_is_done_by_other(realtime->device.view, pass))
             made->past |= neph_rt_targets_before(pass);
-        else if (is_wanted(realtime, pass, made)) {
-            if (pass->reads_noise && !realtime->has_noise)
-                status = bring_noise(realtime, &submission, diag);
-            if (!status)
-                status = add_pass(realtime, pass, &submission, made, diag);
-        }
+        else if (is_wanted(realtime, pass, made))
+            status = add_pass(realtime, pass, &submission, made, diag);
     }
     return status ? status : neph_rt_submission_send(&submission, diag);
 }
@@ -646,7 +608,7 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     enum neph_status status = neph_march_scene_show(still, &realtime->march, frame->frame,
                                                     &made->moment, &realtime->scene, &cost, diag);
     realtime->device.is_dark = is_dark(realtime);
-    if (!status && frame->given && neph_rt_is_upsampled(&realtime->settings))
+    if (!status && frame->given && is_upsampled(realtime))
         status = neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                            "a given depth has the picture's pixels: set screen_percent=100");
     if (!status && frame->given)
@@ -674,7 +636,7 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
         status = neph_rt_give(&realtime->device, RT_DEPTH, depth_m, diag);
     if (!status)
         status = run_passes(realtime, made, diag);
-    if (!status && neph_rt_is_upsampled(&realtime->settings))
+    if (!status && is_upsampled(realtime))
         status = neph_rt_spread(&realtime->device, image, diag);
     neph_image_rgb(*image, NULL, rgb);
     if (!status && made->picture)
@@ -786,7 +748,7 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
 static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
                                     struct neph_scene **still, struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const enum neph_status status = neph_scene_at(frame->scene, frame->frame, still, diag);
     if (status)
         return status;
@@ -806,7 +768,7 @@ static enum neph_status inject_history(struct neph_realtime *realtime,
                                        const struct neph_rt_moment **past, struct neph_diag *diag)
 {
     const struct neph_injected_history *history = neph_injected_history_at(
-        &frame->scene->injections, frame->frame);
+        neph_scene_injections(frame->scene), frame->frame);
     if (!history)
         return NEPH_OK;
     realtime->has_injected_history = true;
@@ -829,13 +791,11 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
-/* Where none of them has moved since the picture before all motions would come out as 0. Who flags
- * movers knows them by their motions. */
+/* Where none of them has moved since the picture before all motions would come out as 0. */
 static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
 {
     struct neph_gpu_view *view = realtime->device.view;
-    const bool is_asked = view->settings[RT_TAA_ANTIGHOST] != 0.0f || !neph_rt_movers_rest(view);
-    view->settings[RT_SOLID_MOTION] = is_asked && follows_solids(realtime, scene);
+    view->settings[RT_SOLID_MOTION] = !neph_rt_movers_rest(view) && follows_solids(realtime, scene);
 }
 
 /* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
@@ -860,7 +820,7 @@ static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_
 static bool sees_scene_alone(const struct neph_realtime *realtime,
                              const struct neph_realtime_frame *frame)
 {
-    const struct neph_injections *in = &frame->scene->injections;
+    const struct neph_injections *in = neph_scene_injections(frame->scene);
     const enum neph_march_lighting lighting = realtime->march.lighting;
     const struct neph_shortcuts *shortcuts = &realtime->march.shortcuts;
     const int injected = in->history_count + in->ray_count + in->size_count + in->origin_count +
@@ -870,24 +830,25 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Whether the gradient need not look (steady), and what of the scene is known as it is. */
+/* Whether the gradient need not look (RT_STEADY), and what of the scene is known as it is. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
                                    struct neph_diag *diag)
 {
+    const bool elides = neph_rt_tuning_of(realtime->device.kind)->elides_outputs;
     struct neph_gpu_view *view = realtime->device.view;
     const bool is_alone = !is_mirrored && sees_scene_alone(realtime, frame);
     const bool rests = view->has_history && !view->is_cut && neph_rt_view_rests(view) && is_alone;
-    view->settings[RT_STEADY] = (float)choice_of(realtime, RT_STEADY);
-    if (view->settings[RT_GRADIENT] == 0.0f || choice_of(realtime, RT_STEADY) == RT_STEADY_UNASKED)
+    view->settings[RT_STEADY] = RT_STEADY_ASKED;
+    if (view->settings[RT_GRADIENT] == 0.0f || realtime->hooks.always_asks_gradient)
         return NEPH_OK;
     enum neph_status status = neph_rt_stillness_keep(&realtime->stillness, still, rests, diag);
     if (!status)
         status = neph_rt_kept_scene_take(&realtime->kept, &realtime->device, realtime->frame_count,
                                          realtime->stillness.pictures, is_alone, given, diag);
     if (!status && neph_rt_stillness_is_known(&realtime->stillness, view))
-        view->settings[RT_STEADY] = !is_read && neph_rt_may_be_unread(view, realtime->device.on_gpu)
+        view->settings[RT_STEADY] = !is_read && elides && neph_rt_may_be_unread(view)
                                         ? RT_STEADY_UNREAD
                                         : RT_STEADY_KNOWN;
     if (!status)
@@ -918,7 +879,7 @@ static enum neph_status render_picture(struct neph_realtime *realtime,
         return status;
     const struct neph_rt_moment now = moment_of(realtime, frame, still);
     made.stats = &realtime->flights[slot];
-    made.rays = neph_injected_rays_at(&frame->scene->injections, frame->frame);
+    made.rays = neph_injected_rays_at(neph_scene_injections(frame->scene), frame->frame);
     *made.stats = (struct neph_realtime_stats){.gpu_s = 0.0};
     made.fill = &realtime->fills[slot];
     *made.fill = (struct neph_sun_fill_cost){.dispatches = 0};
@@ -1009,7 +970,7 @@ enum neph_status neph_realtime_render(struct neph_realtime *realtime,
                                       struct neph_image **image, struct neph_realtime_stats *stats,
                                       struct neph_diag *diag)
 {
-    const struct neph_injections *injections = &frame->scene->injections;
+    const struct neph_injections *injections = neph_scene_injections(frame->scene);
     const struct neph_injected_size *size = neph_injected_size_at(injections, frame->frame);
     const bool is_mirrored = neph_injected_mirror_at(injections, frame->frame);
     enum neph_status status = NEPH_OK;

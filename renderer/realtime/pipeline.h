@@ -23,8 +23,7 @@ struct neph_realtime_params {
     int width_px, height_px;              /* 1..NEPH_MARCH_SIDE_MAX_PX */
     const struct neph_settings *settings; /* of neph_rt_options */
     uint32_t seed;                        /* of the dithers */
-    const char *cache_folder;             /* of blue noise, where a dither needs it:
-                                             neph_blue_noise_load() */
+    const char *blue_noise_path;          /* where a dither needs it: neph_blue_noise_load() */
 };
 
 /* One picture of a sequence. */
@@ -60,7 +59,8 @@ bool neph_realtime_can_render(const struct neph_scene *scene, const struct neph_
                               char *reason, size_t reason_size);
 
 /* A renderer without history. The scene's grids and textures go to the device here; every frame
- * must be of this scene. NEPH_ERR_USAGE, NEPH_ERR_UNSUPPORTED as of neph_march_create(). */
+ * must be of this scene. NEPH_ERR_USAGE, NEPH_ERR_UNSUPPORTED as of neph_march_create(); errors of
+ * neph_blue_noise_load(). */
 enum neph_status neph_realtime_create(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                       const struct neph_realtime_params *params,
                                       struct neph_realtime **realtime, struct neph_diag *diag);
@@ -72,7 +72,6 @@ void neph_realtime_destroy(struct neph_realtime *realtime);
  * NEPH_ERR_INPUT: the given frame has another size, no Z, a depth that is not above 0, or radiance
  * that is not finite or below 0.
  * NEPH_ERR_INTERRUPTED as of neph_march_frame(); the sequence is of no more use then.
- * The first picture loads the masks of blue noise, or makes them: errors of neph_blue_noise_load().
  *
  * `image` NULL: the picture is on its way when this returns, nothing comes back of it, nothing is
  * counted, `stats` is left alone; its successors are what they would have been. Up to
@@ -106,5 +105,16 @@ typedef void neph_realtime_observer(struct neph_rt_device *device, const struct 
                                     void *context);
 void neph_realtime_observe(struct neph_realtime *realtime, neph_realtime_observer *observer,
                            void *context);
+
+/* From the next frame on run the readable shader of each pass in place of its variant for the
+ * device, to compare their times, or the variants again. */
+void neph_realtime_leave_variants(struct neph_realtime *realtime, bool leaves);
+
+/* For tests: paths that the pipeline takes by itself, with the same bits, taken or left. */
+struct neph_realtime_test_hooks {
+    bool always_asks_gradient; /* also where it is known that it sees no change (RT_STEADY) */
+};
+void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
+                                  struct neph_realtime_test_hooks hooks);
 
 #endif

@@ -10,7 +10,6 @@ static const struct {
     {RT_TAA_RESPONSIVE, 0.0f},
     {RT_ATROUS, 0.0f},
     {RT_HISTORY_WEIGHT, 1.0f},
-    {RT_REPROJECT_LEAST_M, 0.0f},
     {RT_JITTERED_DEPTH, 0.0f},
 };
 
@@ -19,11 +18,11 @@ static bool is_whole(const struct neph_gpu_view *view, int axis)
     return 2 * view->tile_count[axis] == view->half_size_px[axis];
 }
 
-bool neph_rt_may_be_unread(const struct neph_gpu_view *view, bool on_gpu)
+bool neph_rt_may_be_unread(const struct neph_gpu_view *view)
 {
     const bool needs_no_box = view->settings[RT_BOX_MOTION_PX] != 0.0f &&
                               view->settings[RT_BOX_CHANGE] != 0.0f;
-    bool may_be = !on_gpu && is_whole(view, 0) && is_whole(view, 1) && needs_no_box;
+    bool may_be = is_whole(view, 0) && is_whole(view, 1) && needs_no_box;
     for (size_t i = 0; i < sizeof(needed) / sizeof(needed[0]); i++)
         may_be &= view->settings[needed[i].setting] == needed[i].value;
     return may_be;

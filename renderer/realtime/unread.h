@@ -11,10 +11,10 @@
 
 #include "renderer/realtime/layout.h"
 
-/* Whether a view that is known to be steady may be RT_STEADY_UNREAD if nobody reads it: not on a
- * GPU, with tiles that are cut, with settings that have a texel without a ray change, nor where
- * somebody else asks for the volume. */
-bool neph_rt_may_be_unread(const struct neph_gpu_view *view, bool on_gpu);
+/* Whether a view that is known to be static may be RT_STEADY_UNREAD if its frame is not read: not
+ * with tiles that are cut, with settings that change texels without a ray, nor where another pass
+ * reads the volume. */
+bool neph_rt_may_be_unread(const struct neph_gpu_view *view);
 
 bool neph_rt_is_unread(const struct neph_gpu_view *view);
 

@@ -323,14 +323,11 @@ float phase_towards_camera_per_sr[MEDIA_MAX];
 // The scattering coefficients at the point where mixture_at() was last [1/m]; NEEDS_MEDIA alone.
 vec3 scattering_per_m[MEDIA_MAX];
 
-// The phase function with its excess over isotropic cut to a part: for Henyey-Greenstein the mean
-// cosine is, as the authors have it.
+// The phase function with its excess over isotropic cut to a part.
 float flattened_phase_per_sr(uint m, float part)
 {
-    if (own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN)
-        return henyey_greenstein_per_sr(part * frame.media[m].g, view_direction,
-                                        to_sun());
-    return mix(1.0 / (4.0 * PI), phase_towards_camera_per_sr[m], part);
+    return phase_cut_per_sr(own(frame.media[m].phase_kind), frame.media[m].g, part,
+                            phase_towards_camera_per_sr[m], view_direction, to_sun());
 }
 
 // Those of the first octaves of an only medium, once for a ray; with their contributions where the
@@ -500,7 +497,7 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
 // Scattering", 1980, chapter 14; D. R. Wyman, M. S. Patterson, B. C. Wilson, Appl. Opt. 28, 1989).
 float mean_cosine_of(uint m)
 {
-    return own(frame.media[m].phase_kind) == PHASE_HENYEY_GREENSTEIN ? frame.media[m].g : 0.0;
+    return phase_mean_cosine(own(frame.media[m].phase_kind), frame.media[m].g);
 }
 
 // The part that is taken to go on as it came, and the mean cosine of the rest.

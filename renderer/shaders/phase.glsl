@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: MIT
 //
-// Phase functions [1/sr], normalised over the sphere.
+// Phase functions [1/sr], normalised over the sphere. Each kind lies in its own file, and only here
+// kinds are told apart: a new one is a file and a line in each of these functions. The kind's other
+// half is scenes/phase_NAME.c.
 #ifndef NEPH_PHASE_GLSL
 #define NEPH_PHASE_GLSL
 
 #include "numbers.glsl"
+#include "phase_henyey_greenstein.glsl"
+#include "phase_isotropic.glsl"
+#include "phase_rayleigh.glsl"
+#include "scenes/phase_kinds.h"
 
-// enum neph_phase_kind
-const uint PHASE_ISOTROPIC = 0;
-const uint PHASE_HENYEY_GREENSTEIN = 1;
-const uint PHASE_RAYLEIGH = 2;
+// PHASE_ISOTROPIC, ...: enum neph_phase_kind.
+#define PHASE_NUMBER(number, NAME, name) const uint PHASE_##NAME = number;
+NEPH_PHASE_KINDS(PHASE_NUMBER)
 
-// Henyey & Greenstein 1941 with 1 + g^2 - 2 g cos = (1 - |g|)^2 + 2 |g| (1 - |cos|) near the peak.
-// 1 - a.b = |a - b|^2 / 2 for unit vectors: the dot product of float32 vectors is only good to
-// 6e-8, which at g = 0.99 would be 0.2 % of the peak; the difference keeps all its digits.
-float henyey_greenstein_per_sr(float g, vec3 view, vec3 sun)
-{
-    vec3 off_peak = g >= 0.0 ? view - sun : view + sun;
-    float a = abs(g);
-    float base = (1.0 - a) * (1.0 - a) + a * dot(off_peak, off_peak);
-    return (1.0 - a) * (1.0 + a) / (4.0 * PI * base * sqrt(base));
-}
+#define PHASE_ONE(number, NAME, name) +1
+#if NEPH_PHASE_KINDS(PHASE_ONE) != 3
+#error A new kind: give each function below its line.
+#endif
 
 // Sunlight travels along -sun before the event and along -view, to the camera, after it: the
 // scattering angle is the one between `view` and `sun` (both unit).
@@ -28,11 +27,30 @@ float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
         return henyey_greenstein_per_sr(g, view, sun);
-    if (kind == PHASE_RAYLEIGH) {
-        float cosine = dot(view, sun);
-        return 3.0 / (16.0 * PI) * (1.0 + cosine * cosine);
-    }
-    return 1.0 / (4.0 * PI);
+    if (kind == PHASE_RAYLEIGH)
+        return rayleigh_per_sr(view, sun);
+    return ISOTROPIC_PER_SR;
 }
+
+// The phase function with its excess over isotropic cut to a part; `whole_per_sr` is the uncut one.
+// For Henyey-Greenstein the mean cosine is cut, as the authors of octaves have it.
+float phase_cut_per_sr(uint kind, float g, float part, float whole_per_sr, vec3 view, vec3 sun)
+{
+    if (kind == PHASE_HENYEY_GREENSTEIN)
+        return henyey_greenstein_per_sr(part * g, view, sun);
+    return mix(ISOTROPIC_PER_SR, whole_per_sr, part);
+}
+
+// 1 - cos of the scattering angle about the forward direction for a uniform number u and g >= 0.
+float phase_versine(uint kind, float g, float u)
+{
+    if (kind == PHASE_HENYEY_GREENSTEIN)
+        return henyey_greenstein_versine(g, u);
+    if (kind == PHASE_RAYLEIGH)
+        return rayleigh_versine(u);
+    return isotropic_versine(u);
+}
+
+float phase_mean_cosine(uint kind, float g) { return kind == PHASE_HENYEY_GREENSTEIN ? g : 0.0; }
 
 #endif

@@ -82,25 +82,6 @@ static const char *obstacle_of(const struct neph_scene *scene)
 
 /* --- layers ----------------------------------------------------------------------------------- */
 
-/* Henyey-Greenstein has g^l; Rayleigh (3/4) (1 + c^2) = P_0 + P_2 / 2, of which P_l has the part
- * (2 l + 1) times the coefficient. */
-static double legendre_of(const struct neph_phase *phase, int degree)
-{
-    if (degree == 0)
-        return 1.0;
-    switch (phase->kind) {
-    case NEPH_PHASE_HENYEY_GREENSTEIN:
-        return pow(phase->g, degree);
-    case NEPH_PHASE_RAYLEIGH:
-        return degree == 2 ? 0.1 : 0.0;
-    case NEPH_PHASE_ISOTROPIC:
-        return 0.0;
-    case NEPH_PHASE_KIND_COUNT:
-        break;
-    }
-    return NAN;
-}
-
 static struct neph_sky_layer layer_of(const struct neph_medium *medium)
 {
     const bool is_tent = medium->kind == NEPH_MEDIUM_TENT;
@@ -116,7 +97,7 @@ static struct neph_sky_layer layer_of(const struct neph_medium *medium)
         layer.scattering_per_m[c] = layer.extinction_per_m[c] * albedo[c];
     }
     for (int l = 0; l <= NEPH_SKY_DEGREE_MAX; l++)
-        layer.legendre[l] = legendre_of(&medium->phase, l);
+        layer.legendre[l] = neph_phase_moment(&medium->phase, l);
     return layer;
 }
 

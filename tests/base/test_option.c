@@ -92,6 +92,22 @@ static void test_of_many_settings_those_alike_are_named(void **state)
     expect_refusal(many, "filler=1", "no setting 'filler'", ""); /* 94 are too many as well */
 }
 
+/* The words of the last row. */
+static void test_words_that_are_gone_change_nothing(void **state)
+{
+    static const char *const gone[] = {"old_word", "it was 3 in every preset", NULL};
+    struct neph_option table[sizeof(options) / sizeof(options[0])];
+    memcpy(table, options, sizeof(options));
+    table[sizeof(options) / sizeof(options[0]) - 1].choices = gone;
+    struct neph_settings settings = neph_options_default(table);
+    struct neph_diag diag = {.line = 0};
+    for (int i = 0; i < 2; i++)
+        neph_assert_ok(neph_options_set(table, "x", "old_word=anything", &settings, &diag), &diag);
+    expect_text(&settings, "steps=8 width_m=0.1 colour=green");
+    expect_refusal(table, "old_words=1", "no setting 'old_words'",
+                   "settings of engine x: steps, width_m, colour");
+}
+
 static void test_presets_start_from_the_defaults(void **state)
 {
     struct neph_diag diag = {.line = 0};
@@ -145,6 +161,7 @@ int main(void)
         cmocka_unit_test(test_text_has_all_settings_and_reads_back),
         cmocka_unit_test(test_wrong_settings_are_refused_with_what_is_allowed),
         cmocka_unit_test(test_of_many_settings_those_alike_are_named),
+        cmocka_unit_test(test_words_that_are_gone_change_nothing),
         cmocka_unit_test(test_presets_start_from_the_defaults),
         cmocka_unit_test(test_a_preset_that_is_not_there_changes_nothing),
     };

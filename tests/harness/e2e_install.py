@@ -50,6 +50,16 @@ class Install(unittest.TestCase):
         page = (self.folder / "out/report/report.js").read_bytes()
         self.assertEqual(page, (self.data / "scripts/report/report.js").read_bytes())
 
+    def test_it_has_the_data_of_its_renderer(self):
+        done = run(self.neph, "render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q",
+                   "-o", self.folder / "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        (self.data / "renderer/blue_noise.png").unlink()
+        done = run(self.neph, "render", "absorbing_slab", "-e", "realtime", "--size", "8x6", "-q",
+                   "-o", self.folder / "out")
+        self.assertEqual(done.returncode, 66, done.stderr)
+        self.assertIn(str(self.data / "renderer/blue_noise.png"), done.stderr)
+
     def test_nothing_is_left_of_the_build(self):
         programs = {path.name for path in (self.prefix / "bin").iterdir()}
         self.assertEqual(programs, {"neph", "neph-vdb"})

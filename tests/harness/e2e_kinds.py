@@ -23,7 +23,7 @@ FOLDERS = ("base", "scenes", "metrics", "truth", "renderer", "harness")
 # Enums where what is not one kind is treated as another: of these, files that compare a kind state
 # the number, too. Of the others a comparison asks for one value (`outcome ==
 # NEPH_OUTCOME_RENDERED`), and a new value is not that one.
-COMPARED = ("neph_phase_kind", "neph_medium_kind", "neph_solid_kind", "neph_scattering",
+COMPARED = ("neph_medium_kind", "neph_solid_kind", "neph_scattering",
             "neph_pattern", "neph_sheet_pattern", "neph_fog_model", "neph_march_lighting",
             "neph_march_mode", "neph_variant_kind", "neph_povray_kind", "neph_png_space",
             "neph_motion_depth", "neph_replicate", "neph_check_weight", "neph_failing_truth",
@@ -104,13 +104,12 @@ class Kinds(unittest.TestCase):
     def test_switches_list_all_kinds(self):
         self.assertIn("-Wswitch-enum", (ROOT / "CMakeLists.txt").read_text())
 
-    def test_mean_cosines_come_from_one_place(self):
-        """The places that took every phase function but one for isotropic."""
-        for path in ("renderer/march_cut.c", "renderer/slab_light.c", "scenes/fog_translation.c",
-                     "harness/physics/phases.c"):
-            self.assertNotRegex(self.sources[path], r"kind == NEPH_PHASE_")
-            self.assertIn("neph_phase_mean_cosine(", self.sources[path])
-        self.assertIn("neph_phase_mean_cosine(", self.sources["scenes/relit.c"])
+    def test_phase_functions_are_told_apart_by_their_rows(self):
+        """A kind is its file and its line of the registry. Elsewhere it is only asked whether light
+        is scattered evenly, and which kinds another program has."""
+        for path, text in self.sources.items():
+            self.assertNotRegex(text, r"case NEPH_PHASE_|\[NEPH_PHASE_[A-Z_]+\] =|"
+                                      r"[=!]= NEPH_PHASE_(?!ISOTROPIC)", path)
 
     def compile_with_one_more(self, enum):
         """The files with decisions that compile all the same."""
@@ -136,13 +135,28 @@ class Kinds(unittest.TestCase):
                     passed.append((path, done.stderr))
         return passed
 
-    def test_a_fourth_phase_function_does_not_compile(self):
-        enum, = (enum for enum in self.enums if enum.name == "neph_phase_kind")
-        for path in ("scenes/media.c", "scenes/load_media.c", "truth/slab.c", "truth/directions.c",
-                     "renderer/sky/air.c", "harness/engines/cycles_spec.c",
-                     "harness/engines/povray_scene.c", "harness/physics/phases.c"):
-            self.assertIn(path, enum.stating() | enum.switches)
-        self.assertEqual(self.compile_with_one_more(enum), [])
+    def test_a_phase_function_without_its_files_does_not_build(self):
+        """One more line in the registry: C asks for its row, shaders for a line of each function."""
+        commands = {entry["file"]: entry for entry in
+                    json.loads((BUILD / "compile_commands.json").read_text())}
+        entry = commands[str(ROOT / "scenes/phase.c")]
+        words = shlex.split(entry["command"])
+        words = words[:words.index("-o")]
+        kinds = (ROOT / "scenes/phase_kinds.h").read_text()
+        with tempfile.TemporaryDirectory() as folder:
+            changed = pathlib.Path(folder) / "scenes/phase_kinds.h"
+            changed.parent.mkdir()
+            changed.write_text(kinds.replace("of(0,", "of(3, ONE_MORE, one_more) of(0,"))
+            made = pathlib.Path(folder) / "phase.o"
+            subprocess.run([words[0], f"-iquote{folder}", *words[1:], "-o", made, "-c",
+                            ROOT / "scenes/phase.c"], cwd=entry["directory"], check=True)
+            names = subprocess.run(["nm", "-u", made], capture_output=True, text=True, check=True)
+            self.assertIn("neph_phase_one_more", names.stdout)
+            shader = subprocess.run(
+                ["glslc", "--target-env=vulkan1.2", "-I", folder, "-I", ROOT, "-I",
+                 ROOT / "renderer/shaders", ROOT / "renderer/shaders/march.comp", "-o", "/dev/null"],
+                capture_output=True, text=True)
+            self.assertIn("A new kind", shader.stderr)
 
     @night.of_the_night
     def test_no_place_compiles_with_one_more_kind(self):

@@ -92,7 +92,8 @@ class Metrics(neph_case.NephCase):
     def test_metrics_of_sequences_hide_nothing_of_a_single_frame(self):
         reference = self.write("reference.exr", lambda x, y: 1.0)
         test = self.write("test.exr", lambda x, y: 1.25)
-        done = self.neph("compare", reference, test, "-m", "mae", "-m", "residual_change")
+        done = self.neph("compare", reference, test, "-m", "mae", "-m", "residual_change",
+                         "--all")
         rows = {line.split()[2]: line.split()[3]
                 for line in done.stdout.splitlines() if line.startswith("radiance")}
         self.assertEqual((rows.get("mae"), rows.get("residual_change_rms")),
@@ -148,12 +149,47 @@ class Metrics(neph_case.NephCase):
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
         text = self.neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
                          self.folder / "weak").stdout
-        self.assertIn("no p-value for 1 numbers: 16 frames are too few: intervals and p-values of "
-                      "a mean need 64", text)
+        self.assertIn("not told apart: mae", text)
+        self.assertIn("16 frames are too few: intervals and p-values of a mean need 64", text)
         text = self.neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae",
                          "--versus", self.folder / "weak/f.04.exr").stdout
-        self.assertNotIn("no p-value", text)
+        self.assertRegex(text, "^worse: mae .* p < 0.001")
         self.neph(*run, self.folder / "nowhere", code=66, silent=True)
+
+    def test_the_answer_comes_first_and_is_short(self):
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        test = self.write("test.exr", lambda x, y: 1.25)
+        error = "radiance is off by 25 % (RMSE over the mean of the reference), in the mean 25 % " \
+                "too bright"
+        lines = self.neph("compare", reference, test).stdout.splitlines()
+        self.assertEqual(lines[0], error)
+        self.assertTrue(len(lines) <= 10 and "--all" in lines[-1], lines)
+        self.assertEqual(self.neph("compare", reference, test, "-q").stdout, error + "\n")
+        limits = ("--fail-above", "rmse=0.3", "--fail-below", "rmse=0.3")
+        lines = self.neph("compare", reference, test, *limits, code=1).stdout.splitlines()
+        self.assertEqual(lines[:3], ["PASS rmse 0.25 <= 0.3", "FAIL rmse 0.25 < 0.3", error])
+        self.assertLessEqual(len(lines), 10)
+        self.assertIn("PASS pu_psnr: the images are equal",
+                      self.neph("compare", test, test, "--fail-below", "pu_psnr=40", "-q").stdout)
+        table = self.neph("compare", reference, test, "--all").stdout
+        self.assertGreater(len(table.splitlines()), 20)
+        self.assertRegex(table, r"radiance +all +rel_rmse +2.5000")
+
+    def test_better_and_worse_go_by_the_metric(self):
+        # Noise at each pixel, twice as strong in one: tiles tell the two apart.
+        draw = random.Random(42)
+        grain = [[draw.gauss(0, 1) for _ in range(WIDTH)] for _ in range(HEIGHT)]
+        reference = self.write("reference.exr", lambda x, y: 1.0)
+        weak, strong = (self.write(f"{name}.exr", lambda x, y: 1.0 + part * grain[y][x])
+                        for name, part in (("weak", 0.02), ("strong", 0.04)))
+        for metric in ("rel_rmse", "pu_psnr"):  # one is better when small, one when large
+            for test, other, word in ((weak, strong, "better"), (strong, weak, "worse")):
+                text = self.neph("compare", reference, test, "--versus", other, "-m", metric,
+                                 "-q").stdout
+                self.assertRegex(text, rf"^{word}: {metric} [0-9.]+.*, of --versus [0-9.]+ "
+                                       r"\(difference .*, p < 0.001\)$")
+        text = self.neph("compare", reference, weak, "--versus", weak, "-m", "mae", "-q").stdout
+        self.assertRegex(text, "^equal: mae ")
 
     def test_names_of_masks_and_units_in_csv(self):
         layers = {channel: [0.5] * 256 for channel in "RGB"}
@@ -192,7 +228,7 @@ class Metrics(neph_case.NephCase):
         clipped = {row["metric"]: row.get("clipped")
                    for row in document["measurements"]}
         self.assertEqual((clipped["flip_p95"], clipped["mae"]), (found["clipped"], None))
-        self.assertNotIn("clipped",
+        self.assertNotIn("above display white",
                          self.neph("compare", half, quarter, "-m", "flip", "--exposure", -2).stdout)
         sun, brighter = self.write("sun.exr", lambda x, y: 500.0), self.write("brighter.exr",
                                                                               lambda x, y: 800.0)
@@ -296,15 +332,15 @@ class Metrics(neph_case.NephCase):
         self.assertIn("pixels are taken for square",
                       self.neph("compare", wide, wide, "-m", "mae").stdout)
         for pair in ((plain, alpha), (alpha, plain)):
-            self.assertIn("not taken: everything of alpha",
+            self.assertIn("not measured: alpha",
                           self.neph("compare", *pair, "-m", "mae").stdout)
         (self.folder / "some").mkdir()
         for frame in range(3):  # the one in the middle has alpha
             write(f"some/f{frame}.exr", "RGBA" if frame == 1 else "RGB")
-        self.assertIn("not taken: everything of alpha",
+        self.assertIn("not measured: alpha",
                       self.neph("compare", plain, self.folder / "some", "-m", "mae").stdout)
         layers = write("layers.exr", ["R", "G", "B", "right.R", "depth.Z"])
-        self.assertIn("not taken: everything of channels depth.Z right.R: ",
+        self.assertIn("not measured: channels depth.Z right.R: ",
                       self.neph("compare", layers, layers, "-m", "mae").stdout)
 
     def rgb(self, name, value=0.5, attributes=(), channels="RGB", **rest):
@@ -424,7 +460,7 @@ class Metrics(neph_case.NephCase):
         with_depth = self.write("depth.exr", lambda x, y: 1.0, self.depth)
         without = self.write("plain.exr", lambda x, y: 1.0)
         done = self.neph("compare", with_depth, without, "-m", "rmse")
-        self.assertIn("not taken: everything of depth: the test does not have it", done.stdout)
+        self.assertIn("not measured: depth: the test does not have it", done.stdout)
         only_depth = self.folder / "only_depth.exr"
         only_depth.write_bytes(frames.exr_bytes(WIDTH, HEIGHT, {"Z": [1.0] * (WIDTH * HEIGHT)}))
         self.neph("compare", with_depth, only_depth, code=65, said="radiance")
@@ -471,7 +507,7 @@ class Metrics(neph_case.NephCase):
                           f"cd/m2, dark surround", done.stdout)
             self.assertRegex(
                 done.stdout,
-                rf"seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
+                rf"flicker: seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
 
     def test_a_blinking_fence_is_cyclic_at_edges(self):
         noise = self.noise(1e-5)
@@ -638,9 +674,9 @@ class Metrics(neph_case.NephCase):
         reference = self.write("reference.exr", self.still, self.depth)
         done = self.neph("flicker", "--reference", reference, frozen, code=1,
                          said=("31 of 32", "--frozen-ok"))
-        self.assertIn("over 'all': frozen", done.stdout)
+        self.assertIn("four-frame cycle: frozen", done.stdout)
         done = self.neph("flicker", "--reference", reference, frozen, "--frozen-ok")
-        self.assertIn("over 'all': calm", done.stdout)
+        self.assertIn("four-frame cycle: calm", done.stdout)
 
     def test_the_shell_may_expand_the_pattern(self):
         noise = self.noise(0.01)

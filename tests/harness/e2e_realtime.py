@@ -156,9 +156,8 @@ class Realtime(neph_case.NephCase):
     @night.of_the_night
     def test_bytes_are_those_of_the_formats(self):
         size = (50, 38)
-        for settings, *texel_bytes in ((("depth_format", "color_format", "taa_format"), 4, 16, 16),
-                                       (("color_format",), 2, 16, 8)):
-            words = [word for name in settings for word in ("-s", f"{name}=float")]
+        for format, *texel_bytes in (("float", 4, 16, 16), ("half", 2, 8, 8)):
+            words = ("-s", f"target_format={format}")
             stats = self.render("bytes", self.moving, "--frames", 2, *words, size=size)[-1]["stats"]
             self.check_bytes(stats, size, *texel_bytes)
 
@@ -249,7 +248,7 @@ class Realtime(neph_case.NephCase):
 
     def test_the_list_of_settings_can_be_read(self):
         lines = self.neph("engines", "realtime").stdout.splitlines()
-        rows = [line for line in lines if line.startswith("    reject_within_m ")]
+        rows = [line for line in lines if line.startswith("    box_transmittance ")]
         self.assertEqual(len(rows), 1)
         column = rows[0].index(rows[0].split()[1])
         for line in lines:
@@ -292,11 +291,21 @@ class Realtime(neph_case.NephCase):
         self.assertNotIn("logs", done.stderr)
         self.assertEqual(list(out.iterdir()), [])
 
-    def test_noise_is_made_where_a_dither_needs_it(self):
+    def test_blue_noise_is_read_where_a_dither_needs_it(self):
         command = ("render", self.moving, "-e", "realtime", "--size", "16x12", "-q", "-o",
                    self.folder)
-        self.neph(*command, "-p", "off", XDG_CACHE_HOME="/dev/null/there")
-        self.neph(*command, XDG_CACHE_HOME="/dev/null/there", code=74, said="XDG_CACHE_HOME")
+        data = {"NEPH_DATA_DIR": str(self.folder)}
+        self.neph(*command, "-p", "off", **data)
+        noise = "renderer/blue_noise.png"
+        self.neph(*command, code=66, said=[f"{self.folder}/{noise}", "set NEPH_DATA_DIR"], **data)
+        whole = (neph_case.ROOT / noise).read_bytes()
+        for damaged in (whole[:-1], whole[:1000] + b"?" + whole[1001:], b""):
+            (self.folder / "renderer").mkdir(exist_ok=True)
+            (self.folder / noise).write_bytes(damaged)
+            self.neph(*command, code=65, said=[f"{self.folder}/{noise}", "damaged",
+                                               "set NEPH_DATA_DIR"], **data)
+        (self.folder / noise).write_bytes(whole)
+        self.neph(*command, **data)
 
     # ---- given depths ------------------------------------------------------------------------
 

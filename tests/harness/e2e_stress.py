@@ -42,7 +42,7 @@ def page_of(folder):
 def data_of(folder, *own):
     """A folder of the project's data in which some files are to be written anew."""
     data = folder / "data"
-    for path in [ROOT / "scripts", *(ROOT / "scenes").rglob("*")]:
+    for path in [ROOT / "scripts", ROOT / "renderer/blue_noise.png", *(ROOT / "scenes").rglob("*")]:
         place = data / path.relative_to(ROOT)
         if path.is_dir() and path.name != "scripts":
             place.mkdir(parents=True, exist_ok=True)

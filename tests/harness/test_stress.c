@@ -240,7 +240,7 @@ static bool has_row(const struct neph_stress_suite *suite, const struct neph_str
             (!place->point || strcmp(row->point, place->point) == 0) &&
             strcmp(neph_failing_measure_name(row->limit->measure), place->measure) == 0 &&
             (!*place->over || strcmp(row->limit->over, place->over) == 0) &&
-            neph_stress_measures(&row->scene->failing, row->limit, &column))
+            neph_stress_measures(row->scene->failing, row->limit, &column))
             return true;
     }
     return false;
@@ -304,9 +304,9 @@ static void test_every_scenario_can_be_run(void **state)
     assert_true(quick.scene_count > 0 && quick.scene_count < full.scene_count);
     for (int s = 0; s < full.scene_count; s++) {
         const struct neph_stress_place place = {
-            full.scenes[s]->name, "", somebody_of(&full.scenes[s]->failing), "bad_values", "all"};
+            full.scenes[s]->name, "", somebody_of(full.scenes[s]->failing), "bad_values", "all"};
         assert_true(has_row(&full, &place));
-        for (int p = 1; p < neph_failing_point_count(&full.scenes[s]->failing); p++) {
+        for (int p = 1; p < neph_failing_point_count(full.scenes[s]->failing); p++) {
             struct neph_scene *at = NULL;
             struct neph_diag diag = {.line = 0};
             neph_assert_ok(neph_scene_load_point(full.scenes[s], p, &at, &diag), &diag);
@@ -362,9 +362,9 @@ static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
     const struct neph_stress_column march = column_of("march");
     for (int r = 0; r < suite.row_count; r++) {
         const struct neph_stress_row *row = &suite.rows[r];
-        if (!neph_stress_measures(&row->scene->failing, row->limit, &march))
+        if (!neph_stress_measures(row->scene->failing, row->limit, &march))
             continue;
-        assert_true(row->scene->failing.engines);
+        assert_true(row->scene->failing->engines);
         assert_true(row->limit->measure == NEPH_FAILING_ERROR ||
                     row->limit->measure == NEPH_FAILING_ENERGY ||
                     row->limit->measure == NEPH_FAILING_BAD_VALUES);

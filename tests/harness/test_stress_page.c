@@ -19,6 +19,7 @@ enum { SCENES = 3, PICTURE_BYTES = 40000 };
 struct fixture {
     char names[SCENES][16], exhibits[SCENES][SCRATCH_PATH_MAX], page_folder[SCRATCH_PATH_MAX];
     struct neph_failing_limit limit;
+    struct neph_failing failing;
     struct neph_scene scenes[SCENES], *listed[SCENES];
     struct neph_stress_cell cells[SCENES];
     struct neph_stress_row rows[SCENES];
@@ -52,13 +53,13 @@ static void start(void **state, struct fixture *fixture)
         .scenes = fixture->listed,
         .rows = fixture->rows,
     };
+    fixture->failing = (struct neph_failing){words,  words,          words,
+                                             nobody, .width_px = 96, .height_px = 54};
     for (int i = 0; i < SCENES; i++) {
         make_exhibit(state, fixture, i);
         snprintf(fixture->names[i], sizeof(fixture->names[i]), "scene%d", i);
         fixture->scenes[i] = (struct neph_scene){
-            .name = fixture->names[i],
-            .title = words,
-            .failing = {words, words, words, nobody, .width_px = 96, .height_px = 54}};
+            .name = fixture->names[i], .title = words, .failing = &fixture->failing};
         fixture->listed[i] = &fixture->scenes[i];
         fixture->cells[i] = (struct neph_stress_cell){NAN, NEPH_STRESS_NOT_YET, "", NULL, NULL};
         fixture->rows[i] = (struct neph_stress_row){.scene = &fixture->scenes[i],

@@ -28,13 +28,12 @@ static inline double test_uniform(uint64_t *seed)
     return neph_test_uniform(seed, 0.0, 1.0);
 }
 
-/* Settings at their defaults, but for skies at the article's 20 km, with "key=value key=value"
+/* Settings at their defaults, but for a sky at the article's 20 km, with "key=value key=value"
  * applied. */
 static inline struct neph_settings test_settings(const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
     settings.values[RT_SKY_M] = 20000.0;
-    settings.values[RT_OVERRIDE_SKY_M] = settings.values[RT_UPSCALE_SKY_M] = 20000.0;
     test_assign(neph_rt_options, assignments, &settings);
     return settings;
 }
@@ -43,7 +42,7 @@ static inline struct neph_settings test_settings(const char *assignments)
 static inline void test_be_gpu(struct neph_rt_device *device)
 {
     struct neph_diag diag = {0};
-    device->on_gpu = true;
+    device->kind = NEPH_RT_GPU;
     neph_assert_ok(neph_halves_ask(device->vulkan, &device->native_halves, &diag), &diag);
 }
 
@@ -76,7 +75,6 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
                    &diag);
     if (test->view.seed % 2)
         test_be_gpu(&test->device);
-    test->twin.on_gpu = test->device.on_gpu;
     test->twin.view = &test->view;
     test->twin.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)

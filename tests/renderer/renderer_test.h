@@ -32,7 +32,7 @@ static inline struct neph_vulkan *test_vulkan_open(void)
     struct neph_vulkan *vulkan = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true,
+        neph_vulkan_create(&(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON,
                                                         .cache_folder = getenv("NEPH_TEST_CACHE")},
                            &vulkan, &diag),
         &diag);

@@ -21,20 +21,17 @@ static inline void test_scene_fence(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
 }
 
-/* Masks of blue noise are kept from test to test where the environment names a folder: one takes
- * two seconds. */
 static inline struct neph_realtime *test_sequence(struct neph_vulkan *vulkan,
                                                   const struct neph_scene *scene,
                                                   const struct neph_settings *settings,
                                                   int width_px, int height_px)
 {
-    const char *cache_folder = getenv("NEPH_TEST_CACHE");
     const struct neph_realtime_params params = {.width_px = width_px,
                                                 .height_px = height_px,
                                                 .settings = settings,
                                                 .seed = 1,
-                                                .cache_folder = cache_folder ? cache_folder
-                                                                             : "/tmp"};
+                                                .blue_noise_path = NEPH_SOURCE_DIR
+                                                "/renderer/blue_noise.png"};
     struct neph_realtime *realtime = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);

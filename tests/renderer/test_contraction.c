@@ -39,6 +39,9 @@ SHADER(rt_scene){
 SHADER(rt_taa){
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
+SHADER(rt_taa_gpu){
+#include "realtime/anti_aliasing/taa_gpu.comp.inc"
+};
 SHADER(rt_tile_index){
 #include "realtime/tile_index/tile_index.comp.inc"
 };
@@ -73,11 +76,11 @@ static const struct shader {
     {                                                                                              \
 #name, name, sizeof(name)                                                                  \
     }
-    ENTRY(march),        ENTRY(probe),         ENTRY(probe_media),    ENTRY(rt_compose),
-    ENTRY(rt_march),     ENTRY(rt_min_max),    ENTRY(rt_reconstruct), ENTRY(rt_scene),
-    ENTRY(rt_taa),       ENTRY(rt_tile_index), ENTRY(rt_upscale),     ENTRY(tracer),
-    ENTRY(tracer_first), ENTRY(tracer_guess),  ENTRY(tracer_lit),     ENTRY(tracer_sum),
-    ENTRY(tracer_view),
+    ENTRY(march),      ENTRY(probe),        ENTRY(probe_media),    ENTRY(rt_compose),
+    ENTRY(rt_march),   ENTRY(rt_min_max),   ENTRY(rt_reconstruct), ENTRY(rt_scene),
+    ENTRY(rt_taa),     ENTRY(rt_taa_gpu),   ENTRY(rt_tile_index),  ENTRY(rt_upscale),
+    ENTRY(tracer),     ENTRY(tracer_first), ENTRY(tracer_guess),   ENTRY(tracer_lit),
+    ENTRY(tracer_sum), ENTRY(tracer_view),
 };
 
 /* SPIR-V 1.5, section 3 */

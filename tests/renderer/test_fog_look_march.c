@@ -199,8 +199,7 @@ static void test_realtime_has_the_same_fog(void **state)
 
 static const char handed_over[] =
     "split=four ray_dither=none upscale_dither=none fog=unreal steps=64 froxels=on froxel_px=1 "
-    "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 color_format=float "
-    "depth_format=float";
+    "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 target_format=float";
 
 /* A glow is the same by physics and by its look, wherever the one ends and the other begins, on
  * this side of all that is seen and beyond it. Clouds are all in froxels, and come with the errors

@@ -6,6 +6,7 @@
 #include "tests/renderer/sequence_test.h"
 
 #include "renderer/realtime/watch.h"
+#include "scenes/injection.h"
 #include "scenes/motion.h"
 #include "scenes/solids.h"
 
@@ -35,18 +36,18 @@ static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
                      const struct neph_injections *other)
 {
     int differ = 0;
-    scene->injections = *one;
+    scene->injections = one;
     OWNED(realtime) struct neph_realtime *first = open_realtime(vulkan, scene, settings);
-    scene->injections = *other;
+    scene->injections = other;
     OWNED(realtime) struct neph_realtime *second = open_realtime(vulkan, scene, settings);
     for (int frame = 0; frame < FRAMES; frame++) {
-        scene->injections = *one;
+        scene->injections = one;
         OWNED(image) struct neph_image *a = test_next(first, scene, frame, NULL);
-        scene->injections = *other;
+        scene->injections = other;
         OWNED(image) struct neph_image *b = test_next(second, scene, frame, NULL);
         differ += !test_same_bits(a, b);
     }
-    scene->injections = (struct neph_injections){.history_count = 0};
+    scene->injections = NULL;
     return differ;
 }
 
@@ -85,7 +86,7 @@ static void test_what_is_put_in_is_counted(void **state)
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
     struct neph_injected_rays lists[] = {rays, all};
-    test.scene.injections = (struct neph_injections){
+    test.scene.injections = &(struct neph_injections){
         .history_count = 1, .histories = &history, .ray_count = 2, .rays = lists};
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const uint64_t pixels = WIDTH_PX * HEIGHT_PX;
@@ -108,7 +109,7 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
     struct neph_injected_rays rays = {1, 1, NEPH_INJECTED_NAN};
     const struct neph_settings settings = test_preset("seed", "");
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 2; frame++) {
         OWNED(image) struct neph_image *image = test_next(realtime, &test.scene, frame, NULL);
@@ -156,7 +157,7 @@ static void test_a_sequence_is_watched(void **state)
     struct neph_injected_rays rays = {1, 3, NEPH_INJECTED_NAN};
     struct neph_diag diag = {0};
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.ray_count = 1, .rays = &rays};
+    test.scene.injections = &(struct neph_injections){.ray_count = 1, .rays = &rays};
     for (int is_sound = 0; is_sound < 2; is_sound++) {
         const struct neph_settings settings = test_preset(is_sound ? "fixed" : "seed", "");
         OWNED(realtime)
@@ -214,14 +215,14 @@ static void test_another_size_and_back(void **state)
     OWNED(realtime) struct neph_realtime *by_hand = open_realtime(*state, &test.scene, &settings);
     OWNED(realtime) struct neph_realtime *injected = open_realtime(*state, &test.scene, &settings);
     for (int frame = 0; frame < 4; frame++) {
-        test.scene.injections = nothing;
+        test.scene.injections = &nothing;
         if (frame == 2) {
             neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 16, 10, &diag), &diag);
             neph_image_destroy(test_next(by_hand, &test.scene, frame, NULL));
             neph_assert_ok(neph_realtime_resize(by_hand, &test.scene, 32, 20, &diag), &diag);
         }
         OWNED(image) struct neph_image *expected = test_next(by_hand, &test.scene, frame, NULL);
-        test.scene.injections = (struct neph_injections){.size_count = 1, .sizes = &size};
+        test.scene.injections = &(struct neph_injections){.size_count = 1, .sizes = &size};
         OWNED(image) struct neph_image *image = test_next(injected, &test.scene, frame, NULL);
         assert_same_bits(image, expected);
     }
@@ -234,7 +235,7 @@ static void test_no_other_picture_in_flight(void **state)
     struct neph_diag diag = {0};
     const struct neph_settings settings = test_preset("fixed", "");
     test_scene_fence(&test);
-    test.scene.injections = (struct neph_injections){.mirror = {0, 100, -3.0}};
+    test.scene.injections = &(struct neph_injections){.mirror = {0, 100, -3.0}};
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const struct neph_realtime_frame picture = {&test.scene, 0, NULL};
     assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
@@ -260,10 +261,10 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
     OWNED(realtime) struct neph_realtime *usually = open_realtime(*state, &test.scene, &usual);
     OWNED(realtime) struct neph_realtime *forgotten = open_realtime(*state, &test.scene, &lost);
     for (int frame = 0; frame < 4; frame++) {
-        test.scene.injections = nothing;
+        test.scene.injections = &nothing;
         OWNED(image) struct neph_image *a = test_next(at_home, &test.scene, frame, NULL);
         OWNED(image) struct neph_image *c = test_next(usually, &test.scene, frame, NULL);
-        test.scene.injections = shifted;
+        test.scene.injections = &shifted;
         OWNED(image) struct neph_image *b = test_next(away, &test.scene, frame, NULL);
         OWNED(image) struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
         /* a bar's face rounded in double, once */

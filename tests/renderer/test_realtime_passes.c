@@ -67,14 +67,14 @@ static void take_instruction(struct module *module, const uint32_t *words)
 
 /* Adds what a shader does with these constants; where a pass looks at the scene texels are those of
  * its grids. */
-static void reflect_with(const struct neph_rt_pass *pass, const uint32_t *constants, int count,
-                         struct module *sum)
+static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_shader *shader,
+                         const uint32_t *constants, int count, struct module *sum)
 {
     enum { HEADER_WORDS = 5, BOUND = 3 };
     size_t word_count = 0;
     OWNED(memory)
-    uint32_t *words = test_shader_words(pass->shader.code, pass->shader.code_bytes, constants,
-                                        count, &word_count);
+    uint32_t *words = test_shader_words(shader->code, shader->code_bytes, constants, count,
+                                        &word_count);
     struct module module = {.ids = calloc(words[BOUND], sizeof(*module.ids)),
                             .texels_binding = pass->rays ? 0 : NEPH_GPU_TEXELS_BINDING + 1};
     assert_non_null(module.ids);
@@ -88,11 +88,15 @@ static void reflect_with(const struct neph_rt_pass *pass, const uint32_t *consta
 /* With settings that are read and not known, on a CPU and, of passes without rays, on a GPU. */
 static struct module reflect(const struct neph_rt_pass *pass)
 {
-    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_ON_GPU_CONSTANT] = 1};
+    const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_GPU_ACCESS_CONSTANT] = 1};
     struct module sum = {.reads = 0};
-    reflect_with(pass, NULL, 0, &sum);
+    reflect_with(pass, &pass->shader, NULL, 0, &sum);
     if (!pass->rays)
-        reflect_with(pass, on_gpu, RT_CONSTANT_COUNT, &sum);
+        reflect_with(pass, &pass->shader, on_gpu, RT_CONSTANT_COUNT, &sum);
+    for (int kind = 0; kind < NEPH_RT_DEVICE_KINDS; kind++)
+        if (pass->variants[kind].code)
+            reflect_with(pass, &pass->variants[kind], kind == NEPH_RT_GPU ? on_gpu : NULL,
+                         kind == NEPH_RT_GPU ? RT_CONSTANT_COUNT : 0, &sum);
     return sum;
 }
 
@@ -141,8 +145,7 @@ static void test_histories_have_one_shape(void **state)
     for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
         struct neph_settings settings = neph_options_default(neph_rt_options);
         struct neph_gpu_view view;
-        settings.values[RT_DEPTH_FORMAT] = settings.values[RT_COLOR_FORMAT] = format;
-        settings.values[RT_TAA_FORMAT] = format;
+        settings.values[RT_TARGET_FORMAT] = format;
         settings.values[RT_SCREEN_PERCENT] = format == RT_FORMAT_HALF ? 100 : 67;
         neph_rt_view_init(&view, &settings, (int[2]){37, 21}, (int[2]){0, 0}, (int[2]){37, 21});
         for (int p = 0; neph_rt_passes[p]; p++) {
@@ -194,24 +197,23 @@ static void test_threads_cover_all_texels(void **state)
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         const struct neph_rt_pass pass = {.resolution = cases[i].resolution,
-                                          .column = cases[i].column};
-        assert_int_equal(neph_rt_thread_count(&view, &pass, i % 2 == 0), cases[i].count);
+                                          .shader = {.column = cases[i].column}};
+        assert_int_equal(neph_rt_thread_count(&view, &pass, &pass.shader), cases[i].count);
     }
-    /* A group of 64 for each block on a GPU. */
+    /* A group of 64 for each block. */
     const struct neph_rt_condition always = {RT_OVERRIDE, (int)settings.values[RT_OVERRIDE]};
-    const struct neph_rt_pass blocks = {.resolution = RT_FULL, .column = 4, .block = {32, 8}};
-    assert_int_equal(neph_rt_thread_count(&view, &blocks, false), 37 * 6);
-    assert_int_equal(neph_rt_thread_count(&view, &blocks, true), 64 * 2 * 3);
-    const struct neph_rt_pass turns = {
-        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &always};
-    assert_int_equal(neph_rt_colour_count(&view, &turns, false), 4);
-    assert_int_equal(neph_rt_thread_count(&view, &turns, false), 5 * 3); /* of one colour */
-    assert_int_equal(neph_rt_colour_count(&view, &turns, true), 1);
-    assert_int_equal(neph_rt_thread_count(&view, &turns, true), 64 * 2 * 1);
+    const struct neph_rt_shader plain = {.column = 0}, wide = {.block = {32, 8}},
+                                square = {.block = {8, 8}};
+    const struct neph_rt_pass full = {.resolution = RT_FULL};
+    assert_int_equal(neph_rt_thread_count(&view, &full, &wide), 64 * 2 * 3);
+    const struct neph_rt_pass turns = {.resolution = RT_QUARTER, .in_colours = &always};
+    assert_int_equal(neph_rt_colour_count(&view, &turns, &plain), 4);
+    assert_int_equal(neph_rt_thread_count(&view, &turns, &plain), 5 * 3); /* of one colour */
+    assert_int_equal(neph_rt_colour_count(&view, &turns, &square), 1);
+    assert_int_equal(neph_rt_thread_count(&view, &turns, &square), 64 * 2 * 1);
     const struct neph_rt_condition never = {RT_OVERRIDE, RT_OVERRIDE_NONE};
-    const struct neph_rt_pass none = {
-        .resolution = RT_QUARTER, .block = {8, 8}, .in_colours = &never};
-    assert_int_equal(neph_rt_thread_count(&view, &none, true), 10 * 6);
+    const struct neph_rt_pass none = {.resolution = RT_QUARTER, .in_colours = &never};
+    assert_int_equal(neph_rt_thread_count(&view, &none, &plain), 10 * 6);
 }
 
 /* As many columns of every picture, of whole pixels; what is asked for is kept. */

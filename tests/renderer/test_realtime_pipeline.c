@@ -40,7 +40,7 @@ static void test_off_is_the_march(void **state)
 static struct neph_settings plain(void)
 {
     return test_preset("fixed", "taa=off ray_dither=none box=none upscale_dither=none "
-                                "override=none color_format=float");
+                                "override=none target_format=float");
 }
 
 /* In a march at half resolution each ray goes through the middle of a half-resolution texel: the
@@ -500,8 +500,7 @@ static void test_what_does_not_shine_is_not_marched(void **state)
     struct neph_realtime_stats stats;
     int checked = 0;
     scene_dark(&test);
-    const struct neph_settings settings = test_preset(
-        "ours", "color_format=float depth_format=float taa=off");
+    const struct neph_settings settings = test_preset("ours", "target_format=float taa=off");
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_dark, &checked);
     neph_image_destroy(test_next(realtime, &test.scene, 0, &stats));

@@ -23,18 +23,19 @@ static void fence_scene(struct test_scene *test)
 
 /* `ours`, with the digits of its settings and so with its kernels, which is steady after few
  * pictures: what has changed is soon forgotten. */
-static struct neph_settings settings_of(const char *steady)
+static struct neph_settings steady_settings(void)
 {
-    struct neph_settings settings = test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
-    test_assign(neph_rt_options, steady, &settings);
-    return settings;
+    return test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
 }
 
 static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
-                                           const struct neph_scene *scene, const char *steady)
+                                           const struct neph_scene *scene, bool always_asks)
 {
-    const struct neph_settings settings = settings_of(steady);
-    return test_sequence(vulkan, scene, &settings, 36, 20);
+    const struct neph_settings settings = steady_settings();
+    struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, 36, 20);
+    neph_realtime_set_test_hooks(
+        realtime, (struct neph_realtime_test_hooks){.always_asks_gradient = always_asks});
+    return realtime;
 }
 
 /* Whether passes have run for a picture. */
@@ -68,9 +69,8 @@ static void test_no_bit_is_another(void **state)
     struct test_scene test;
     int changed = 0, spared = 0;
     fence_scene(&test);
-    OWNED(realtime)
-    struct neph_realtime *asked = open_realtime(*state, &test.scene, "steady=unasked");
-    OWNED(realtime) struct neph_realtime *known = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *asked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *known = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
         OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == 24)
@@ -115,8 +115,8 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     int unread = 0;
     uint64_t most_bytes = 0;
     fence_scene(&test);
-    OWNED(realtime) struct neph_realtime *read = open_realtime(*state, &test.scene, "steady=auto");
-    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *read = open_realtime(*state, &test.scene, false);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
         OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
@@ -144,9 +144,8 @@ static void test_what_takes_light_alone_is_made_once(void **state)
     int kept = 0;
     fence_scene(&test);
     test.scene.media[0].albedo = (struct neph_rgb){0.0, 0.0, 0.0};
-    OWNED(realtime)
-    struct neph_realtime *unasked = open_realtime(*state, &test.scene, "steady=unasked");
-    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, "steady=auto");
+    OWNED(realtime) struct neph_realtime *unasked = open_realtime(*state, &test.scene, true);
+    OWNED(realtime) struct neph_realtime *sent = open_realtime(*state, &test.scene, false);
     for (int frame = 0; frame < PICTURES; frame++) {
         OWNED(image) struct neph_image *a = NULL, *b = NULL;
         if (frame == SUN_MOVES)
@@ -182,7 +181,7 @@ static void fill(struct test_passes *test, int target, double most, double w, ui
 static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passes *test)
 {
     static const int sizes_px[][2] = {{64, 36}, {35, 18}};
-    const struct neph_settings settings = settings_of("steady=unasked");
+    const struct neph_settings settings = steady_settings();
     uint64_t seed = (uint64_t)round + 1;
     test_passes_open(vulkan, &settings, sizes_px[round % 2], (int[2]){round % 3 * 4, 0}, seed,
                      test);
@@ -221,7 +220,7 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
         test_passes_run(&test, "gradient");
         uint32_t *kept = test_download(&test, RT_KEPT_RAY);
         for (size_t r = 0; r < COUNT(rows); r++) {
-            test.view.settings[RT_STEADY] = RT_STEADY_UNASKED;
+            test.view.settings[RT_STEADY] = RT_STEADY_ASKED;
             test_passes_run(&test, rows[r].pass);
             uint32_t *made[2] = {NULL};
             for (int t = 0; t < rows[r].count; t++)

@@ -28,6 +28,13 @@ static const uint32_t taa_code[] = {
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
 
+static const uint32_t reconstruct_code[] = {
+#include "realtime/reconstruction/reconstruct.comp.inc"
+};
+static const uint32_t ray_march_code[] = {
+#include "realtime/ray_march/ray_march.comp.inc"
+};
+
 enum { ANSWERS = 64, CONSTANTS = 4 };
 
 struct constants {
@@ -249,6 +256,40 @@ static void test_the_size_of_work_groups_stays(void **state)
     assert_true(has_size);
 }
 
+/* Whether a module declares the capability, or has a type that needs it. */
+static bool has_int64(const uint32_t *words, size_t size_bytes)
+{
+    enum { HEADER_WORDS = 5, OP_CAPABILITY = 17, OP_TYPE_INT = 21, INT64 = 11 };
+    bool has = false;
+    for (size_t i = HEADER_WORDS; i < size_bytes / sizeof(*words); i += words[i] >> 16)
+        has |= ((words[i] & 0xffff) == OP_CAPABILITY && words[i + 1] == INT64) ||
+               ((words[i] & 0xffff) == OP_TYPE_INT && words[i + 2] == 64);
+    return has;
+}
+
+/* renderer/requirements.c asks a CPU for shaderInt64, and no GPU. */
+static void test_kernels_of_a_gpu_need_no_int64(void **state)
+{
+    static const struct {
+        const uint32_t *code;
+        size_t code_bytes;
+    } passes[] = {{taa_code, sizeof(taa_code)},
+                  {reconstruct_code, sizeof(reconstruct_code)},
+                  {ray_march_code, sizeof(ray_march_code)}};
+    for (size_t i = 0; i < COUNT(passes); i++)
+        for (uint32_t variant = 0; variant < 4; variant++) {
+            uint32_t constants[RT_CONSTANT_COUNT] = {0}, *words = NULL;
+            size_t bytes = 0, whole_bytes = 0;
+            const bool is_gpu = variant / 2 == 1;
+            constants[RT_GPU_ACCESS_CONSTANT] = is_gpu;
+            constants[RT_SPECIALISED_CONSTANT] = variant % 2;
+            specialize(passes[i].code, passes[i].code_bytes, constants, RT_CONSTANT_COUNT, &words,
+                       &bytes, &whole_bytes);
+            assert_true(has_int64(words, bytes) == !is_gpu);
+            free(words);
+        }
+}
+
 /* --- what is refused ---------------------------------------------------------------------- */
 
 enum { PACKED_HEAD = 2 + 34 };
@@ -257,12 +298,15 @@ enum { PACKED_HEAD = 2 + 34 };
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
     uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
+    unsigned char planes[64];
+    for (size_t i = 0; i < size_bytes; i++)
+        planes[i % 4 * (size_bytes / 4) + i / 4] = ((const unsigned char *)module)[i];
     memset(packed, 0, 64 * sizeof(*packed));
     packed[0] = (uint32_t)size_bytes;
     packed[1] = 34;
     packed[2 + 1] = UINT32_MAX;
     packed[2 + 33] = 15;
-    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, module, size_bytes),
+    assert_int_equal(compress((Bytef *)(packed + PACKED_HEAD), &deflated, planes, size_bytes),
                      Z_OK);
     return PACKED_HEAD * sizeof(*packed) + deflated;
 }

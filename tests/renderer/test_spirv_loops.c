@@ -141,7 +141,8 @@ static void test_validation_tells(void **state)
     const struct neph_kernel_params kept = params_of(1), lost = params_of(2);
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_vulkan_create(&(struct neph_vulkan_params){.validation = true}, &vulkan, &diag),
+        neph_vulkan_create(&(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON}, &vulkan,
+                           &diag),
         &diag);
     neph_assert_ok(neph_kernel_get(vulkan, &kept, &kernel, &diag), &diag);
     neph_assert_ok(neph_vulkan_check(vulkan, &diag), &diag);

@@ -479,7 +479,7 @@ static void test_similar_media(void **state)
 static struct neph_image *play(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                uint32_t seed, int count)
 {
-    struct neph_settings settings = test_preset("ours", "light_texel_px=4 light_paths=8 "
+    struct neph_settings settings = test_preset("ours", "light_paths=8 "
                                                         "ray_dither=none upscale_dither=none");
     settings.values[RT_LIGHTING] = NEPH_MARCH_TRACED;
     const struct neph_realtime_params params = {

@@ -113,7 +113,7 @@ static void test_no_driver_is_said_with_the_install_line(void **state)
 static void test_no_validation_layer_is_said_with_the_install_line(void **state)
 {
     with_environment("VK_LAYER_PATH", "/nonexistent",
-                     &(struct neph_vulkan_params){.validation = true}, "validation",
+                     &(struct neph_vulkan_params){.validation = NEPH_VALIDATION_ON}, "validation",
                      "apt-get install vulkan-validationlayers");
 }
 
@@ -207,7 +207,8 @@ static void test_too_large_a_buffer_is_refused(void **state)
 
 static void open_and_close(const char *cache_folder)
 {
-    const struct neph_vulkan_params params = {.validation = true, .cache_folder = cache_folder};
+    const struct neph_vulkan_params params = {.validation = NEPH_VALIDATION_ON,
+                                              .cache_folder = cache_folder};
     struct neph_vulkan *vulkan = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_vulkan_create(&params, &vulkan, &diag), &diag);

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes reference_radial.h: optical depths of blobs and shells that the C code is held against.
+"""Writes reference_radial.json: optical depths of blobs and shells that the C code is held against.
 
 40 digits (mpmath), from the exact values of the doubles that the tests pass in. A ray is reduced to
 r^2 = p^2 + s^2 with digits to spare. The shell is tanh-sinh quadrature of e^{-(r - R) / H} itself
@@ -13,24 +13,21 @@ import itertools
 import math
 import pathlib
 import random
+import sys
 
 from mpmath import besselk, erf, erfc, exp, inf, log, mp, mpf, pi, quad, sqrt
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+import reference_tables
 
 mp.dps = 40
 INFINITE = float("inf")
 
 
-def c_number(value):
-    """A C literal of the double nearest to the value."""
-    if value == inf:
-        return "INFINITY"
-    return float(value).hex() if value else "0.0"
-
-
-def c_list(values):
-    """Numbers, and lists of them."""
-    return "{%s}" % ", ".join(c_list(v) if isinstance(v, (list, tuple)) else c_number(v)
-                              for v in values)
+def doubles(values):
+    """The doubles nearest to numbers, in lists as those of the numbers."""
+    return [doubles(v) if isinstance(v, (list, tuple)) else float(v) or 0.0
+            for v in values]
 
 
 def radial(center, origin, direction, t0, t1):
@@ -181,54 +178,19 @@ def gaussian_table():
         yield (width, center, direction), (origin, t0, t1, gaussian_depth(*case))
 
 
-# ---- the header ------------------------------------------------------------------------------
+# ---- the file --------------------------------------------------------------------------------
 
 
-HEAD = """/* SPDX-License-Identifier: MIT
- *
- * Written by reference_radial.py (mpmath, 40 digits). Do not edit.
- */
-#ifndef NEPH_TESTS_SCENES_REFERENCE_RADIAL_H
-#define NEPH_TESTS_SCENES_REFERENCE_RADIAL_H
-
-#include "base/vec3.h"
-
-#include <math.h>
-
-/* clang-format off */
-
-struct reference_piece { struct neph_vec3 origin_m; double t0_m, t1_m, optical_depth; };
-"""
-
-SHELLS = """/* Extinction 1 at the ground, centre (0, -radius, 0). */
-struct reference_shell {
-    double radius_m, scale_height_m; struct neph_vec3 direction;
-    int count; struct reference_piece pieces[10];
-};
-static const struct reference_shell reference_shell[] = {"""
-
-BLOBS = """/* Extinction 1 at the centre. */
-struct reference_gaussian {
-    double width_m; struct neph_vec3 center_m, direction;
-    int count; struct reference_piece pieces[8];
-};
-static const struct reference_gaussian reference_gaussian[] = {"""
-
-
-def c_rows(table, most):
+def rows(table, most):
     """A row for the medium and the direction of neighbours in the table, with their pieces."""
     for same, cases in itertools.groupby(table, lambda case: case[0]):
         pieces = [piece for _, piece in cases]
         for first in range(0, len(pieces), most):
             part = pieces[first:first + most]
-            yield "    {%s, %d, %s}," % (c_list(same)[1:-1], len(part), c_list(part))
-
-
-def write(path):
-    out = [HEAD, SHELLS, *c_rows(shell_table(), 10), "};\n", BLOBS, *c_rows(gaussian_table(), 8),
-           "};\n\n/* clang-format on */\n\n#endif"]
-    path.write_text("\n".join(out) + "\n", encoding="utf-8")
+            yield [*doubles(same), len(part), doubles(part)]
 
 
 if __name__ == "__main__":
-    write(pathlib.Path(__file__).with_name("reference_radial.h"))
+    reference_tables.write(pathlib.Path(__file__).with_suffix(".json"), {
+        "struct reference_shell reference_shell[]": rows(shell_table(), 10),
+        "struct reference_gaussian reference_gaussian[]": rows(gaussian_table(), 8)})

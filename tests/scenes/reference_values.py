@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes reference_values.h: what the tests of exact transport hold the C code against.
+"""Writes reference_values.json: what the tests of exact transport hold the C code against.
 
 50 digits (mpmath), from the exact values of the doubles that the tests pass in. The formulas are
 those of textbooks, which cancel or overflow in double; here they have the digits to spare. Every
@@ -12,21 +12,23 @@ import itertools
 import math
 import pathlib
 import random
+import sys
 
 from mpmath import exp, expm1, inf, mp, mpf, pi, quad, sqrt
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+import reference_tables
 
 mp.dps = 50
 DOUBLE_MAX = mpf(float.fromhex("0x1.fffffffffffffp+1023"))
 INFINITE = float("inf")
 
 
-def c_number(value):
-    """A C literal of the double nearest to the value."""
-    if value == inf or value > DOUBLE_MAX:
-        return "INFINITY"
-    if value == -inf or value < -DOUBLE_MAX:
-        return "-INFINITY"
-    return float(value).hex() if value else "0.0"
+def nearest(value):
+    """The double nearest to the value; 0 has no sign."""
+    if abs(value) > DOUBLE_MAX:
+        return INFINITE if value > 0 else -INFINITE
+    return float(value) or 0.0
 
 
 # ---- phi and optical depth -------------------------------------------------------------------
@@ -412,91 +414,49 @@ def view_table():
         yield view, view.integral()
 
 
-# ---- the header ------------------------------------------------------------------------------
-
-HEAD = """/* SPDX-License-Identifier: MIT
- *
- * Written by reference_values.py (mpmath, 50 digits). Do not edit.
- */
-#ifndef NEPH_TESTS_SCENES_REFERENCE_VALUES_H
-#define NEPH_TESTS_SCENES_REFERENCE_VALUES_H
-
-#include "scenes/scene.h"
-
-#include <math.h>
-
-/* clang-format off */
-"""
+# ---- the file --------------------------------------------------------------------------------
 
 
-def c_list(values):
-    """Numbers, phase functions, and lists of them."""
-    return "{%s}" % ", ".join("NEPH_PHASE_" + v if isinstance(v, str) else
-                              c_list(v) if isinstance(v, (list, tuple)) else c_number(v)
-                              for v in values)
+def numbers(values):
+    """The doubles nearest to numbers, and names of phase functions, in lists as the values."""
+    return ["NEPH_PHASE_" + v if isinstance(v, str) else
+            numbers(v) if isinstance(v, (list, tuple)) else nearest(v) for v in values]
 
 
-def c_rows(table):
+def rows(table):
     """A row for neighbours in the table of which the first part is the same."""
     for same, cases in itertools.groupby(table, lambda case: case[0]):
         values = [value for _, value in cases]
-        yield same, len(values), c_list(values)
+        yield numbers(same), len(values), numbers(values)
 
 
-def c_medium(medium):
-    layers = ", ".join(c_list(layer) for layer in medium.layers)
+def medium_row(medium):
     kind = "HEIGHT_FOG" if any(layer[1] for layer in medium.layers) else "HOMOGENEOUS"
-    return (
-        "{.kind = NEPH_MEDIUM_%s, .bounds = {%s, %s}, .extinction_color = {1, 1, 1}, .albedo = %s, "
-        ".phase = {NEPH_PHASE_%s, %s}, .layer_count = %d, .layers = {%s}}" %
-        (kind, c_list(medium.bounds[0]), c_list(medium.bounds[1]), c_list([medium.albedo] * 3),
-         medium.phase[0], c_number(medium.phase[1]), len(medium.layers), layers))
+    return {"kind": "NEPH_MEDIUM_" + kind, "bounds": numbers(medium.bounds),
+            "extinction_color": [1, 1, 1], "albedo": numbers([medium.albedo] * 3),
+            "phase": numbers(medium.phase), "layer_count": len(medium.layers),
+            "layers": numbers(medium.layers)}
 
 
-def c_views():
+def view_rows():
     """The media, each once, and the views, which say which of them they have."""
-    media, views = {}, []
+    media, views = [], []
     for view, value in view_table():
-        which = [media.setdefault(c_medium(m), len(media)) for m in view.media]
-        views.append('    {"%s", %s, %s, %s, %s, %s, %d, {%s}},' %
-                     (view.name, c_list(view.sun), c_list(view.origin), c_list(view.direction),
-                      c_number(value), c_number(view.condition()), len(which),
-                      ", ".join(map(str, which))))
-    return ["    %s," % medium for medium in media], views
-
-
-def write(path):
-    out = [HEAD]
-    out.append("struct reference_phi { double x, phi; };")
-    out.append("static const struct reference_phi reference_phi[] = {")
-    out += ["    %s," % c_list(row) for row in phi_table()]
-    out.append("};\n")
-    out.append(
-        "/* Optical depth of one layer; 2^-53 * condition is its unavoidable relative error. */")
-    out.append("struct reference_depth { double length_m, optical_depth, condition; };")
-    out.append("struct reference_fog { struct neph_fog_layer layer; double y_m, k_y; int count; "
-               "struct reference_depth depths[8]; };")
-    out.append("static const struct reference_fog reference_fog[] = {")
-    out += ["    {%s, %d, %s}," % (c_list(same)[1:-1], *rest)
-            for same, *rest in c_rows(fog_table())]
-    out.append("};\n")
-    out.append("struct reference_phase { struct neph_phase phase; int count; "
-               "struct { double cosine, per_sr; } values[8]; };")
-    out.append("static const struct reference_phase reference_phase[] = {")
-    out += ["    {%s, %d, %s}," % (c_list(same), *rest) for same, *rest in c_rows(phase_table())]
-    out.append("};\n")
-    media, views = c_views()
-    out += ["static const struct neph_medium reference_medium[] = {", *media, "};\n"]
-    out.append("/* In-scattered radiance of a ray under a sun of irradiance 1; `media` are of "
-               "reference_medium. */")
-    out.append(
-        "struct reference_view { const char *name; struct neph_vec3 sun, origin_m, direction; "
-        "double radiance, condition; int medium_count, media[2]; };")
-    out.append("static const struct reference_view reference_view[] = {")
-    out += views
-    out.append("};\n\n/* clang-format on */\n\n#endif")
-    path.write_text("\n".join(out) + "\n", encoding="utf-8")
+        for medium in view.media:
+            if medium_row(medium) not in media:
+                media.append(medium_row(medium))
+        which = [media.index(medium_row(medium)) for medium in view.media]
+        views.append([view.name, *numbers([view.sun, view.origin, view.direction, value,
+                                           view.condition()]), len(which), which])
+    return media, views
 
 
 if __name__ == "__main__":
-    write(pathlib.Path(__file__).with_name("reference_values.h"))
+    media, views = view_rows()
+    reference_tables.write(pathlib.Path(__file__).with_suffix(".json"), {
+        "struct reference_phi reference_phi[]": map(numbers, phi_table()),
+        "struct reference_fog reference_fog[]": [[*same, *rest]
+                                                 for same, *rest in rows(fog_table())],
+        "struct reference_phase reference_phase[]": map(list, rows(phase_table())),
+        "struct neph_medium reference_medium[]": media,
+        "struct reference_view reference_view[]": views})

@@ -6,6 +6,7 @@
 #include "tests/base/scratch.h"
 
 #include "base/files.h"
+#include "scenes/failing.h"
 #include "scenes/scene.h"
 
 #include <math.h>
@@ -51,15 +52,15 @@ static struct neph_scene *loaded(void **state, const char *text)
 static void test_a_scene_may_say_nothing(void **state)
 {
     struct neph_scene *scene = loaded(state, HEAD);
-    assert_null(scene->failing.fails);
-    assert_int_equal(neph_failing_point_count(&scene->failing), 1);
+    assert_null(scene->failing->fails);
+    assert_int_equal(neph_failing_point_count(scene->failing), 1);
     neph_scene_destroy(scene);
 }
 
 static void test_defaults_and_what_is_given(void **state)
 {
     struct neph_scene *scene = loaded(state, HEAD BLOCK);
-    const struct neph_failing *failing = &scene->failing;
+    const struct neph_failing *failing = scene->failing;
     assert_string_equal(failing->fails, "a thing");
     assert_string_equal(failing->presets, "");
     assert_int_equal(failing->width_px, 96);
@@ -99,10 +100,10 @@ static void test_points_are_the_product_of_the_axes(void **state)
                   {"width_m=0.25 x_m+=20", 0.25, 20},
                   {"width_m=0.25 x_m+=30", 0.25, 30}};
     struct neph_diag diag = {.line = 0};
-    assert_int_equal(neph_failing_point_count(&scene->failing), 7);
+    assert_int_equal(neph_failing_point_count(scene->failing), 7);
     for (int p = 0; p < 7; p++) {
         char name[NEPH_FAILING_POINT_SIZE];
-        neph_failing_point_name(&scene->failing, p, name, sizeof(name));
+        neph_failing_point_name(scene->failing, p, name, sizeof(name));
         assert_string_equal(name, points[p].name);
         neph_assert_ok(neph_scene_load_point(scene, p, &at, &diag), &diag);
         assert_true(at->media[0].gaussian.width_m == points[p].width_m);
@@ -122,7 +123,7 @@ static void test_steps_and_sizes_can_be_swept(void **state)
                                       HEAD BLOCK "  sweep:\n"
                                                  "    - {name: n, set: failure.frames, to: [8]}\n");
     neph_assert_ok(neph_scene_load_point(scene, 1, &at, NULL), NULL);
-    assert_int_equal(at->failing.frame_count, 8);
+    assert_int_equal(at->failing->frame_count, 8);
     neph_scene_destroy(at);
     neph_scene_destroy(scene);
 }

@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "base/text.h"
+#include "scenes/injection.h"
 #include "scenes/scene.h"
 
 static const char head[] =
@@ -46,7 +47,7 @@ static void test_each_is_found_at_its_picture(void **state)
         "  mirror: {frame: 2, count: 3, height_m: 1.5}\n"
         "  origin: [{frame: 6, by_m: [1, 2, 3]}, {frame: 8, by_m: [0, 0, 4]}]\n"
         "  exposures: [{frame: 5, factor: 8}, {frame: 7, factor: 0.5}]\n");
-    const struct neph_injections *all = &scene->injections;
+    const struct neph_injections *all = neph_scene_injections(scene);
     for (int frame = -2; frame < 12; frame++) {
         assert_int_equal(neph_injected_history_at(all, frame) != NULL, frame == 3 || frame == 5);
         assert_int_equal(neph_injected_rays_at(all, frame) != NULL, frame == 4);
@@ -88,14 +89,14 @@ static void test_the_scene_stays_what_it_is(void **state)
     };
     struct neph_scene *plain = loaded("");
     char *texts[COUNT(one_each)];
-    char *none = neph_injections_text(&plain->injections);
+    char *none = neph_injections_text(neph_scene_injections(plain));
     assert_string_equal(none, "");
     free(none);
     for (size_t i = 0; i < COUNT(one_each); i++) {
         char *keys = neph_format("inject: {%s}\n", one_each[i]);
         struct neph_scene *scene = loaded(keys);
         assert_string_equal(scene->hash, plain->hash);
-        texts[i] = neph_injections_text(&scene->injections);
+        texts[i] = neph_injections_text(neph_scene_injections(scene));
         for (size_t k = 0; k < i; k++)
             assert_string_not_equal(texts[i], texts[k]);
         neph_scene_destroy(scene);

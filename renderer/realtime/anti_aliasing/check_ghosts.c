@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What anti-aliasing and upsampling can be told of the frame: which pixels are of solids that may
- * move, which of media without motion vectors, and that the camera's exposure has changed. One
- * frame in closed form each, in both passes.
+ * What anti-aliasing and upsampling can be told of the frame: which pixels are of media without
+ * motion vectors, and that the camera's exposure has changed. One frame in closed form each, in
+ * both passes.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
@@ -15,7 +15,7 @@ static void open_plain(struct neph_vulkan *vulkan, int p, const char *words,
                        struct test_passes *test)
 {
     test_open(vulkan, 16, 8, 0, test,
-              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_format=float "
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 target_format=float "
               "taa_alpha=0.125 %s %s",
               passes[p].words, words);
     test->view.has_history = 1;
@@ -29,38 +29,6 @@ static void run(struct test_passes *test, int p)
 {
     test_passes_run(test, passes[p].pass);
     test_take(test, RT_TAA_OUT);
-}
-
-/* A mover covers columns 4 to 7 now, and had covered 2 to 5: 2 and 3 are uncovered, and 3 is next
- * to it. Uncovered pixels are the frame's; the others are blended, and the mover and what is next
- * to it, but for its corners, are remembered. */
-static void test_what_a_mover_uncovers_has_no_history(void **state)
-{
-    static const char *const switches[] = {"taa_antighost=off", "taa_antighost=on"};
-    for (int p = 0; p < 2; p++)
-        for (int on = 0; on < 2; on++) {
-            struct test_passes test;
-            open_plain(*state, p, switches[on], &test);
-            for (int y = 0; y < 8; y++)
-                for (int x = 0; x < 16; x++) {
-                    const bool is_now = x >= 4 && x < 8 && y < 4, was = x >= 2 && x < 6 && y < 4;
-                    twin_put_full(&test.twin, RT_MOVED, x, y, (float[4]){0.0f, 0.0f, 0.0f, is_now});
-                    twin_put_picture(&test.twin, RT_TAA_BEFORE, x, y,
-                                     (float[4]){1.0f, 1.0f, 1.0f, was ? RT_OF_MOVER : 0.0f});
-                }
-            run(&test, p);
-            for (int y = 0; y < 8; y++)
-                for (int x = 0; x < 16; x++) {
-                    const bool in_row = x >= 4 && x < 8 && y < 5, beside = x >= 3 && x < 9 && y < 4;
-                    const bool is_near = on && (in_row || beside);
-                    const bool is_ghost = on && x >= 2 && x < 6 && y < 4 && !is_near;
-                    neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, 0),
-                                      is_ghost ? 2.0 : 1.125, 0.0, 1e-6);
-                    assert_true(pixel_value(&test, RT_TAA_OUT, x, y, 3) ==
-                                (is_near ? RT_OF_MOVER : 0.0));
-                }
-            test_passes_close(&test);
-        }
 }
 
 /* Where more than half of the light is of the medium the frame weighs a quarter, unless it weighs
@@ -113,7 +81,6 @@ static void test_history_follows_the_exposure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_a_mover_uncovers_has_no_history),
         cmocka_unit_test(test_media_are_responsive),
         cmocka_unit_test(test_history_follows_the_exposure),
     };

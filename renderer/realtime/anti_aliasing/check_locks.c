@@ -27,11 +27,10 @@ static void fill_states(struct test_passes *test, double most, uint64_t *seed)
 static void test_the_pass_equals_the_twin(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {5, 4}, {64, 36}, {67, 33}};
-    static const char *const words[] = {
-        "screen_percent=50 lock_ratio=1.05 taa_age_max=8",
-        "screen_percent=67 lock_ratio=2 taa_age_max=1 taa_responsive=medium",
-        "screen_percent=77 lock_separation=0.5 taa_age_max=32 taa_space=linear",
-        "screen_percent=100 lock_separation=0 taa_age_max=8 taa_responsive=medium"};
+    static const char *const words[] = {"screen_percent=50 taa_age_max=8",
+                                        "screen_percent=67 taa_age_max=1 taa_responsive=medium",
+                                        "screen_percent=77 taa_age_max=32 taa_space=linear",
+                                        "screen_percent=100 taa_age_max=8 taa_responsive=medium"};
     uint64_t seed = 20261126;
     for (int round = 0; round < neph_test_by_day(16, 64); round++) {
         const uint64_t start = seed;
@@ -74,7 +73,8 @@ static void open_flat(struct neph_vulkan *vulkan, const char *words, float value
                       struct test_passes *test)
 {
     test_open(vulkan, 32, 16, 0, test,
-              "taa=locks taa_box=none taa_hdr_weight=off taa_format=float taa_age_max=8 %s", words);
+              "taa=locks taa_box=none taa_hdr_weight=off target_format=float taa_age_max=8 %s",
+              words);
     test_fill(test, RT_DEPTH, 128, 0, 0, 0);
     test_fill(test, RT_COLOR, value, value, value, 0);
     test_fill(test, RT_TAA_STATE_BEFORE, 0, 0, 128, 0);
@@ -154,7 +154,7 @@ static void test_thin_features_are_locked(void **state)
 static void test_a_lock_keeps_the_history(void **state)
 {
     struct test_passes test;
-    open_flat(*state, "taa_box=min_max lock_ratio=10 taa_jitter_length=64", 1.0f, &test);
+    open_flat(*state, "taa_box=min_max taa_jitter_length=64", 1.0f, &test);
     test.view.has_history = 1;
     for (size_t e = 0; e < test_elements(&test, RT_TAA_BEFORE); e++) {
         test_set(&test, RT_TAA_BEFORE, e, (float[4]){3.0f, 3.0f, 3.0f, 7.0f});
@@ -167,12 +167,12 @@ static void test_a_lock_keeps_the_history(void **state)
     test_passes_close(&test);
 }
 
-/* What stood nearer by more than lock_separation has left no history; at the rim of something that
+/* What stood nearer by more than 2 % has left no history; at the rim of something that
  * is still within two pixels it has. */
 static void test_what_is_uncovered_has_no_history(void **state)
 {
     struct test_passes test;
-    open_flat(*state, "lock_separation=0.02", 1.0f, &test);
+    open_flat(*state, "", 1.0f, &test);
     test.view.has_history = 1;
     for (int y = 0; y < 16; y++)
         for (int x = 0; x < 32; x++) {

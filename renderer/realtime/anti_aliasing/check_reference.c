@@ -1,4 +1,9 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The CPU reference of anti-aliasing and upsampling, in the order of the shader's files:
+ * neighbourhood.glsl, motion.glsl, history.glsl, taa.glsl, rounding.glsl. Decisions are made in
+ * float32, operation by operation, as there; colours are double.
+ */
 #include "renderer/realtime/anti_aliasing/check_reference.h"
 
 #include <math.h>
@@ -20,14 +25,11 @@ static int choice(const struct twin *twin, int index)
     return (int)twin->view->settings[index];
 }
 
-double taa_hold(double value, double low, double high)
+/* --- numbers that may be bad, samples --------------------------------------------------------- */
+
+double taa_clamp(double value, double low, double high)
 {
     return low > high ? value : value < low ? low : value > high ? high : value;
-}
-
-static bool upsamples(const struct twin *twin)
-{
-    return choice(twin, RT_TAA) == RT_TAA_UPSAMPLING || choice(twin, RT_TAA) == RT_TAA_LOCKS;
 }
 
 bool taa_is_finite(struct colour colour)
@@ -38,24 +40,8 @@ bool taa_is_finite(struct colour colour)
 struct colour taa_guard(const struct twin *twin, struct colour colour)
 {
     for (int c = 0; c < 3 && choice(twin, RT_TAA_GUARD); c++)
-        colour.c[c] = taa_hold(colour.c[c], 0.0, half_max);
+        colour.c[c] = taa_clamp(colour.c[c], 0.0, half_max);
     return colour;
-}
-
-/* The frame as the camera exposes it. */
-struct colour taa_fetch(const struct twin *twin, int target, int x, int y)
-{
-    float value[4];
-    twin_fetch_full(twin, target, x, y, value);
-    const float exposure = twin->view->exposure;
-    return (struct colour){{exposure * value[0], exposure * value[1], exposure * value[2]}};
-}
-
-static struct colour fetch_before(const struct twin *twin, int x, int y)
-{
-    float value[4];
-    twin_fetch_picture(twin, RT_TAA_BEFORE, x, y, value);
-    return (struct colour){{value[0], value[1], value[2]}};
 }
 
 double taa_luma_4(struct colour colour)
@@ -63,7 +49,232 @@ double taa_luma_4(struct colour colour)
     return colour.c[0] + 2.0 * colour.c[1] + colour.c[2];
 }
 
-/* --- motion: the shader's float32, operation by operation ------------------------------------ */
+static double hdr_weight(const struct twin *twin, struct colour colour)
+{
+    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
+}
+
+/* The frame as the camera exposes it. */
+struct colour taa_fetch_colour(const struct twin *twin, int target, int x, int y)
+{
+    float value[4];
+    twin_fetch_full(twin, target, x, y, value);
+    const float exposure = twin->view->exposure;
+    return (struct colour){{exposure * value[0], exposure * value[1], exposure * value[2]}};
+}
+
+static bool upsamples(const struct twin *twin)
+{
+    return choice(twin, RT_TAA) == RT_TAA_UPSAMPLING || choice(twin, RT_TAA) == RT_TAA_LOCKS;
+}
+
+/* The rendered pixel whose ray went nearest, in the shader's float32. */
+struct place taa_find_source(const struct twin *twin, int x, int y)
+{
+    const struct neph_gpu_view *view = twin->view;
+    if (!upsamples(twin))
+        return (struct place){x, y, x, y};
+    const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
+    const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
+    return (struct place){x, y, (int)floorf(way_x), (int)floorf(way_y)};
+}
+
+/* From a pixel's centre to where its source's ray went, along one side. */
+float taa_shift_px(const struct twin *twin, int pixel, int source, int axis)
+{
+    const struct neph_gpu_view *view = twin->view;
+    if (!upsamples(twin))
+        return view->jitter_px[axis];
+    const float way = ((float)pixel + 0.5f) * view->rendered_per_px[axis] - view->jitter_px[axis];
+    return (float)source + 0.5f - way;
+}
+
+struct neighbourhood taa_fetch_neighbourhood(const struct twin *twin, struct place at)
+{
+    const float shift_x = taa_shift_px(twin, at.x, at.source_x, 0);
+    const float shift_y = taa_shift_px(twin, at.y, at.source_y, 1);
+    struct neighbourhood around;
+    for (int i = 0; i < 9; i++) {
+        const struct colour colour = taa_fetch_colour(twin, RT_COLOR, at.source_x + i % 3 - 1,
+                                                      at.source_y + i / 3 - 1);
+        around.is_valid[i] = !choice(twin, RT_TAA_GUARD) || taa_is_finite(colour);
+        around.colours[i] = taa_guard(twin, colour);
+        around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
+        around.off_px[i][1] = (float)(i / 3 - 1) + shift_y;
+    }
+    return around;
+}
+
+/* --- the filter ------------------------------------------------------------------------------- */
+
+/* By the distance in pixels of the picture. */
+static double filter_weight(const struct twin *twin, const struct neighbourhood *around, int i)
+{
+    double squared = 0.0;
+    for (int axis = 0; axis < 2; axis++)
+        squared += pow(around->off_px[i][axis] / (double)twin->view->rendered_per_px[axis], 2.0);
+    return exp(-2.29 * squared);
+}
+
+/* What there is of the frame in a pixel: the sum of the filter, at most 1. */
+double taa_coverage(const struct twin *twin, const struct neighbourhood *around)
+{
+    double sum = upsamples(twin) ? 0.0 : 1.0;
+    for (int i = 0; i < 9; i++)
+        sum += filter_weight(twin, around, i);
+    return fmin(sum, 1.0);
+}
+
+bool taa_filter_samples(const struct twin *twin, const struct neighbourhood *around,
+                        struct colour *filtered)
+{
+    *filtered = around->colours[4];
+    if (!choice(twin, RT_TAA_FILTER))
+        return around->is_valid[4];
+    double weights = 0.0, sum[3] = {0.0};
+    for (int i = 0; i < 9; i++) {
+        const double weight = filter_weight(twin, around, i) * hdr_weight(twin, around->colours[i]);
+        weights += around->is_valid[i] ? weight : 0.0;
+        for (int c = 0; c < 3 && around->is_valid[i]; c++)
+            sum[c] += weight * around->colours[i].c[c];
+    }
+    for (int c = 0; c < 3; c++)
+        filtered->c[c] = sum[c] / weights;
+    return weights != 0.0;
+}
+
+/* --- the clamp box ---------------------------------------------------------------------------- */
+
+static struct colour to_space(int space, struct colour colour)
+{
+    const double r = colour.c[0], g = colour.c[1], b = colour.c[2];
+    if (space == RT_SPACE_YCOCG)
+        return (struct colour){{r + 2.0 * g + b, 2.0 * r - 2.0 * b, 2.0 * g - r - b}};
+    if (space == RT_SPACE_REINHARD)
+        return (struct colour){{r / (1.0 + fabs(r)), g / (1.0 + fabs(g)), b / (1.0 + fabs(b))}};
+    return colour;
+}
+
+static struct colour from_space(int space, struct colour value)
+{
+    const double y = value.c[0] / 4.0, orange = value.c[1] / 4.0, green = value.c[2] / 4.0;
+    if (space == RT_SPACE_YCOCG)
+        return (struct colour){{y + orange - green, y + green, y - orange - green}};
+    for (int c = 0; c < 3 && space == RT_SPACE_REINHARD; c++)
+        value.c[c] /= 1.0 - fabs(value.c[c]);
+    return value;
+}
+
+/* Crossed where no colour is_valid. */
+static struct box extremes(const struct neighbourhood *around, const bool among[9])
+{
+    struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
+    for (int i = 0; i < 9; i++)
+        for (int c = 0; c < 3 && among[i] && around->is_valid[i]; c++) {
+            const double value = around->colours[i].c[c];
+            box.low[c] = value < box.low[c] ? value : box.low[c];
+            box.high[c] = value > box.high[c] ? value : box.high[c];
+        }
+    return box;
+}
+
+static struct box rounded_box(const struct neighbourhood *around)
+{
+    static const bool square[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, plus[9] = {0, 1, 0, 1, 1, 1, 0, 1};
+    const struct box outer = extremes(around, square), inner = extremes(around, plus);
+    struct box box = outer;
+    bool has_plus = false;
+    for (int i = 0; i < 9; i++)
+        has_plus |= plus[i] && around->is_valid[i];
+    for (int c = 0; c < 3 && has_plus; c++) {
+        box.low[c] = 0.5 * (outer.low[c] + inner.low[c]);
+        box.high[c] = 0.5 * (outer.high[c] + inner.high[c]);
+    }
+    return box;
+}
+
+static struct box variance_box(const struct neighbourhood *around, struct colour filtered,
+                               double sigma)
+{
+    struct box box;
+    for (int c = 0; c < 3; c++) {
+        double count = 0.0, sum = 0.0, squares = 0.0;
+        for (int i = 0; i < 9; i++)
+            if (around->is_valid[i])
+                count += 1.0, sum += around->colours[i].c[c];
+        for (int i = 0; i < 9; i++)
+            if (around->is_valid[i])
+                squares += pow(around->colours[i].c[c] - sum / count, 2.0);
+        const double reach = sigma * sqrt(squares / count);
+        box.low[c] = fmin(sum / count - reach, filtered.c[c]);
+        box.high[c] = fmax(sum / count + reach, filtered.c[c]);
+    }
+    return box;
+}
+
+/* A decision of the distance box, therefore float32. */
+static float distance_squared(const struct neighbourhood *around, int i)
+{
+    const float x = around->off_px[i][0], y = around->off_px[i][1];
+    return x * x + y * y;
+}
+
+static struct box near_box(const struct twin *twin, const struct neighbourhood *around)
+{
+    const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
+    const bool is_larger = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
+    bool near[9];
+    for (int i = 0; i < 9; i++)
+        near[i] = distance_squared(around, i) < (is_larger ? reach_px * reach_px : 2.2801f);
+    return extremes(around, near);
+}
+
+struct colour taa_clamp_history(const struct twin *twin, struct colour history,
+                                struct neighbourhood around, struct colour filtered, double scale)
+{
+    const int kind = choice(twin, RT_TAA_BOX), space = choice(twin, RT_TAA_SPACE);
+    if (kind == RT_BOX_NONE)
+        return history;
+    for (int i = 0; i < 9; i++)
+        around.colours[i] = to_space(space, around.colours[i]);
+    const struct box box = kind == RT_BOX_MIN_MAX ? rounded_box(&around)
+                           : kind == RT_BOX_VARIANCE
+                               ? variance_box(&around, to_space(space, filtered),
+                                              scale * setting(twin, RT_TAA_SIGMA))
+                               : near_box(twin, &around);
+    struct colour clamped = to_space(space, history);
+    bool is_moved = false;
+    for (int c = 0; c < 3; c++) {
+        const double free = clamped.c[c];
+        clamped.c[c] = taa_clamp(free, box.low[c], box.high[c]);
+        is_moved |= clamped.c[c] != free;
+    }
+    return is_moved ? from_space(space, clamped) : history;
+}
+
+/* --- motion: the shader's float32, operation by operation ------------------------------------- */
+
+/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody
+ * asks. */
+static bool find_change(const struct twin *twin, int x, int y, float changes[2][4])
+{
+    twin_fetch_tile(twin, RT_CHANGE, x / 4, y / 4, changes[0]);
+    twin_fetch_tile(twin, RT_CHANGE_BEHIND, x / 4, y / 4, changes[1]);
+    return choice(twin, RT_GRADIENT) && setting(twin, RT_TAA_AGE_MAX) != 0.0f;
+}
+
+static double beyond(double value, double least)
+{
+    return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
+}
+
+/* Whether light changes by more than what is_valid as a change, as far as anybody knows. */
+static bool is_changing(const struct twin *twin, int x, int y)
+{
+    float changes[2][4];
+    return !find_change(twin, x, y, changes) ||
+           beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)) > 0.0;
+}
 
 float taa_dot(const float a[3], const float b[3])
 {
@@ -75,9 +286,19 @@ static float spread(const struct neph_gpu_view_camera *camera, float depth)
     return camera->is_parallel ? 1.0f : depth;
 }
 
-static void place_from_middle(const struct neph_gpu_view *view,
-                              const struct neph_gpu_view_camera *camera, const float from[3],
-                              float depth, float place[2])
+void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3])
+{
+    const struct neph_gpu_view_camera *now = &view->now;
+    const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
+    const float right = (2.0f * centre_px[0] / (float)view->picture_px[0] - 1.0f) * now->half_width;
+    const float up = (1.0f - 2.0f * centre_px[1] / (float)view->picture_px[1]) * now->half_height;
+    for (int c = 0; c < 3; c++)
+        ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
+}
+
+static void project_from_middle(const struct neph_gpu_view *view,
+                                const struct neph_gpu_view_camera *camera, const float from[3],
+                                float depth, float place[2])
 {
     place[0] = 0.5f * (float)view->picture_px[0] *
                (taa_dot(from, camera->right) / (spread(camera, depth) * camera->half_width));
@@ -85,7 +306,23 @@ static void place_from_middle(const struct neph_gpu_view *view,
                (taa_dot(from, camera->up) / (spread(camera, depth) * camera->half_height));
 }
 
-static float depth_of_motion(const struct twin *twin, int x, int y, float moved_m[4])
+static bool find_motion(const struct neph_gpu_view *view, const float ray[3], float depth_m,
+                        const float from_m[3], float motion_px[2])
+{
+    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
+    const float spread_m = spread(now, depth_m);
+    float ray_before[3], here[2], there[2];
+    for (int c = 0; c < 3; c++)
+        ray_before[c] = ray[c] - from_m[c] / spread_m;
+    const float depth_before = spread(before, taa_dot(ray_before, before->forward));
+    project_from_middle(view, now, ray, taa_dot(ray, now->forward), here);
+    project_from_middle(view, before, ray_before, depth_before, there);
+    motion_px[0] = here[0] - there[0];
+    motion_px[1] = here[1] - there[1];
+    return depth_before > 0.0f;
+}
+
+static float nearest_depth(const struct twin *twin, int x, int y, float moved_m[4])
 {
     static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
     static const int square_px[8][2] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
@@ -110,90 +347,10 @@ static float depth_of_motion(const struct twin *twin, int x, int y, float moved_
     return nearest_m[0];
 }
 
-/* Right and down in halves of the picture before at eye depth 1, and ahead. */
-static void seen_before(const struct neph_gpu_view_camera *before, const float way[3], float scale,
-                        float seen[3])
-{
-    seen[0] = scale * (taa_dot(way, before->right) / before->half_width);
-    seen[1] = scale * (-taa_dot(way, before->up) / before->half_height);
-    seen[2] = scale * taa_dot(way, before->forward);
-}
-
-static bool has_turned(const struct neph_gpu_view *view)
-{
-    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
-    return memcmp(now->right, before->right, sizeof(now->right)) != 0 ||
-           memcmp(now->up, before->up, sizeof(now->up)) != 0 ||
-           memcmp(now->forward, before->forward, sizeof(now->forward)) != 0 ||
-           now->half_width != before->half_width || now->half_height != before->half_height;
-}
-
-/* By what this frame's axes are to the camera before. */
-static bool find_motion_by_axes(const struct neph_gpu_view *view, const float centre_px[2],
-                                float depth_m, const float from_m[3], float motion_px[2])
-{
-    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
-    float across[3] = {1, 0, 0}, down[3] = {0, 1, 0}, ahead[3] = {0, 0, 1}, from[3], seen[3];
-    if (has_turned(view)) {
-        seen_before(before, now->right, now->half_width, across);
-        seen_before(before, now->up, -now->half_height, down);
-        seen_before(before, now->forward, 1.0f, ahead);
-    }
-    seen_before(before, from_m, 1.0f / depth_m, from);
-    const float half_px[2] = {0.5f * (float)view->picture_px[0], 0.5f * (float)view->picture_px[1]};
-    const float middle[2] = {centre_px[0] / half_px[0] - 1.0f, centre_px[1] / half_px[1] - 1.0f};
-    for (int c = 0; c < 3; c++)
-        seen[c] = middle[0] * across[c] + middle[1] * down[c] + ahead[c] - from[c];
-    for (int axis = 0; axis < 2; axis++)
-        motion_px[axis] = half_px[axis] * (middle[axis] - 1.0f / seen[2] * seen[axis]);
-    return seen[2] > 0.0f;
-}
-
-static bool find_motion(const struct twin *twin, const float centre_px[2], const float ray[3],
-                        float depth_m, const float from_m[3], float motion_px[2])
-{
-    const struct neph_gpu_view *view = twin->view;
-    const struct neph_gpu_view_camera *now = &view->now, *before = &view->before;
-    if (twin->on_gpu && !now->is_parallel)
-        return find_motion_by_axes(view, centre_px, depth_m, from_m, motion_px);
-    const float spread_m = spread(now, depth_m);
-    float ray_before[3], here[2], there[2];
-    for (int c = 0; c < 3; c++)
-        ray_before[c] = ray[c] - from_m[c] / spread_m;
-    const float depth_before = spread(before, taa_dot(ray_before, before->forward));
-    place_from_middle(view, now, ray, taa_dot(ray, now->forward), here);
-    place_from_middle(view, before, ray_before, depth_before, there);
-    motion_px[0] = here[0] - there[0];
-    motion_px[1] = here[1] - there[1];
-    return depth_before > 0.0f;
-}
-
-/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody
- * asks. */
-static bool find_changes(const struct twin *twin, int x, int y, float changes[2][4])
-{
-    twin_fetch_tile(twin, RT_CHANGE, x / 4, y / 4, changes[0]);
-    twin_fetch_tile(twin, RT_CHANGE_BEHIND, x / 4, y / 4, changes[1]);
-    return choice(twin, RT_GRADIENT) && setting(twin, RT_TAA_AGE_MAX) != 0.0f;
-}
-
-static double beyond(double value, double least)
-{
-    return least > 0.0 ? taa_hold(value / least - 1.0, 0.0, 1.0) : 1.0;
-}
-
-/* Whether light changes by more than what counts as a change, as far as anybody knows. */
-static bool is_changing(const struct twin *twin, int x, int y)
-{
-    float changes[2][4];
-    return !find_changes(twin, x, y, changes) ||
-           beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)) > 0.0;
-}
-
 /* The medium is what is seen, and before the solids around, and is known to have been before the
  * camera. What moves by itself is seen through more of it. */
-static bool goes_with_medium(const struct twin *twin, int x, int y, const float centre_px[2],
-                             const float ray[3], float motion_px[2])
+static bool find_medium_motion(const struct twin *twin, int x, int y, const float ray[3],
+                               float motion_px[2])
 {
     const struct neph_gpu_view *view = twin->view;
     float volume[4], distance[4], from_m[3], moved_m[4];
@@ -201,23 +358,13 @@ static bool goes_with_medium(const struct twin *twin, int x, int y, const float 
     twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + view->wind_m[c];
-    const float scene_m = depth_of_motion(twin, x, y, moved_m);
+    const float scene_m = nearest_depth(twin, x, y, moved_m);
     const float depth_m = distance[0] / sqrtf(taa_dot(ray, ray));
     const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
     const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
     return volume[3] >= 0.0f && volume[3] < most && distance[0] > 0.0f &&
            distance[0] < NEPH_GPU_FAR_M && depth_m < scene_m &&
-           find_motion(twin, centre_px, ray, depth_m, from_m, motion_px);
-}
-
-void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3])
-{
-    const struct neph_gpu_view_camera *now = &view->now;
-    const float centre_px[2] = {(float)x + 0.5f, (float)y + 0.5f};
-    const float right = (2.0f * centre_px[0] / (float)view->picture_px[0] - 1.0f) * now->half_width;
-    const float up = (1.0f - 2.0f * centre_px[1] / (float)view->picture_px[1]) * now->half_height;
-    for (int c = 0; c < 3; c++)
-        ray[c] = now->forward[c] + right * now->right[c] + up * now->up[c];
+           find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
 bool taa_find_before(const struct twin *twin, struct place at, float place_px[2], double *speed_px)
@@ -226,17 +373,16 @@ bool taa_find_before(const struct twin *twin, struct place at, float place_px[2]
     const float width_px = (float)view->picture_px[0], height_px = (float)view->picture_px[1];
     const float centre_px[2] = {(float)at.x + 0.5f, (float)at.y + 0.5f};
     float ray[3], motion_px[2], moved_m[4], from_m[3];
-    const float scene_m = depth_of_motion(twin, at.source_x, at.source_y, moved_m);
+    const float scene_m = nearest_depth(twin, at.source_x, at.source_y, moved_m);
     taa_ray_through(view, at.x, at.y, ray);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + moved_m[c];
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
     const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
-    const bool is_before =
-        (is_carried && is_changing(twin, at.source_x, at.source_y) &&
-         goes_with_medium(twin, at.source_x, at.source_y, centre_px, ray, motion_px)) ||
-        find_motion(twin, centre_px, ray, scene_m, from_m, motion_px);
+    const bool is_before = (is_carried && is_changing(twin, at.source_x, at.source_y) &&
+                            find_medium_motion(twin, at.source_x, at.source_y, ray, motion_px)) ||
+                           find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
     *speed_px = hypot(motion_px[0], motion_px[1]);
@@ -244,7 +390,7 @@ bool taa_find_before(const struct twin *twin, struct place at, float place_px[2]
            place_px[1] < height_px;
 }
 
-/* --- history ------------------------------------------------------------------------------- */
+/* --- the history ------------------------------------------------------------------------------ */
 
 /* R. Keys' cubic convolution (IEEE Trans. ASSP 29(6), 1981, a = -1/2) of a texel at a distance. */
 static double catmull_rom(double distance)
@@ -255,7 +401,7 @@ static double catmull_rom(double distance)
     return d > 1.0 ? ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0 : (1.5 * d - 2.5) * d * d + 1.0;
 }
 
-static double filter_weight(const struct twin *twin, double distance)
+static double tap_weight(const struct twin *twin, double distance)
 {
     switch (choice(twin, RT_TAA_HISTORY)) {
     case RT_FILTER_NEAREST: /* halfway it is the next one */
@@ -267,6 +413,13 @@ static double filter_weight(const struct twin *twin, double distance)
     }
 }
 
+static struct colour fetch_before(const struct twin *twin, int x, int y)
+{
+    float value[4];
+    twin_fetch_picture(twin, RT_TAA_BEFORE, x, y, value);
+    return (struct colour){{value[0], value[1], value[2]}};
+}
+
 bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct colour *history)
 {
     const float corner[2] = {floorf(place_px[0] - 0.5f), floorf(place_px[1] - 0.5f)};
@@ -274,7 +427,7 @@ bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct 
     *history = (struct colour){{0.0}};
     for (int y = -1; y < 3; y++)
         for (int x = -1; x < 3; x++) {
-            const double weight = filter_weight(twin, x - way[0]) * filter_weight(twin, y - way[1]);
+            const double weight = tap_weight(twin, x - way[0]) * tap_weight(twin, y - way[1]);
             const struct colour texel = fetch_before(twin, (int)corner[0] + x, (int)corner[1] + y);
             for (int c = 0; c < 3 && weight != 0.0; c++)
                 history->c[c] += weight * texel.c[c];
@@ -287,218 +440,62 @@ bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct 
     return is_sound;
 }
 
-/* --- the frame ----------------------------------------------------------------------------- */
-
-/* The rendered pixel whose ray went nearest, in the shader's float32. */
-struct place taa_place_of(const struct twin *twin, int x, int y)
+/* The age of the history at a place; 1 where it has none, 0 where none is kept. */
+static double fetch_age(const struct twin *twin, const float place_px[2])
 {
-    const struct neph_gpu_view *view = twin->view;
-    if (!upsamples(twin))
-        return (struct place){x, y, x, y};
-    const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
-    const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
-    return (struct place){x, y, (int)floorf(way_x), (int)floorf(way_y)};
+    const double most = setting(twin, RT_TAA_AGE_MAX);
+    float value[4];
+    if (most == 0.0 || !place_px)
+        return fmin(most, 1.0);
+    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
+                       value);
+    return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
-/* From a pixel's centre to where its source's ray went, along one side. */
-float taa_shift_px(const struct twin *twin, int pixel, int source, int axis)
-{
-    const struct neph_gpu_view *view = twin->view;
-    if (!upsamples(twin))
-        return view->jitter_px[axis];
-    const float way = ((float)pixel + 0.5f) * view->rendered_per_px[axis] - view->jitter_px[axis];
-    return (float)source + 0.5f - way;
-}
+/* --- how much of the clamp applies, and the blend --------------------------------------------- */
 
-/* A decision of the distance box, therefore float32. */
-static float distance_squared(const struct surroundings *around, int i)
-{
-    const float x = around->off_px[i][0], y = around->off_px[i][1];
-    return x * x + y * y;
-}
+static const double static_px = 0.02f;
 
-struct surroundings taa_look_around(const struct twin *twin, struct place at)
+/* History of what rests, in the light of this frame. */
+static struct colour relight(const struct twin *twin, int x, int y, struct colour history,
+                             const struct neighbourhood *around, double speed_px)
 {
-    const float shift_x = taa_shift_px(twin, at.x, at.source_x, 0);
-    const float shift_y = taa_shift_px(twin, at.y, at.source_y, 1);
-    struct surroundings around;
-    for (int i = 0; i < 9; i++) {
-        const struct colour colour = taa_fetch(twin, RT_COLOR, at.source_x + i % 3 - 1,
-                                               at.source_y + i / 3 - 1);
-        around.counts[i] = !choice(twin, RT_TAA_GUARD) || taa_is_finite(colour);
-        around.colours[i] = taa_guard(twin, colour);
-        around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
-        around.off_px[i][1] = (float)(i / 3 - 1) + shift_y;
-    }
-    return around;
-}
-
-/* By the distance in pixels of the picture. */
-static double nearness(const struct twin *twin, const struct surroundings *around, int i)
-{
-    double squared = 0.0;
-    for (int axis = 0; axis < 2; axis++)
-        squared += pow(around->off_px[i][axis] / (double)twin->view->rendered_per_px[axis], 2.0);
-    return exp(-2.29 * squared);
-}
-
-/* What there is of the frame in a pixel: the sum of the filter, at most 1. */
-double taa_coverage(const struct twin *twin, const struct surroundings *around)
-{
-    double sum = upsamples(twin) ? 0.0 : 1.0;
-    for (int i = 0; i < 9; i++)
-        sum += nearness(twin, around, i);
-    return fmin(sum, 1.0);
-}
-
-static double hdr_weight(const struct twin *twin, struct colour colour)
-{
-    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
-}
-
-bool taa_filter_frame(const struct twin *twin, const struct surroundings *around,
-                      struct colour *filtered)
-{
-    *filtered = around->colours[4];
-    if (!choice(twin, RT_TAA_FILTER))
-        return around->counts[4];
-    double weights = 0.0, sum[3] = {0.0};
-    for (int i = 0; i < 9; i++) {
-        const double weight = nearness(twin, around, i) * hdr_weight(twin, around->colours[i]);
-        weights += around->counts[i] ? weight : 0.0;
-        for (int c = 0; c < 3 && around->counts[i]; c++)
-            sum[c] += weight * around->colours[i].c[c];
-    }
-    for (int c = 0; c < 3; c++)
-        filtered->c[c] = sum[c] / weights;
-    return weights != 0.0;
-}
-
-/* --- the box ------------------------------------------------------------------------------- */
-
-static struct colour to_space(int space, struct colour colour)
-{
-    const double r = colour.c[0], g = colour.c[1], b = colour.c[2];
-    if (space == RT_SPACE_YCOCG)
-        return (struct colour){{r + 2.0 * g + b, 2.0 * r - 2.0 * b, 2.0 * g - r - b}};
-    if (space == RT_SPACE_REINHARD)
-        return (struct colour){{r / (1.0 + fabs(r)), g / (1.0 + fabs(g)), b / (1.0 + fabs(b))}};
-    return colour;
-}
-
-static struct colour from_space(int space, struct colour value)
-{
-    const double y = value.c[0] / 4.0, orange = value.c[1] / 4.0, green = value.c[2] / 4.0;
-    if (space == RT_SPACE_YCOCG)
-        return (struct colour){{y + orange - green, y + green, y - orange - green}};
-    for (int c = 0; c < 3 && space == RT_SPACE_REINHARD; c++)
-        value.c[c] /= 1.0 - fabs(value.c[c]);
-    return value;
-}
-
-/* Crossed where no colour counts. */
-static struct box extremes(const struct surroundings *around, const bool among[9])
-{
-    struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
-    for (int i = 0; i < 9; i++)
-        for (int c = 0; c < 3 && among[i] && around->counts[i]; c++) {
-            const double value = around->colours[i].c[c];
-            box.low[c] = value < box.low[c] ? value : box.low[c];
-            box.high[c] = value > box.high[c] ? value : box.high[c];
-        }
-    return box;
-}
-
-static struct box min_max_box(const struct surroundings *around)
-{
-    static const bool square[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, plus[9] = {0, 1, 0, 1, 1, 1, 0, 1};
-    const struct box outer = extremes(around, square), inner = extremes(around, plus);
-    struct box box = outer;
-    bool has_plus = false;
-    for (int i = 0; i < 9; i++)
-        has_plus |= plus[i] && around->counts[i];
-    for (int c = 0; c < 3 && has_plus; c++) {
-        box.low[c] = 0.5 * (outer.low[c] + inner.low[c]);
-        box.high[c] = 0.5 * (outer.high[c] + inner.high[c]);
-    }
-    return box;
-}
-
-static struct box variance_box(const struct surroundings *around, struct colour filtered,
-                               double sigma)
-{
-    struct box box;
-    for (int c = 0; c < 3; c++) {
-        double count = 0.0, sum = 0.0, squares = 0.0;
-        for (int i = 0; i < 9; i++)
-            if (around->counts[i])
-                count += 1.0, sum += around->colours[i].c[c];
-        for (int i = 0; i < 9; i++)
-            if (around->counts[i])
-                squares += pow(around->colours[i].c[c] - sum / count, 2.0);
-        const double reach = sigma * sqrt(squares / count);
-        box.low[c] = fmin(sum / count - reach, filtered.c[c]);
-        box.high[c] = fmax(sum / count + reach, filtered.c[c]);
-    }
-    return box;
-}
-
-static struct box distance_box(const struct twin *twin, const struct surroundings *around)
-{
-    const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
-    const bool is_larger = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
-    bool near[9];
-    for (int i = 0; i < 9; i++)
-        near[i] = distance_squared(around, i) < (is_larger ? reach_px * reach_px : 2.2801f);
-    return extremes(around, near);
-}
-
-struct colour taa_hold_history(const struct twin *twin, struct colour history,
-                               struct surroundings around, struct colour filtered, double scale)
-{
-    const int kind = choice(twin, RT_TAA_BOX), space = choice(twin, RT_TAA_SPACE);
-    if (kind == RT_BOX_NONE)
+    float changes[2][4], volume[4];
+    if (!find_change(twin, x, y, changes) || setting(twin, RT_RELIGHT) == 0.0f ||
+        !around->is_valid[4])
         return history;
-    for (int i = 0; i < 9; i++)
-        around.colours[i] = to_space(space, around.colours[i]);
-    const struct box box = kind == RT_BOX_MIN_MAX ? min_max_box(&around)
-                           : kind == RT_BOX_VARIANCE
-                               ? variance_box(&around, to_space(space, filtered),
-                                              scale * setting(twin, RT_TAA_SIGMA))
-                               : distance_box(twin, &around);
-    struct colour held = to_space(space, history);
-    bool is_moved = false;
+    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    const double moved = beyond(speed_px, static_px);
     for (int c = 0; c < 3; c++) {
-        const double free = held.c[c];
-        held.c[c] = taa_hold(free, box.low[c], box.high[c]);
-        is_moved |= held.c[c] != free;
+        const double colour = around->colours[4].c[c];
+        const double medium = taa_clamp((double)(twin->view->exposure * volume[c]), 0.0, colour);
+        const double before = medium / changes[0][c] + (colour - medium) / changes[1][c];
+        const double gain = before > 0.0 ? colour / before : 1.0;
+        history.c[c] *= (1.0 - moved) * gain + moved;
     }
-    return is_moved ? from_space(space, held) : history;
+    return history;
 }
 
-/* --- blend and output ------------------------------------------------------------------------ */
+/* How far a pixel is from being at rest. */
+static double find_change_share(const struct twin *twin, int x, int y, double speed_px)
+{
+    float changes[2][4];
+    if (!find_change(twin, x, y, changes))
+        return 1.0;
+    return fmax(beyond(speed_px, static_px),
+                beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
+}
 
 static double frame_weight(const struct twin *twin, double part, double luma, double history_luma,
                            double speed_px)
 {
     const double contrast = setting(twin, RT_TAA_CONTRAST);
-    const double way = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
-    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) +
-                         way * setting(twin, RT_TAA_ALPHA_MOVING);
+    const double way = fmin(speed_px / 20.0, 1.0);
+    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) + way * (double)0.2f;
     if (contrast == 0.0 || (choice(twin, RT_TAA_GUARD) && !(history_luma > 0.0)))
         return alpha;
     const double least = contrast * history_luma / fabs(luma - history_luma);
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
-}
-
-/* How far a pixel is from being at rest. */
-static double unrest(const struct twin *twin, int x, int y, double speed_px)
-{
-    float changes[2][4];
-    if (!find_changes(twin, x, y, changes))
-        return 1.0;
-    return fmax(beyond(speed_px, setting(twin, RT_TAA_REST_PX)),
-                beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
 }
 
 /* How many frames are alike but for taa_change. */
@@ -508,71 +505,12 @@ static double frames_alike(const struct twin *twin, int x, int y)
     const double frames[2] = {4.0, setting(twin, RT_TAA_JITTER_LENGTH)};
     float changes[2][4];
     double least = INFINITY;
-    if (!find_changes(twin, x, y, changes))
+    if (!find_change(twin, x, y, changes))
         return least;
     for (int c = 0; c < 2; c++)
         if (changes[c][3] > 0.0f)
             least = fmin(least, frames[c] * limit / changes[c][3]);
     return least;
-}
-
-/* History of what rests, in the light of this frame. */
-static struct colour relit(const struct twin *twin, int x, int y, struct colour history,
-                           const struct surroundings *around, double speed_px)
-{
-    float changes[2][4], volume[4];
-    if (!find_changes(twin, x, y, changes) || setting(twin, RT_RELIGHT) == 0.0f ||
-        !around->counts[4])
-        return history;
-    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
-    const double moved = beyond(speed_px, setting(twin, RT_TAA_REST_PX));
-    for (int c = 0; c < 3; c++) {
-        const double colour = around->colours[4].c[c];
-        const double medium = taa_hold((double)(twin->view->exposure * volume[c]), 0.0, colour);
-        const double then = medium / changes[0][c] + (colour - medium) / changes[1][c];
-        const double gain = then > 0.0 ? colour / then : 1.0;
-        history.c[c] *= (1.0 - moved) * gain + moved;
-    }
-    return history;
-}
-
-/* The age of the history at a place; 1 where it has none, 0 where none is kept. */
-static double age_at(const struct twin *twin, const float place_px[2])
-{
-    const double most = setting(twin, RT_TAA_AGE_MAX);
-    float value[4];
-    if (most == 0.0 || !place_px)
-        return fmin(most, 1.0);
-    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
-                       value);
-    return value[3] >= 1.0f && value[3] != RT_OF_MOVER ? fmin(value[3], most) : 1.0;
-}
-
-static bool flags_movers(const struct twin *twin)
-{
-    return choice(twin, RT_TAA_ANTIGHOST) && choice(twin, RT_SOLID_MOTION);
-}
-
-/* A mover in the plus about the source. */
-static bool is_at_mover(const struct twin *twin, struct place at)
-{
-    static const int plus[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-    bool is_one = false;
-    for (int i = 0; i < 5 && flags_movers(twin); i++) {
-        float moved[4];
-        twin_fetch_full(twin, RT_MOVED, at.source_x + plus[i][0], at.source_y + plus[i][1], moved);
-        is_one |= moved[3] != 0.0f;
-    }
-    return is_one;
-}
-
-/* The history is that of a mover which is no longer there. */
-static bool is_ghost(const struct twin *twin, struct place at, const float before_px[2])
-{
-    float value[4];
-    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
-                       value);
-    return flags_movers(twin) && !is_at_mover(twin, at) && value[3] == RT_OF_MOVER;
 }
 
 /* A medium that hides more than half. */
@@ -593,6 +531,49 @@ struct colour taa_blend(const struct twin *twin, struct colour frame, struct col
         frame.c[c] = (1.0 - weight) * history.c[c] + weight * frame.c[c];
     return frame;
 }
+
+/* What both sides of a step are worth, `part` of the way. */
+static struct colour between(struct colour from, struct colour to, double part)
+{
+    for (int c = 0; c < 3 && part != 1.0; c++)
+        to.c[c] = (1.0 - part) * from.c[c] + part * to.c[c];
+    return to;
+}
+
+static struct colour resolve(const struct twin *twin, struct place at, double *age)
+{
+    const int x = at.source_x, y = at.source_y;
+    const struct neph_gpu_view *view = twin->view;
+    const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
+    float before_px[2];
+    double speed_px = 0.0;
+    struct colour history, filtered;
+    const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
+                             taa_fetch_history(twin, before_px, &history);
+    const struct neighbourhood around = taa_fetch_neighbourhood(twin, at);
+    *age = fetch_age(twin, has_history ? before_px : NULL);
+    if (!taa_filter_samples(twin, &around, &filtered))
+        return has_history ? history : (struct colour){{0.0}};
+    if (!has_history)
+        return filtered;
+    history = relight(twin, x, y, history, &around, speed_px);
+    const double change_share = find_change_share(twin, x, y, speed_px),
+                 age_max = setting(twin, RT_TAA_AGE_MAX);
+    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered),
+                                taa_luma_4(history), speed_px);
+    if (age_max > 0.0 && choice(twin, RT_GRADIENT))
+        *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
+    if (age_max > 0.0) {
+        alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
+        *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share, age_max);
+    }
+    if (is_responsive(twin, x, y))
+        alpha = fmax(alpha, 0.25);
+    const struct colour clamped = taa_clamp_history(twin, history, around, filtered, 1.0);
+    return taa_blend(twin, filtered, between(history, clamped, change_share), alpha);
+}
+
+/* --- the output ------------------------------------------------------------------------------- */
 
 /* The hash of renderer/shaders/random.glsl; its first number is the white dither's. */
 static void random_numbers(const uint32_t key[4], float numbers[3])
@@ -623,61 +604,20 @@ static float round_by_chance(float value, float number)
     return (number < halves - below ? below + 1.0f : below) * half_step;
 }
 
-void taa_write(const struct twin *twin, int x, int y, struct colour colour, double age)
+void taa_put_pixel(const struct twin *twin, int x, int y, struct colour colour, double age)
 {
     const struct neph_gpu_view *view = twin->view;
     float numbers[3], value[4] = {[3] = (float)age};
     random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
-    const bool by_chance = choice(twin, RT_TAA_FORMAT) == RT_FORMAT_HALF &&
+    const bool by_chance = choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF &&
                            choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
         const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
-        value[c] = (float)taa_hold(colour.c[c], least, half_max);
+        value[c] = (float)taa_clamp(colour.c[c], least, half_max);
         if (by_chance)
             value[c] = round_by_chance(value[c], numbers[c]);
     }
     twin_put_picture(twin, RT_TAA_OUT, x, y, value);
-}
-
-/* What both sides of a step are worth, `part` of the way. */
-static struct colour between(struct colour from, struct colour to, double part)
-{
-    for (int c = 0; c < 3 && part != 1.0; c++)
-        to.c[c] = (1.0 - part) * from.c[c] + part * to.c[c];
-    return to;
-}
-
-static struct colour pixel_colour(const struct twin *twin, struct place at, double *age)
-{
-    const int x = at.source_x, y = at.source_y;
-    const struct neph_gpu_view *view = twin->view;
-    const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
-    float before_px[2];
-    double speed_px = 0.0;
-    struct colour history, filtered;
-    const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
-                             !is_ghost(twin, at, before_px) &&
-                             taa_fetch_history(twin, before_px, &history);
-    const struct surroundings around = taa_look_around(twin, at);
-    *age = age_at(twin, has_history ? before_px : NULL);
-    if (!taa_filter_frame(twin, &around, &filtered))
-        return has_history ? history : (struct colour){{0.0}};
-    if (!has_history)
-        return filtered;
-    history = relit(twin, x, y, history, &around, speed_px);
-    const double part = unrest(twin, x, y, speed_px), age_max = setting(twin, RT_TAA_AGE_MAX);
-    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered),
-                                taa_luma_4(history), speed_px);
-    if (age_max > 0.0 && choice(twin, RT_GRADIENT))
-        *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
-    if (age_max > 0.0) {
-        alpha = (1.0 - part) / (*age + 1.0) + part * alpha;
-        *age = fmin((1.0 - part) * (*age + 1.0) + part, age_max);
-    }
-    if (is_responsive(twin, x, y))
-        alpha = fmax(alpha, 0.25);
-    const struct colour held = taa_hold_history(twin, history, around, filtered, 1.0);
-    return taa_blend(twin, filtered, between(history, held, part), alpha);
 }
 
 void twin_taa(const struct twin *twin)
@@ -685,8 +625,8 @@ void twin_taa(const struct twin *twin)
     for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
         for (int x = 0; x < (int)twin->view->picture_px[0]; x++) {
             double age;
-            const struct place at = taa_place_of(twin, x, y);
-            const struct colour colour = pixel_colour(twin, at, &age);
-            taa_write(twin, x, y, colour, is_at_mover(twin, at) ? RT_OF_MOVER : age);
+            const struct place at = taa_find_source(twin, x, y);
+            const struct colour colour = resolve(twin, at, &age);
+            taa_put_pixel(twin, x, y, colour, age);
         }
 }

@@ -13,9 +13,9 @@ struct colour {
 };
 
 /* 3x3 colours, row by row; those that do not count are left out of everything. */
-struct surroundings {
+struct neighbourhood {
     struct colour colours[9];
-    bool counts[9];
+    bool is_valid[9];
     float off_px[9][2]; /* where their rays went, from the pixel's centre, in rendered pixels */
 };
 
@@ -24,33 +24,33 @@ struct place {
     int x, y, source_x, source_y;
 };
 
-double taa_hold(double value, double low, double high);
+double taa_clamp(double value, double low, double high);
 bool taa_is_finite(struct colour colour);
 struct colour taa_guard(const struct twin *twin, struct colour colour);
-struct colour taa_fetch(const struct twin *twin, int target, int x, int y);
+struct colour taa_fetch_colour(const struct twin *twin, int target, int x, int y);
 double taa_luma_4(struct colour colour);
 
 /* Decisions, in the shader's float32. */
 float taa_dot(const float a[3], const float b[3]);
 void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3]);
 bool taa_find_before(const struct twin *twin, struct place at, float place_px[2], double *speed_px);
-struct place taa_place_of(const struct twin *twin, int x, int y);
+struct place taa_find_source(const struct twin *twin, int x, int y);
 float taa_shift_px(const struct twin *twin, int pixel, int source, int axis);
 
 bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct colour *history);
-struct surroundings taa_look_around(const struct twin *twin, struct place at);
-double taa_coverage(const struct twin *twin, const struct surroundings *around);
-bool taa_filter_frame(const struct twin *twin, const struct surroundings *around,
-                      struct colour *filtered);
+struct neighbourhood taa_fetch_neighbourhood(const struct twin *twin, struct place at);
+double taa_coverage(const struct twin *twin, const struct neighbourhood *around);
+bool taa_filter_samples(const struct twin *twin, const struct neighbourhood *around,
+                        struct colour *filtered);
 
 /* `scale`: of the deviations of taa_box=variance. */
-struct colour taa_hold_history(const struct twin *twin, struct colour history,
-                               struct surroundings around, struct colour filtered, double scale);
+struct colour taa_clamp_history(const struct twin *twin, struct colour history,
+                                struct neighbourhood around, struct colour filtered, double scale);
 
 struct colour taa_blend(const struct twin *twin, struct colour frame, struct colour history,
                         double alpha);
 
 /* A pixel of RT_TAA_OUT. */
-void taa_write(const struct twin *twin, int x, int y, struct colour colour, double age);
+void taa_put_pixel(const struct twin *twin, int x, int y, struct colour colour, double age);
 
 #endif

@@ -20,24 +20,25 @@ static double lanczos(double x)
 }
 
 /* Where the pixel's centre lies among the frame's rays, in rendered pixels. */
-static float way_px(const struct twin *twin, int pixel, int axis)
+static float centre_in_frame_px(const struct twin *twin, int pixel, int axis)
 {
     return ((float)pixel + 0.5f) * twin->view->rendered_per_px[axis] - twin->view->jitter_px[axis];
 }
 
 /* The sum of 4x4, where all of them count; else the Gaussian's. */
-static bool upsample(const struct twin *twin, struct place at, const struct surroundings *around,
+static bool upsample(const struct twin *twin, struct place at, const struct neighbourhood *around,
                      struct colour *colour)
 {
-    const float way[2] = {way_px(twin, at.x, 0) - 0.5f, way_px(twin, at.y, 1) - 0.5f};
+    const float way[2] = {centre_in_frame_px(twin, at.x, 0) - 0.5f,
+                          centre_in_frame_px(twin, at.y, 1) - 0.5f};
     const int corner[2] = {(int)floorf(way[0]), (int)floorf(way[1])};
     double sum[3] = {0.0}, low[3] = {3e38, 3e38, 3e38}, high[3] = {-3e38, -3e38, -3e38};
     double weights = 0.0;
     for (int y = -1; y < 3; y++)
         for (int x = -1; x < 3; x++) {
-            struct colour seen = taa_fetch(twin, RT_COLOR, corner[0] + x, corner[1] + y);
+            struct colour seen = taa_fetch_colour(twin, RT_COLOR, corner[0] + x, corner[1] + y);
             if (setting(twin, RT_TAA_GUARD) != 0.0f && !taa_is_finite(seen))
-                return taa_filter_frame(twin, around, colour);
+                return taa_filter_samples(twin, around, colour);
             seen = taa_guard(twin, seen);
             const double weight = lanczos(corner[0] + x - (double)way[0]) *
                                   lanczos(corner[1] + y - (double)way[1]);
@@ -51,7 +52,7 @@ static bool upsample(const struct twin *twin, struct place at, const struct surr
             }
         }
     for (int c = 0; c < 3; c++)
-        colour->c[c] = taa_hold(sum[c] / weights, low[c], high[c]);
+        colour->c[c] = taa_clamp(sum[c] / weights, low[c], high[c]);
     return true;
 }
 
@@ -70,7 +71,7 @@ static float nearest_depth_m(const struct twin *twin, struct place at, int reach
 }
 
 /* Everything that was seen there was nearer than everything that is about now. */
-static bool is_uncovered(const struct twin *twin, struct place at, const float before_px[2])
+static bool is_disoccluded(const struct twin *twin, struct place at, const float before_px[2])
 {
     const struct neph_gpu_view *view = twin->view;
     const int corner[2] = {(int)floorf(before_px[0] - 0.5f), (int)floorf(before_px[1] - 0.5f)};
@@ -84,7 +85,7 @@ static bool is_uncovered(const struct twin *twin, struct place at, const float b
     const float slant = view->now.is_parallel ? 1.0f : taa_dot(ray, view->before.forward);
     const float here_m = nearest_depth_m(twin, at, 2) * slant -
                          taa_dot(view->before.position_m, view->before.forward);
-    return then_m < (1.0f - setting(twin, RT_LOCK_SEPARATION)) * here_m;
+    return then_m < (1.0f - 0.02f) * here_m;
 }
 
 /* --- locks: float32 ------------------------------------------------------------------------- */
@@ -93,42 +94,42 @@ struct lock {
     float left, luma;
 };
 
-static float luma_of(const struct surroundings *around, int i)
+static float luma_of(const struct neighbourhood *around, int i)
 {
     const double *c = around->colours[i].c;
     return (float)c[0] + 2.0f * (float)c[1] + (float)c[2];
 }
 
-static bool is_thin(const struct twin *twin, const struct surroundings *around)
+static bool is_thin(const struct neighbourhood *around)
 {
     static const int corners[4][3] = {{0, 1, 3}, {1, 2, 5}, {3, 6, 7}, {5, 7, 8}};
-    const float own = luma_of(around, 4), ratio = setting(twin, RT_LOCK_RATIO);
-    bool alike[9], brighter = true, darker = true, counts = true;
+    const float own = luma_of(around, 4), ratio = 1.05f;
+    bool alike[9], brighter = true, darker = true, is_valid = true;
     for (int i = 0; i < 9; i++) {
         const float other = luma_of(around, i);
         alike[i] = fmaxf(own, other) <= ratio * fminf(own, other);
         brighter &= alike[i] || own > other;
         darker &= alike[i] || own < other;
-        counts &= around->counts[i];
+        is_valid &= around->is_valid[i];
     }
     for (int k = 0; k < 4; k++)
         if (alike[corners[k][0]] && alike[corners[k][1]] && alike[corners[k][2]])
             return false;
-    return counts && (brighter || darker);
+    return is_valid && (brighter || darker);
 }
 
-static bool is_trusted(const struct surroundings *around, float luma)
+static bool is_trusted(const struct neighbourhood *around, float luma)
 {
     float low = 3e38f, high = -3e38f;
     for (int i = 0; i < 9; i++) {
-        low = around->counts[i] ? fminf(low, luma_of(around, i)) : low;
-        high = around->counts[i] ? fmaxf(high, luma_of(around, i)) : high;
+        low = around->is_valid[i] ? fminf(low, luma_of(around, i)) : low;
+        high = around->is_valid[i] ? fmaxf(high, luma_of(around, i)) : high;
     }
     return luma >= 0.95f * low && luma <= 1.05f * high;
 }
 
-static struct lock lock_of(const struct twin *twin, struct place at, const float *before_px,
-                           const struct surroundings *around)
+static struct lock update_lock(const struct twin *twin, struct place at, const float *before_px,
+                               const struct neighbourhood *around)
 {
     float before[4] = {0.0f}, squared = 0.0f;
     if (before_px)
@@ -143,15 +144,15 @@ static struct lock lock_of(const struct twin *twin, struct place at, const float
     const float x = shift_px[0] / twin->view->rendered_per_px[0];
     const float y = shift_px[1] / twin->view->rendered_per_px[1];
     squared = x * x + y * y;
-    if (squared <= 0.5f && is_thin(twin, around))
+    if (squared <= 0.5f && is_thin(around))
         lock = (struct lock){1.0f, luma_of(around, 4)};
     return lock;
 }
 
 /* --- the pixel ------------------------------------------------------------------------------ */
 
-static double weight_before(const struct twin *twin, struct place at, const float before_px[2],
-                            double quickness)
+static double history_weight(const struct twin *twin, struct place at, const float before_px[2],
+                             double quickness)
 {
     float value[4], volume[4];
     twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(before_px[0]), (int)floorf(before_px[1]),
@@ -159,35 +160,36 @@ static double weight_before(const struct twin *twin, struct place at, const floa
     twin_fetch_full(twin, RT_VOLUME, at.source_x, at.source_y, volume);
     double most = setting(twin, RT_TAA_AGE_MAX) * (1.0 - 0.75 * quickness);
     if (setting(twin, RT_TAA_RESPONSIVE) != 0.0f)
-        most *= 1.0 - taa_hold(1.0 - (double)volume[3], 0.0, 0.9);
+        most *= 1.0 - taa_clamp(1.0 - (double)volume[3], 0.0, 0.9);
     return value[3] > 0.0f ? fmin(value[3], most) : 0.0;
 }
 
 static void pixel(const struct twin *twin, struct place at)
 {
     const struct neph_gpu_view *view = twin->view;
-    const struct surroundings around = taa_look_around(twin, at);
+    const struct neighbourhood around = taa_fetch_neighbourhood(twin, at);
     const bool is_reset = !view->has_history ||
                           (view->is_cut && setting(twin, RT_CUT_RESET) != 0.0f);
     float before_px[2];
     double speed_px = 0.0, weight = 0.0, seen = taa_coverage(twin, &around);
     struct colour history, colour;
     const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
-                             !is_uncovered(twin, at, before_px) &&
+                             !is_disoccluded(twin, at, before_px) &&
                              taa_fetch_history(twin, before_px, &history);
-    const struct lock lock = lock_of(twin, at, has_history ? before_px : NULL, &around);
+    const struct lock lock = update_lock(twin, at, has_history ? before_px : NULL, &around);
     if (!upsample(twin, at, &around, &colour)) {
         colour = has_history ? history : (struct colour){{0.0}};
         seen = 0.0;
     } else if (has_history) {
-        const double quickness = fmin(speed_px / setting(twin, RT_TAA_VELOCITY_PX), 1.0);
-        weight = weight_before(twin, at, before_px, quickness);
-        struct colour held = taa_hold_history(twin, history, around, colour, 3.0 - 2.0 * quickness);
+        const double quickness = fmin(speed_px / 20.0, 1.0);
+        weight = history_weight(twin, at, before_px, quickness);
+        struct colour held = taa_clamp_history(twin, history, around, colour,
+                                               3.0 - 2.0 * quickness);
         for (int c = 0; c < 3; c++)
             held.c[c] += (double)lock.left * (history.c[c] - held.c[c]);
         colour = taa_blend(twin, colour, held, seen / (weight + seen));
     }
-    taa_write(twin, at.x, at.y, colour, fmin(weight + seen, setting(twin, RT_TAA_AGE_MAX)));
+    taa_put_pixel(twin, at.x, at.y, colour, fmin(weight + seen, setting(twin, RT_TAA_AGE_MAX)));
     twin_put_picture(twin, RT_TAA_STATE, at.x, at.y,
                      (float[4]){lock.left, lock.luma, nearest_depth_m(twin, at, 1)});
 }
@@ -196,5 +198,5 @@ void twin_locks(const struct twin *twin)
 {
     for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
         for (int x = 0; x < (int)twin->view->picture_px[0]; x++)
-            pixel(twin, taa_place_of(twin, x, y));
+            pixel(twin, taa_find_source(twin, x, y));
 }

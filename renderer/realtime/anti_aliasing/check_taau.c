@@ -7,6 +7,7 @@
 #include "tests/renderer/sequence_test.h"
 
 #include "renderer/realtime/jitter.h"
+#include "scenes/injection.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
 enum { SIZES = COUNT(sizes_px) };
@@ -79,8 +80,8 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
     struct test_passes test;
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 5;
-        test_open(*state, 64, 36, 0, &test, "taa_box=distance taa_contrast=0 taa_format=float %s",
-                  kinds[k]);
+        test_open(*state, 64, 36, 0, &test,
+                  "taa_box=distance taa_contrast=0 target_format=float %s", kinds[k]);
         test.view.has_history = 1;
         test.view.jitter_px[0] = 0.3f;
         test.view.jitter_px[1] = -0.45f;
@@ -135,7 +136,7 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
     struct test_passes film;
     test_open(vulkan, 120, 8, 0, &film,
               "taa=on screen_percent=%d taa_box=none taa_hdr_weight=off taa_contrast=0 "
-              "taa_alpha=0.1 taa_format=float",
+              "taa_alpha=0.1 target_format=float",
               percent);
     test_fill(&film, RT_DEPTH, 128, 0, 0, 0);
     const struct neph_gpu_view *view = &film.view;
@@ -250,7 +251,7 @@ static void test_what_cannot_be_upsampled_says_so(void **state)
     assert_non_null(strstr(reason, "taa=on"));
     settings = test_settings("screen_percent=100 taa=off");
     assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
-    test.scene.injections.view.left_px = 4;
+    test.scene.injections = &(struct neph_injections){.view.left_px = 4};
     assert_true(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));
     settings = test_settings("screen_percent=99");
     assert_false(neph_realtime_can_render(&test.scene, &settings, reason, sizeof(reason)));

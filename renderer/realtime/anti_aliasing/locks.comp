@@ -1,46 +1,41 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A rival: temporal upsampling after the description that comes with AMD's FidelityFX Super
-// Resolution 2 (MIT, version 2.2), with its parts in one pass. The frame is filtered by a Lanczos
-// kernel about the pixel's centre; the history counts by how much of the frames before has gone
-// into it; it does not where what was seen there stood before what is there now (disocclusion);
-// and it is held in a box, but where a thin feature is locked: so wires that no frame has as a
-// whole come together.
+// Temporal upsampling with locks, after the description that comes with AMD's FidelityFX Super
+// Resolution 2 (MIT, version 2.2), with its parts in one pass:
+//
+//     1. frame           16 samples, filtered by a Lanczos kernel about the pixel's centre
+//     2. disocclusion    no history where the frame before showed something nearer than what is
+//                        here now
+//     3. lock            a thin feature, a ridge of lumas, keeps its history out of the clamp for
+//                        as long as the jitter: so wires that no frame has as a whole come together
+//     4. clamp, blend    as in taa.comp; the history counts by how much of frames is in it
 //
 // Like the original: dilated depths and their motion (3x3, taa_motion=square), the mask of
 // disocclusion by depth, locks by ridges of 3x3 lumas that last as long as the jitter and end with
 // the luma, accumulation by weights, less of it where a mask says reactive.
-// Not like it:
+// Different:
 // - The kernel is EASU's polynomial of 4x4 texels, along x and along y, of light as it is and not
-//   tone-mapped, held between the nearest 2x2; the history has taa_history. A frame's weight is
+//   tone-mapped, clamped between the nearest 2x2; the history has taa_history. A frame's weight is
 //   the sum of taau.comp's Gaussian.
-// - Depths of the frame before are those that the picture's pixels had, looked up, where the
-//   original scatters depths forwards; nothing is uncovered that was nearer than
-//   1 - lock_separation of all depths of 5x5 now, whatever the jitter has moved.
+// - Depths of the frame before are those of the picture's pixels, looked up, where the original
+//   scatters depths forwards; nothing is uncovered that was nearer than 1 - SEPARATION of all
+//   depths of 5x5 now, whatever the jitter has moved.
 // - A lock ends when its luma leaves the range of the 3x3 of the frame by 5 %; the original has a
 //   pyramid of lumas, and four frames of luma to tell flicker, which is left out.
-// - The box reaches three times as far at rest as at taa_velocity_px, and the history counts by a
-//   quarter there: numbers of ours.
+// - The box is three times as wide when static as at FAST_PX, and the history counts by a quarter
+//   there: numbers of ours.
 // - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its
 //   own, no sharpening (sharpen=on).
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
+#include "history.glsl"
+#include "rounding.glsl"
 #include "taa.glsl"
+#include "upsampling.glsl"
 
-// --- the frame ----------------------------------------------------------------------------------
-
-vec2 place_px; // of the pixel's centre among the rays of the frame, in rendered pixels
-
-ivec2 find_source(ivec2 pixel)
-{
-    precise vec2 way_px = (vec2(pixel) + 0.5) * rendered_per_px - jitter_px;
-    precise vec2 nearest = floor(way_px);
-    precise vec2 shift = nearest + 0.5 - way_px;
-    place_px = way_px;
-    shift_px = shift;
-    return ivec2(nearest);
-}
+// --- the frame -----------------------------------------------------------------------------------
 
 // 1 at 0; 0 at 1, at 2 and beyond.
 float lanczos(float x)
@@ -50,51 +45,43 @@ float lanczos(float x)
     return (1.5625 * hump * hump - 0.5625) * window * window;
 }
 
-void find_weights()
+// False when no sample is valid. Where some of 4x4 are not, the valid ones of 3x3 are filtered by
+// the Gaussian, whose weights are all above 0.
+bool upsample(Neighbourhood around, out vec3 colour)
 {
-    coverage = 0.0;
-    for (int i = 0; i < 9; i++) {
-        vec2 way = (vec2(offset_of(i)) + shift_px) / rendered_per_px;
-        nearness[i] = exp(-SHARPNESS * dot(way, way));
-        coverage += nearness[i];
-    }
-    coverage = min(coverage, 1.0);
-}
-
-// False when no colour counts. Where some of 4x4 do not, those of 3x3 that do are filtered by the
-// Gaussian, whose weights are all above 0.
-bool upsample(Surroundings around, out vec3 colour)
-{
-    precise vec2 corner = floor(place_px - 0.5);
-    vec2 way = place_px - 0.5 - corner;
-    vec3 sum = vec3(0.0), low = vec3(3e38), high = vec3(-3e38);
+    precise vec2 corner = floor(centre_in_frame_px - 0.5);
+    vec2 way = centre_in_frame_px - 0.5 - corner;
+    vec3 sum = vec3(0.0);
+    Box nearest = EMPTY_BOX;
     float weights = 0.0;
     bool is_whole = true;
     for (int i = 0; i < 16; i++) {
         ivec2 at = ivec2(i & 3, i >> 2) - 1;
-        Sample seen = sample_of(composed(ivec2(corner) + at));
+        Sample from = sample_from(fetch_colour(ivec2(corner) + at));
         float weight = lanczos(float(at.x) - way.x) * lanczos(float(at.y) - way.y);
-        is_whole = is_whole && seen.is_counted;
-        sum += weight * seen.colour;
+        is_whole = is_whole && from.is_valid;
+        sum += weight * from.colour;
         weights += weight;
-        if ((at.x == 0 || at.x == 1) && (at.y == 0 || at.y == 1)) {
-            low = mix(low, seen.colour, lessThan(seen.colour, low));
-            high = mix(high, seen.colour, greaterThan(seen.colour, high));
-        }
+        if ((at.x == 0 || at.x == 1) && (at.y == 0 || at.y == 1))
+            extend(nearest, vec4(from.colour, 0.0));
     }
-    bool is_any = filter_frame(around, colour);
+    bool is_any = filter_samples(around, colour);
     if (is_whole)
-        colour = hold(sum / weights, low, high);
+        colour = clamp_to(nearest, vec4(sum / weights, 0.0)).rgb;
     return is_whole || is_any;
 }
 
-// --- disocclusion -------------------------------------------------------------------------------
+// --- disocclusion --------------------------------------------------------------------------------
 
-float nearest_depth_m(ivec2 source, int reach)
+// Part of the depth by which everything seen at a place must have been nearer for the history there
+// to be invalid.
+const float SEPARATION = 0.02;
+
+float nearest_depth_m(ivec2 source, int distance_px)
 {
     float nearest_m = FAR_M;
-    for (int y = -reach; y <= reach; y++)
-        for (int x = -reach; x <= reach; x++) {
+    for (int y = -distance_px; y <= distance_px; y++)
+        for (int x = -distance_px; x <= distance_px; x++) {
             float depth_m = fetch_full(RT_DEPTH, source + ivec2(x, y)).x;
             if (depth_m < nearest_m)
                 nearest_m = depth_m;
@@ -102,47 +89,52 @@ float nearest_depth_m(ivec2 source, int reach)
     return nearest_m;
 }
 
-// How deep what stands still at this depth was for the camera before.
-float depth_then_m(ivec2 pixel, float depth_m)
+// How deep a static point at this depth was for the camera before.
+float depth_before_m(ivec2 pixel, float depth_m)
 {
     vec3 ray = ray_through(vec2(pixel) + 0.5);
     float slant = view_now.is_parallel != 0u ? 1.0 : dot_in_order(ray, view_before.forward);
-    precise float then_m = depth_m * slant -
-                           dot_in_order(view_before.position_m, view_before.forward);
-    return then_m;
+    precise float before_m = depth_m * slant -
+                             dot_in_order(view_before.position_m, view_before.forward);
+    return before_m;
 }
 
-// All four texels around a place in the frame before were of something nearer than what is here.
-bool is_uncovered(ivec2 pixel, ivec2 source, vec2 before_px)
+// All four texels around the place in the frame before showed something nearer.
+bool is_disoccluded(ivec2 pixel, ivec2 source, vec2 before_px)
 {
     ivec2 corner = ivec2(floor(before_px - 0.5));
-    float then_m = -FAR_M;
+    float seen_m = -FAR_M;
     for (int i = 0; i < 4; i++)
-        then_m = max(then_m, fetch_picture(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
-    float here_m = depth_then_m(pixel, nearest_depth_m(source, 2));
-    precise float limit_m = (1.0 - setting(RT_LOCK_SEPARATION)) * here_m;
-    return then_m < limit_m;
+        seen_m = max(seen_m, fetch_picture(RT_TAA_STATE_BEFORE, corner + ivec2(i & 1, i >> 1)).b);
+    float here_m = depth_before_m(pixel, nearest_depth_m(source, 2));
+    precise float limit_m = (1.0 - SEPARATION) * here_m;
+    return seen_m < limit_m;
 }
 
-// --- locks --------------------------------------------------------------------------------------
+// --- locks ---------------------------------------------------------------------------------------
 
-float luma_of(Surroundings around, int i)
+const float ALIKE_RATIO = 1.05;  // of lumas up to which neighbours are alike
+const float LUMA_SLACK = 0.05;   // by which a lock's luma may leave the range of the frame
+const float NEAR_SQUARED = 0.5;  // of the distance of a sample that may make a lock, in pixels
+
+float luma_of(Neighbourhood around, int i)
 {
-    precise float sum = around.colours[i].r + 2.0 * around.colours[i].g + around.colours[i].b;
+    vec3 colour = around.colours[i];
+    precise float sum = colour.r + 2.0 * colour.g + colour.b;
     return sum;
 }
 
-// A ridge of lumas: no three neighbours at a corner are like the middle, and all that are unlike
+// A ridge of lumas: no three neighbours at a corner are like the centre, and all that are unlike
 // are brighter, or all darker.
-bool is_thin(Surroundings around)
+bool is_thin(Neighbourhood around)
 {
     const uint corners[4] = {0x00bu, 0x026u, 0x0c8u, 0x1a0u};
-    float own = luma_of(around, CENTRE), low = 3e38, high = -3e38;
+    float centre = luma_of(around, CENTRE), low = 3e38, high = -3e38;
     uint alike = 0u;
     for (int i = 0; i < 9; i++) {
         float other = luma_of(around, i);
-        precise float most = setting(RT_LOCK_RATIO) * min(own, other);
-        if (max(own, other) <= most) {
+        precise float most = ALIKE_RATIO * min(centre, other);
+        if (max(centre, other) <= most) {
             alike |= 1u << i;
         } else {
             low = min(low, other);
@@ -152,24 +144,24 @@ bool is_thin(Surroundings around)
     for (int k = 0; k < 4; k++)
         if ((alike & corners[k]) == corners[k])
             return false;
-    return around.counted == SQUARE && (own > high || own < low);
+    return around.valid == SQUARE && (centre > high || centre < low);
 }
 
-// Whether the luma of a lock is still about.
-bool is_trusted(Surroundings around, float luma)
+// Whether the luma of a lock is still in the frame.
+bool is_trusted(Neighbourhood around, float luma)
 {
     float low = 3e38, high = -3e38;
     for (int i = 0; i < 9; i++)
-        if (is_counted(around.counted, i)) {
+        if (has_bit(around.valid, i)) {
             low = min(low, luma_of(around, i));
             high = max(high, luma_of(around, i));
         }
-    precise float least = 0.95 * low, most = 1.05 * high;
+    precise float least = (1.0 - LUMA_SLACK) * low, most = (1.0 + LUMA_SLACK) * high;
     return luma >= least && luma <= most;
 }
 
-// What is left of a lock, and its luma.
-vec2 lock_of(bool has_history, vec2 before_px, Surroundings around)
+// The remaining share of a lock, and its luma.
+vec2 update_lock(bool has_history, vec2 before_px, Neighbourhood around)
 {
     vec2 lock = vec2(0.0);
     if (has_history)
@@ -178,13 +170,14 @@ vec2 lock_of(bool has_history, vec2 before_px, Surroundings around)
     lock.x = left > 0.0 && left <= 1.0 && is_trusted(around, lock.y) ? left : 0.0;
     precise vec2 way = shift_px / rendered_per_px;
     precise float squared = way.x * way.x + way.y * way.y;
-    return squared <= 0.5 && is_thin(around) ? vec2(1.0, luma_of(around, CENTRE)) : lock;
+    bool is_new = squared <= NEAR_SQUARED && is_thin(around);
+    return is_new ? vec2(1.0, luma_of(around, CENTRE)) : lock;
 }
 
-// --- the pixel ----------------------------------------------------------------------------------
+// --- the pixel -----------------------------------------------------------------------------------
 
-// How much of frames is in the history, at most so much as it may have.
-float weight_before(vec2 before_px, ivec2 source, float quickness)
+// How much of frames is in the history, at most what a pixel of this speed may have.
+float history_weight(vec2 before_px, ivec2 source, float quickness)
 {
     float weight = fetch_picture(RT_TAA_BEFORE, ivec2(floor(before_px))).a;
     float most = setting(RT_TAA_AGE_MAX) * (1.0 - 0.75 * quickness);
@@ -199,34 +192,30 @@ void main()
     if (!own_element(picture_size(), pixel))
         return;
     ivec2 source = find_source(pixel);
-    find_weights();
-    if (asks_for_change())
-        find_change(clamp(source, ivec2(0), view_size() - 1) / 4);
-    is_at_rest = rests();
-    Surroundings around = look_around(source);
+    find_change(source_tile(source));
+    find_filter_weights_and_coverage();
+    Neighbourhood around = fetch_neighbourhood(source);
 
-    bool is_reset = !has_past || (is_cut && choice(RT_CUT_RESET) != 0);
     vec2 before_px;
-    float speed_px;
-    vec4 found; // RGB, age
+    float speed_px, weight = 0.0, frame_weight = coverage;
+    vec4 found;
     vec3 colour;
-    bool has_history = !is_reset && find_before(pixel, source, before_px, speed_px) &&
-                       !is_uncovered(pixel, source, before_px) && fetch_history(before_px, found);
+    bool has_history = !is_reset() && find_before(pixel, source, before_px, speed_px) &&
+                       !is_disoccluded(pixel, source, before_px) && fetch_history(before_px, found);
     vec3 history = found.rgb;
-    vec2 lock = lock_of(has_history, before_px, around);
-    float weight = 0.0, seen = coverage;
+    vec2 lock = update_lock(has_history, before_px, around);
     if (!upsample(around, colour)) {
         colour = has_history ? history : vec3(0.0);
-        seen = 0.0;
+        frame_weight = 0.0;
     } else if (has_history) {
-        float quickness = min(speed_px / setting(RT_TAA_VELOCITY_PX), 1.0);
-        box_scale = 3.0 - 2.0 * quickness;
-        weight = weight_before(before_px, source, quickness);
-        vec3 held = mix(hold_history(history, box_of(around, colour)), history, lock.x);
-        colour = blend(colour, held, seen / (weight + seen));
+        float quickness = min(speed_px / FAST_PX, 1.0);
+        float sigma = (3.0 - 2.0 * quickness) * setting(RT_TAA_SIGMA);
+        weight = history_weight(before_px, source, quickness);
+        vec3 clamped = clamp_history(history, find_box(around, colour, sigma));
+        colour = blend(colour, mix(clamped, history, lock.x),
+                       frame_weight / (weight + frame_weight));
     }
-    colour = guard(hold(colour, vec3(-HALF_MAX), vec3(HALF_MAX)));
-    float sum = min(weight + seen, setting(RT_TAA_AGE_MAX));
-    put_picture(RT_TAA_OUT, pixel, vec4(round_to_format(colour, pixel), sum));
+    float sum = min(weight + frame_weight, setting(RT_TAA_AGE_MAX));
+    put_pixel(pixel, vec4(limit_colour(colour), sum));
     put_picture(RT_TAA_STATE, pixel, vec4(lock, nearest_depth_m(source, 1), 0.0));
 }

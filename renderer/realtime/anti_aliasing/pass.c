@@ -8,9 +8,7 @@
         NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_MOVED)
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
-        {{{RT_COMPOSITION, RT_COMPOSITION_AUTO},                                                   \
-          {RT_COMPOSITION, RT_COMPOSITION_PASS},                                                   \
-          {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},                                               \
+        {{{RT_COMPOSITION, RT_COMPOSITION_PASS}, {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},        \
          NEPH_RT_BIT(RT_COLOR)},                                                                   \
             {{{RT_COMPOSITION, RT_COMPOSITION_TAA}}, NEPH_RT_BIT(RT_BEHIND)},                      \
             {{{RT_TAA_MEDIUM, 1}}, NEPH_RT_BIT(RT_VOLUME_DISTANCE)},                               \
@@ -26,15 +24,23 @@
 static const uint32_t taa_code[] = {
 #include "realtime/anti_aliasing/taa.comp.inc"
 };
+static const uint32_t taa_cpu_code[] = {
+#include "realtime/anti_aliasing/taa_cpu.comp.inc"
+};
+static const uint32_t taa_gpu_code[] = {
+#include "realtime/anti_aliasing/taa_gpu.comp.inc"
+};
 
 const struct neph_rt_pass neph_rt_taa = {
     .name = "anti-aliasing",
     .note = "the mean over jittered frames, held in a neighbourhood clamp",
     .shader = {"taa", taa_code, sizeof(taa_code)},
+    .variants = {[NEPH_RT_CPU] = {"taa_cpu", taa_cpu_code, sizeof(taa_cpu_code),
+                                  .column = RT_TAA_COLUMN},
+                 [NEPH_RT_GPU] = {"taa_gpu", taa_gpu_code, sizeof(taa_gpu_code),
+                                  .block = {RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT}}},
     .condition = {RT_TAA, RT_TAA_ON},
     .resolution = RT_PICTURE,
-    .column = RT_TAA_COLUMN,
-    .block = {RT_TAA_BLOCK_WIDTH, RT_TAA_BLOCK_HEIGHT},
     .reads = TAA_READS,
     .spared = TAA_SPARED,
     .writes = NEPH_RT_BIT(RT_TAA_OUT),

@@ -16,6 +16,9 @@
 #include "renderer/realtime/shared/pass.glsl"
 
 const float SPLINE[3] = {0.375, 0.25, 0.0625};
+// Differences that count by 1 / e: of luma in standard deviations of the 3x3 around, of depth in
+// parts of the depth.
+const float LUMA_SIGMAS = 4.0, DEPTH_PART = 0.1;
 
 float luma_of(vec4 volume) { return volume.r + 2.0 * volume.g + volume.b; }
 
@@ -66,8 +69,8 @@ void main()
         return;
     }
     float depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x, luma = luma_of(own);
-    float luma_unit = setting(RT_ATROUS_SIGMA) * deviation_at(half_pixel);
-    float depth_unit = setting(RT_ATROUS_DEPTH) * depth_m;
+    float luma_unit = LUMA_SIGMAS * deviation_at(half_pixel);
+    float depth_unit = DEPTH_PART * depth_m;
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < 25; i++) {

@@ -62,15 +62,14 @@ static double depth_m(const struct step *step, int x, int y)
 static void filter(const struct step *step, int x, int y)
 {
     static const double spline[3] = {6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0};
-    const float *settings = step->twin->view->settings;
     float own[4], other[4];
     double sum[4] = {0.0}, weights = 0.0;
     if (!fetch(step, x, y, own)) {
         twin_put_half(step->twin, step->output, x, y, own);
         return;
     }
-    const double luma_unit = (double)settings[RT_ATROUS_SIGMA] * deviation(step, x, y);
-    const double depth_unit = (double)settings[RT_ATROUS_DEPTH] * depth_m(step, x, y);
+    const double luma_unit = 4.0 * deviation(step, x, y);
+    const double depth_unit = (double)0.1f * depth_m(step, x, y);
     for (int v = -2; v <= 2; v++)
         for (int u = -2; u <= 2; u++) {
             const int at_x = x + step->apart * u, at_y = y + step->apart * v;

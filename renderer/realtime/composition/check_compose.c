@@ -35,7 +35,7 @@ static void test_compose_equals_the_twin(void **state)
         for (int f = 0; f < 2; f++) {
             const uint64_t start = seed;
             struct test_passes test;
-            open_view(state, f ? "color_format=float" : "color_format=half", sizes_px[s], seed,
+            open_view(state, f ? "target_format=float" : "target_format=half", sizes_px[s], seed,
                       &test);
             for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
                 test_set(&test, RT_VOLUME, i,
@@ -66,7 +66,7 @@ static void test_identities(void **state)
     uint64_t seed = 7;
     for (size_t k = 0; k < COUNT(cases); k++) {
         struct test_passes test;
-        open_view(state, "color_format=float", sizes_px[4], seed, &test);
+        open_view(state, "target_format=float", sizes_px[4], seed, &test);
         for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
             test_set(&test, RT_VOLUME, i, cases[k].volume);
             test_set(&test, RT_BEHIND, i,
@@ -162,7 +162,7 @@ static uint32_t *upscaled(struct test_passes *test, int composition)
  * their settings and such that do not. */
 static void test_the_upscale_composes_as_the_pass_does(void **state)
 {
-    static const char *const settings[] = {"color_format=half", "color_format=float"};
+    static const char *const settings[] = {"target_format=half", "target_format=float"};
     for (uint64_t i = 0; i < 4; i++) {
         uint64_t seed = i;
         struct test_passes test;

@@ -48,7 +48,7 @@ static void test_passes_are_their_twins(void **state)
     for (uint64_t k = 0; k < 3; k++) {
         const struct neph_settings settings = test_settings(
             "froxels=on froxel_px=4 froxel_slices=13 froxel_end_m=20 "
-            "color_format=float");
+            "target_format=float");
         struct test_passes test;
         uint64_t seed = 20261125 + k;
         test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
@@ -81,7 +81,7 @@ static void test_passes_are_their_twins(void **state)
 /* As exact as the pipeline can be apart from froxels: one for each pixel, no history, no dither. */
 #define PLAIN                                                                                      \
     "froxels=on froxel_px=1 froxel_jitter=off froxel_history=0 taa=off "                           \
-    "color_format=float depth_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
+    "target_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
 
 static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                      const char *assignments, int frames,
@@ -335,7 +335,7 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
 
 static void test_no_light_leaks_through_a_wall(void **state)
 {
-#define ROOM "froxels=on froxel_px=2 froxel_end_m=24 taa=off froxel_slices=32 color_format=float "
+#define ROOM "froxels=on froxel_px=2 froxel_end_m=24 taa=off froxel_slices=32 target_format=float "
     const double held = leak(*state, ROOM), alone = leak(*state, ROOM "lamp_peaks=off"),
                  let = leak(*state, ROOM "lamp_peaks=off froxel_hold=off");
     print_message("through a wall: %.1e of the light, all in froxels %.1e, and %.1e with "

@@ -1,15 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What has changed around a tile (change_around.glsl), a thread for each. On a GPU the
-// reconstruction can find it by itself (realtime/reconstruction/reconstruct.comp).
+// What has changed around a tile (change_samples.glsl), a thread for each. On a GPU the
+// reconstruction finds it in place of this pass (realtime/reconstruction/reconstruct_gpu.comp).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
 #include "change_around.glsl"
 #include "renderer/realtime/shared/pass.glsl"
 
-vec4 look_of(int target, ivec2 tile) { return fetch_tile(target, tile); }
+vec4 load_sample(int target, ivec2 tile) { return fetch_tile(target, tile); }
 
 void main()
 {

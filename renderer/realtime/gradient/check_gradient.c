@@ -66,7 +66,7 @@ static void test_the_passes_equal_their_twins(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     static const char *const settings_texts[] = {
-        "gradient=on", "gradient=on taa_jitter_length=1 color_format=float relight=0.5",
+        "gradient=on", "gradient=on taa_jitter_length=1 target_format=float relight=0.5",
         "gradient=on taa_jitter_length=8 reject_depth=0.1",
         "gradient=on taa_jitter_length=20 relight=0.1 change_hold=0.8"};
     uint64_t seed = 5;

@@ -6,17 +6,17 @@
 
 enum { TILE_PX = 16 };
 
-/* --- two looks ------------------------------------------------------------------------------- */
+/* --- two samples ----------------------------------------------------------------------------- */
 
-static float kept(float value)
+static float as_half(float value)
 {
     return value > 0.0f ? neph_rt_from_half(neph_rt_to_half(fminf(value, TWIN_HALF_MAX))) : 0.0f;
 }
 
-static void keep(float value[4])
+static void as_halves(float value[4])
 {
     for (int c = 0; c < 4; c++)
-        value[c] = kept(value[c]);
+        value[c] = as_half(value[c]);
 }
 
 static void gain_between(const struct twin *twin, const float now[3], const float then[3],
@@ -71,7 +71,7 @@ static int kept_x(const struct neph_gpu_view *view, int x)
     return at;
 }
 
-static void forget(const struct twin *twin, int x, int y)
+static void clear_samples(const struct twin *twin, int x, int y)
 {
     const struct neph_gpu_view *view = twin->view;
     const float nothing[4] = {0.0f};
@@ -85,7 +85,7 @@ static void forget(const struct twin *twin, int x, int y)
                           nothing);
 }
 
-static void look_at_medium(const struct twin *twin, int x, int y)
+static void sample_medium(const struct twin *twin, int x, int y)
 {
     const struct neph_gpu_view *view = twin->view;
     const int half_x = 2 * x + (int)(view->frame % 2), half_y = 2 * y + (int)(view->frame / 2 % 2);
@@ -94,8 +94,8 @@ static void look_at_medium(const struct twin *twin, int x, int y)
     if (is_known) {
         twin_fetch_tile(twin, RT_RAY, x, y, now);
         twin_fetch_half(twin, RT_KEPT_RAY, half_x, half_y, then);
-        keep(now);
-        keep(then);
+        as_halves(now);
+        as_halves(then);
         twin_put_half(twin, RT_KEPT_RAY, half_x, half_y, now);
     }
     is_known = is_known && twin_repeats_ray(view, x, y);
@@ -105,7 +105,7 @@ static void look_at_medium(const struct twin *twin, int x, int y)
     twin_put_tile(twin, RT_LOOK_THEN, x, y, then);
 }
 
-static void look_behind(const struct twin *twin, int x, int y)
+static void sample_behind(const struct twin *twin, int x, int y)
 {
     const struct neph_gpu_view *view = twin->view;
     const uint32_t length = (uint32_t)view->settings[RT_TAA_JITTER_LENGTH];
@@ -118,8 +118,8 @@ static void look_behind(const struct twin *twin, int x, int y)
             continue;
         twin_fetch_full(twin, RT_BEHIND, pixel_x, pixel_y, now[count]);
         twin_fetch_full(twin, RT_KEPT_BEHIND, kept_x(view, pixel_x), pixel_y, then[count]);
-        keep(now[count]);
-        keep(then[count]);
+        as_halves(now[count]);
+        as_halves(then[count]);
         now[count][3] = 0.0f;
         twin_put_full(twin, RT_KEPT_BEHIND, kept_x(view, pixel_x), pixel_y, now[count]);
         add(sum_now, now[count]);
@@ -138,9 +138,9 @@ void twin_gradient(const struct twin *twin)
     for (int y = 0; y < (int)twin->view->tile_count[1]; y++)
         for (int x = 0; x < (int)twin->view->tile_count[0]; x++) {
             if (!twin->view->has_history)
-                forget(twin, x, y);
-            look_at_medium(twin, x, y);
-            look_behind(twin, x, y);
+                clear_samples(twin, x, y);
+            sample_medium(twin, x, y);
+            sample_behind(twin, x, y);
         }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Two looks at the same light: what it has become, and what is left of the difference.
+// Two samples of the same light: the gain between them, and the rest of the difference.
 #ifndef NEPH_REALTIME_LOOKS_GLSL
 #define NEPH_REALTIME_LOOKS_GLSL
 
 #include "renderer/realtime/shared/view.glsl"
 
-// What light that was `then` and is `now` has been multiplied with, each channel by itself, as far
-// as relight goes.
+// The factor from light `then` to light `now`, channel by channel, between 1 - relight and
+// 1 + relight.
 vec3 gain_between(vec3 now, vec3 then)
 {
     vec3 gain;
@@ -19,19 +19,18 @@ vec3 gain_between(vec3 now, vec3 then)
     return gain;
 }
 
-// Not more than the largest half. A NaN becomes 0.
-vec4 limited(vec4 value)
+// Between 0 and the largest half. A NaN becomes 0.
+vec4 limit_to_half(vec4 value)
 {
     vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
     return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
 }
 
-// What a half keeps of a value: a look that was not rounded is not the one that was kept, and what
-// rests would seem to change for ever.
-vec4 kept(vec4 value)
+// As a half keeps a value. A sample that is not rounded would differ from the kept one for ever.
+vec4 as_halves(vec4 value)
 {
-    vec4 seen = limited(value);
-    return from_words(uvec2(pack(seen.xy), pack(seen.zw)));
+    vec4 limited = limit_to_half(value);
+    return from_words(uvec2(pack(limited.xy), pack(limited.zw)));
 }
 
 // The place in its tile of the texel whose ray a tile keeps in a frame.

@@ -49,7 +49,7 @@ ivec2 tile_of(int ray)
 {
     const int side = RT_MARCH_BLOCK;
     ivec2 squares = (tile_count() - 1) / side + 1;
-    ray = spread(ray, side * side * squares.x * squares.y);
+    ray = deal_ray(ray, side * side * squares.x * squares.y);
     ivec2 square = element_at(ray / (side * side), squares.x);
     return side * square + ivec2(ray & 1 | ray >> 1 & 2 | ray >> 2 & 4,
                                  ray >> 1 & 1 | ray >> 2 & 2 | ray >> 3 & 4);

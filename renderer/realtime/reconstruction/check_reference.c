@@ -251,7 +251,6 @@ static bool is_alike(const struct twin *twin, float transmittance, float other)
 static void choose_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
                         float own_m, bool own_is_sky)
 {
-    int count = 0;
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
         const bool belongs = fabsf(own_m - ray->depth_m) <
@@ -260,10 +259,7 @@ static void choose_rays(const struct twin *twin, struct ray rays[RAYS], const st
         const bool is_asked = (i > 0 || choice(twin, RT_BOX_CENTRE) != 0) &&
                               (!choice(twin, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
         ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
-        count += ray->is_in_box;
     }
-    for (int i = 0; i < RAYS && count < choice(twin, RT_BOX_LEAST); i++)
-        rays[i].is_in_box = rays[i].is_usable;
 }
 
 static void ray_in_space(const struct ray *ray, int space, double seen[4])
@@ -272,8 +268,7 @@ static void ray_in_space(const struct ray *ray, int space, double seen[4])
     to_space(space, value, seen);
 }
 
-static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int space,
-                               double sigmas)
+static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int space)
 {
     double seen[RAYS][4], low[4], high[4];
     int count = 0;
@@ -286,8 +281,8 @@ static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int
             mean += seen[i][c] / count;
         for (int i = 0; i < count; i++)
             variance += (seen[i][c] - mean) * (seen[i][c] - mean) / count;
-        low[c] = mean - sigmas * sqrt(variance);
-        high[c] = mean + sigmas * sqrt(variance);
+        low[c] = mean - sqrt(variance);
+        high[c] = mean + sqrt(variance);
     }
     extend(box, low);
     extend(box, high);
@@ -308,9 +303,8 @@ static void clip(const struct box *box, const double seen[4], double limited[4])
     }
 }
 
-static void hold_among_rays(const struct twin *twin, struct ray rays[RAYS],
-                            const struct ray *nearest, float own_m, bool own_is_sky,
-                            double value[4])
+static void clamp_to_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
+                          float own_m, bool own_is_sky, double value[4])
 {
     if (choice(twin, RT_BOX) == RT_BOX_NONE)
         return;
@@ -321,7 +315,7 @@ static void hold_among_rays(const struct twin *twin, struct ray rays[RAYS],
     memcpy(box.high, box.low, sizeof(box.high));
     choose_rays(twin, rays, nearest, own_m, own_is_sky);
     if (choice(twin, RT_BOX) == RT_BOX_VARIANCE)
-        extend_by_variance(&box, rays, space, setting(twin, RT_BOX_SIGMA));
+        extend_by_variance(&box, rays, space);
     for (int i = 0; i < RAYS && choice(twin, RT_BOX) == RT_BOX_MIN_MAX; i++) {
         ray_in_space(&rays[i], space, seen);
         if (rays[i].is_in_box)
@@ -354,52 +348,18 @@ static struct history history_at(const struct twin *twin, int x, int y)
     return history;
 }
 
-/* Weights of the taps -1 .. 2 for a place 0 .. 1. */
-static void tap_weights(int kind, double place, double weights[TAPS])
-{
-    memset(weights, 0, TAPS * sizeof(*weights));
-    const double square = place * place, cube = square * place;
-    switch (kind) {
-    case RT_FILTER_NEAREST:
-        weights[place < 0.5 ? 1 : 2] = 1.0;
-        break;
-    case RT_FILTER_BILINEAR:
-        weights[1] = 1.0 - place;
-        weights[2] = place;
-        break;
-    default:
-        weights[0] = -0.5 * place + square - 0.5 * cube;
-        weights[1] = 1.0 - 2.5 * square + 1.5 * cube;
-        weights[2] = 0.5 * place + 2.0 * square - 1.5 * cube;
-        weights[3] = -0.5 * square + 0.5 * cube;
-    }
-}
-
-static bool has_void_tap(const struct twin *twin, const int base[2])
-{
-    bool found = false;
-    for (int i = 0; i < TAPS * TAPS; i++)
-        found = found || history_at(twin, base[0] + i % TAPS - 1, base[1] + i / TAPS - 1).is_void;
-    return found;
-}
-
 static struct history history_about(const struct twin *twin, const double place_px[2])
 {
     const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
     const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
-    int kind = choice(twin, RT_HISTORY_FILTER);
-    if (kind == RT_FILTER_CATMULL_ROM && has_void_tap(twin, base))
-        kind = RT_FILTER_BILINEAR;
-    double weights[2][TAPS], sum[4] = {0}, total = 0.0, heaviest = 0.0;
-    for (int axis = 0; axis < 2; axis++)
-        tap_weights(kind, place[axis] - base[axis], weights[axis]);
+    double sum[4] = {0}, total = 0.0, heaviest = 0.0;
     struct history history = {.is_void = true};
     struct box range = {{INFINITY, INFINITY, INFINITY, INFINITY},
                         {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
-    for (int i = 0; i < TAPS * TAPS; i++) {
-        const int x = i % TAPS, y = i / TAPS;
-        const double weight = weights[0][x] * weights[1][y];
-        const struct history tap = history_at(twin, base[0] + x - 1, base[1] + y - 1);
+    for (int i = 0; i < 4; i++) {
+        const double x = place[0] - base[0], y = place[1] - base[1];
+        const double weight = (i % 2 ? x : 1.0 - x) * (i / 2 ? y : 1.0 - y);
+        const struct history tap = history_at(twin, base[0] + i % 2, base[1] + i / 2);
         if (weight == 0.0 || tap.is_void)
             continue;
         history.is_void = false;
@@ -409,8 +369,7 @@ static struct history history_about(const struct twin *twin, const double place_
         if (weight > heaviest)
             history.age = tap.age;
         heaviest = fmax(heaviest, weight);
-        if (x % 3 != 0 && y % 3 != 0)
-            extend(&range, tap.value);
+        extend(&range, tap.value);
     }
     for (int c = 0; c < 4 && !history.is_void; c++)
         history.value[c] = held(sum[c] / total, range.low[c], range.high[c]);
@@ -451,13 +410,7 @@ static bool find_before(const struct twin *twin, const double place_px[2], doubl
 
 static bool is_same_depth(const struct twin *twin, double expected_m, double before_m)
 {
-    const double difference_m = fabs(expected_m - before_m);
-    const double relative = setting(twin, RT_REJECT_DEPTH);
-    const double metres = setting(twin, RT_REJECT_SCENE_M);
-    if (relative > 0.0 && difference_m >= relative * expected_m)
-        return false;
-    return !(metres > 0.0 && difference_m >= metres &&
-             fmin(expected_m, before_m) < setting(twin, RT_REJECT_WITHIN_M));
+    return !(fabs(expected_m - before_m) >= setting(twin, RT_REJECT_DEPTH) * expected_m);
 }
 
 static bool is_same_scene(const struct twin *twin, const double place_px[2],
@@ -489,31 +442,6 @@ static bool is_same_scene(const struct twin *twin, const double place_px[2],
     return found && expected_m > 0.0;
 }
 
-static float nearest_in_tile_m(const struct twin *twin, int target, int x, int y)
-{
-    float nearest_m = NEPH_GPU_FAR_M;
-    for (int i = 0; i < 4; i++) {
-        float depth[4];
-        twin_fetch_half(twin, target, x / 2 * 2 + i % 2, y / 2 * 2 + i / 2, depth);
-        nearest_m = fminf(nearest_m, depth[0]);
-    }
-    return is_sky(nearest_m) ? setting(twin, RT_SKY_M) : nearest_m;
-}
-
-static bool is_rejected(const struct twin *twin, int x, int y, const double place_px[2],
-                        const double before_px[2], float depth_m)
-{
-    const float most_m = setting(twin, RT_REJECT_NEAREST_M);
-    const bool looks = setting(twin, RT_REJECT_DEPTH) > 0.0f ||
-                       setting(twin, RT_REJECT_SCENE_M) > 0.0f;
-    if (looks && !is_same_scene(twin, place_px, before_px, depth_m))
-        return true;
-    const float now_m = nearest_in_tile_m(twin, RT_HALF_DEPTH, x, y);
-    const float before_m = nearest_in_tile_m(
-        twin, RT_HALF_DEPTH_BEFORE, (int)floor(before_px[0] / 2), (int)floor(before_px[1] / 2));
-    return most_m > 0.0f && fabsf(now_m - before_m) > most_m;
-}
-
 static struct history history_of(const struct twin *twin, int x, int y, float depth_m,
                                  float distance_m)
 {
@@ -527,11 +455,9 @@ static struct history history_of(const struct twin *twin, int x, int y, float de
         return none;
     if (choice(twin, RT_CUT_RESET) && view->is_cut)
         return none;
-    if (known_distance_m(distance_m) < setting(twin, RT_REPROJECT_LEAST_M))
-        return none;
     if (!find_before(twin, place_px, known_distance_m(distance_m), before_px))
         return none;
-    if (is_rejected(twin, x, y, place_px, before_px, depth_m))
+    if (setting(twin, RT_REJECT_DEPTH) > 0.0f && !is_same_scene(twin, place_px, before_px, depth_m))
         return (struct history){.is_void = true, .is_rejected = true};
     struct history history = history_about(twin, before_px);
     history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
@@ -566,8 +492,8 @@ static double change_at_ray(const struct twin *twin, const struct ray *ray)
 }
 
 /* At the half-resolution texel (x, y). */
-static double box_share(const struct twin *twin, int x, int y, double motion_px,
-                        const struct ray *nearest)
+static double clamp_share(const struct twin *twin, int x, int y, double motion_px,
+                          const struct ray *nearest)
 {
     const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
     float found[4];
@@ -604,10 +530,10 @@ static void relight(const struct twin *twin, int x, int y, double motion_px, dou
         value[c] *= (1.0 - moved) * change[c] + moved;
 }
 
-static double kept(const struct twin *twin, int format_setting, double value)
+static double kept(const struct twin *twin, double value)
 {
     const bool is_limited = choice(twin, RT_VALIDITY) &&
-                            choice(twin, format_setting) == RT_FORMAT_HALF;
+                            choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF;
     return is_limited && value > TWIN_HALF_MAX ? TWIN_HALF_MAX : value;
 }
 
@@ -616,9 +542,9 @@ static void put_result(const struct twin *twin, int x, int y, const double value
 {
     float rounded[4];
     for (int c = 0; c < 4; c++)
-        rounded[c] = (float)kept(twin, RT_COLOR_FORMAT, value[c]);
+        rounded[c] = (float)kept(twin, value[c]);
     twin_put_half(twin, RT_HISTORY, x, y, rounded);
-    const float state[4] = {age, (float)kept(twin, RT_DEPTH_FORMAT, distance_m)};
+    const float state[4] = {age, (float)kept(twin, distance_m)};
     twin_put_half(twin, RT_HISTORY_STATE, x, y, state);
 }
 
@@ -638,7 +564,7 @@ static double ray_weight(const struct twin *twin, int kind, const struct ray *ra
            (difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M));
 }
 
-static void stand_in(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
+static void fallback(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
                      const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
 {
     const struct ray *taken = nearest, *around_it = nearest_ray(twin, rays, 1, own_m);
@@ -708,14 +634,14 @@ static void reconstruct(const struct twin *twin, int x, int y)
     double part = 1.0;
     if (!history.is_void) {
         relight(twin, x, y, history.motion_px, history.value);
-        double boxed[4];
-        memcpy(boxed, history.value, sizeof(boxed));
-        hold_among_rays(twin, rays, nearest, own_m, is_sky(depth[0]), boxed);
-        const double share = box_share(twin, x, y, history.motion_px, nearest);
-        if (memcmp(boxed, history.value, 3 * sizeof(*boxed)))
+        double clamped[4];
+        memcpy(clamped, history.value, sizeof(clamped));
+        clamp_to_rays(twin, rays, nearest, own_m, is_sky(depth[0]), clamped);
+        const double share = clamp_share(twin, x, y, history.motion_px, nearest);
+        if (memcmp(clamped, history.value, 3 * sizeof(*clamped)))
             part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
-            history.value[c] = blend(history.value[c], boxed[c], share);
+            history.value[c] = blend(history.value[c], clamped[c], share);
         history.age = age_after_change(twin, x, y, is_fresh, history.age);
     }
 
@@ -726,7 +652,7 @@ static void reconstruct(const struct twin *twin, int x, int y)
     memcpy(value, own, sizeof(value));
     if (history.is_void && !is_fresh) {
         const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
-        stand_in(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+        fallback(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
     } else if (is_fresh && !history.is_void) {
         age = fmin(age + 1.0, 255.0);
         blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);

@@ -21,15 +21,12 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
-// Set by who asks for it: where camera and medium rest history is in the very place, and all that
-// would find it there can be left out. On lavapipe what is not known before (ALL_REST) is spent
-// anyhow.
-bool is_at_rest = false;
-
-bool history_rests()
+// Before a static camera and in still air history is in the texel's own place, and the search for
+// it is left out. A kernel knows this before it is compiled, or it searches.
+bool is_static()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
-    return (ON_GPU || ALL_REST) && camera_rests() && air_rests() && !has_jitter;
+    return ALL_REST && !has_jitter;
 }
 
 // --- its value ----------------------------------------------------------------------------------
@@ -43,37 +40,14 @@ History history_at(ivec2 half_pixel)
     return History(value, has_age ? age : 0.0, is_void, false, 0.0);
 }
 
-// Weights of the taps -1, 0, 1 and 2, for a place between tap 0 and tap 1.
-vec4 tap_weights(int kind, float place)
-{
-    if (kind == RT_FILTER_NEAREST)
-        return place < 0.5 ? vec4(0.0, 1.0, 0.0, 0.0) : vec4(0.0, 0.0, 1.0, 0.0);
-    if (kind == RT_FILTER_BILINEAR)
-        return vec4(0.0, 1.0 - place, place, 0.0);
-    return 0.5 * vec4(place * (place * (2.0 - place) - 1.0),
-                      place * place * (3.0 * place - 5.0) + 2.0,
-                      place * (place * (4.0 - 3.0 * place) + 1.0), place * place * (place - 1.0));
-}
-
-// Catmull-Rom needs all its taps, of whatever weight.
-int history_filter(ivec2 base)
-{
-    int kind = choice(RT_HISTORY_FILTER);
-    if (kind == RT_FILTER_CATMULL_ROM)
-        for (int i = 0; i < 16; i++)
-            if (history_at(base + ivec2(i & 3, i >> 2) - 1).is_void)
-                return RT_FILTER_BILINEAR;
-    return kind;
-}
-
 struct Mean {
     History history; // its age is that of the heaviest tap
     vec4 sum;
     float weights, heaviest;
-    Box range; // of the taps about the place
+    Box range; // of the taps
 };
 
-void add(History tap, float weight, bool is_about, inout Mean mean)
+void add(History tap, float weight, inout Mean mean)
 {
     if (tap.is_void || weight == 0.0)
         return;
@@ -84,45 +58,30 @@ void add(History tap, float weight, bool is_about, inout Mean mean)
         mean.heaviest = weight;
         mean.history.age = tap.age;
     }
-    if (is_about)
-        extend(mean.range, tap.value);
+    extend(mean.range, tap.value);
 }
 
-// A GPU would wait for one tap after the other behind a branch, and a loop of lavapipe's carries
-// all of the mean through memory. Of Catmull-Rom each is asked before, whether it is void.
-bool takes_at_once() { return choice(RT_HISTORY_FILTER) == RT_FILTER_BILINEAR; }
-
-// The mean of the taps that are not void, with the age of the heaviest; void if all are. It is held
-// in the range of the four taps about the place: equal ones come out exactly, and Catmull-Rom does
-// not ring below zero.
+// The bilinear mean of the taps that are not void, with the age of the heaviest; void if all are.
+// It is held in the range of the taps: equal ones come out exactly. All four are fetched before the
+// first is added: a GPU would wait for one tap after the other behind a branch, and a loop of
+// lavapipe's carries all of the mean through memory.
 History history_about(vec2 place_px)
 {
-    if (is_at_rest)
+    if (is_static())
         return history_at(ivec2(floor(0.5 * place_px)));
     vec2 place = 0.5 * place_px - 0.5; // in texels from the centre of the first
     ivec2 base = ivec2(floor(place));
-    int kind = history_filter(base);
-    vec4 weights_x = tap_weights(kind, place.x - float(base.x));
-    vec4 weights_y = tap_weights(kind, place.y - float(base.y));
+    vec2 part = place - vec2(base);
+    vec2 weights_x = vec2(1.0 - part.x, part.x), weights_y = vec2(1.0 - part.y, part.y);
     Mean mean = Mean(NO_HISTORY, vec4(0.0), 0.0, 0.0, Box(vec4(FAR_M), vec4(-FAR_M)));
-    ivec2 first = ivec2(first_tap(weights_x), first_tap(weights_y));
-    ivec2 last = ivec2(last_tap(weights_x), last_tap(weights_y));
-    if (takes_at_once()) {
-        History taps[4];
-        [[unroll]] for (int i = 0; i < 4; i++)
-            taps[i] = history_at(base + ivec2(i & 1, i >> 1));
-        [[unroll]] for (int i = 0; i < 4; i++)
-            add(taps[i], weights_x[1 + (i & 1)] * weights_y[1 + (i >> 1)], true, mean);
-    } else {
-        for (int y = first.y; y <= last.y; y++)
-            for (int x = first.x; x <= last.x; x++)
-                if (weights_x[x] * weights_y[y] != 0.0)
-                    add(history_at(base + ivec2(x, y) - 1), weights_x[x] * weights_y[y],
-                        x % 3 != 0 && y % 3 != 0, mean);
-    }
+    History taps[4];
+    [[unroll]] for (int i = 0; i < 4; i++)
+        taps[i] = history_at(base + ivec2(i & 1, i >> 1));
+    [[unroll]] for (int i = 0; i < 4; i++)
+        add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
     if (!history.is_void)
-        history.value = held(mean.sum / mean.weights, mean.range);
+        history.value = clamp_to(mean.range, mean.sum / mean.weights);
     return history;
 }
 
@@ -149,7 +108,7 @@ vec2 ray_jitter_px(vec2 of_frame_px)
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     before_px = place_px;
-    if (is_at_rest)
+    if (is_static())
         return true;
     ViewLine line = view_line_at(view_now, place_px);
     bool is_parallel = view_now.is_parallel != 0u;
@@ -168,13 +127,7 @@ bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 
 bool is_same_depth(float expected_m, float before_m)
 {
-    float difference_m = abs(expected_m - before_m);
-    bool is_near = min(expected_m, before_m) < setting(RT_REJECT_WITHIN_M);
-    bool far_off = is_set(RT_REJECT_DEPTH) &&
-                   difference_m >= setting(RT_REJECT_DEPTH) * expected_m;
-    bool off_by_metres = is_set(RT_REJECT_SCENE_M) && is_near &&
-                         difference_m >= setting(RT_REJECT_SCENE_M);
-    return !far_off && !off_by_metres;
+    return !(abs(expected_m - before_m) >= setting(RT_REJECT_DEPTH) * expected_m);
 }
 
 const float MOVED_PX = 0.125; // history is of another texel, in part
@@ -187,7 +140,7 @@ const float MOVED_PX = 0.125; // history is of another texel, in part
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
-    if (is_at_rest && !is_sky(depth_m)) {
+    if (is_static() && !is_sky(depth_m)) {
         expected_m = depth_m;
     } else if (!is_sky(depth_m)) {
         ViewLine line = view_line_at(view_now, place_px);
@@ -210,28 +163,6 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     return false;
 }
 
-// The nearest depth of the tile that a half-resolution texel is in [m].
-float nearest_in_tile_m(int target, ivec2 half_pixel)
-{
-    float nearest_m = FAR_M;
-    for (int i = 0; i < 4; i++) {
-        float depth_m = fetch_half(target, half_pixel - (half_pixel & 1) + ivec2(i & 1, i >> 1)).x;
-        if (depth_m < nearest_m)
-            nearest_m = depth_m;
-    }
-    return is_sky(nearest_m) ? setting(RT_SKY_M) : nearest_m;
-}
-
-// Unreal's second test for disocclusion, which sees what came near or no longer is: whether the
-// nearest depth of the tile is that of the tile before.
-bool is_same_edge(ivec2 half_pixel, vec2 before_px)
-{
-    precise float change_m =
-        abs(nearest_in_tile_m(RT_HALF_DEPTH, half_pixel) -
-            nearest_in_tile_m(RT_HALF_DEPTH_BEFORE, ivec2(floor(0.5 * before_px))));
-    return change_m <= setting(RT_REJECT_NEAREST_M);
-}
-
 // --- both ---------------------------------------------------------------------------------------
 
 // The history of a half-resolution texel whose scene is `depth_m` deep and whose medium is
@@ -242,14 +173,9 @@ History history_of(ivec2 half_pixel, float depth_m, float distance_m)
                   (choice(RT_CUT_RESET) != 0 && is_cut);
     vec2 centre_px = vec2(2 * half_pixel + 1), before_px;
     vec2 place_px = centre_px + ray_jitter_px(jitter_px);
-    bool is_too_near = is_set(RT_REPROJECT_LEAST_M) &&
-                       known_distance_m(distance_m) < setting(RT_REPROJECT_LEAST_M);
-    if (is_new || is_too_near || !find_before(place_px, known_distance_m(distance_m), before_px))
+    if (is_new || !find_before(place_px, known_distance_m(distance_m), before_px))
         return NO_HISTORY;
-    bool rejects = is_set(RT_REJECT_DEPTH) || is_set(RT_REJECT_SCENE_M);
-    if (rejects && !is_same_scene(place_px, before_px, depth_m))
-        return REJECTED;
-    if (is_set(RT_REJECT_NEAREST_M) && !is_same_edge(half_pixel, before_px))
+    if (is_set(RT_REJECT_DEPTH) && !is_same_scene(place_px, before_px, depth_m))
         return REJECTED;
     History history = history_about(before_px);
     history.motion_px = distance(before_px, centre_px);

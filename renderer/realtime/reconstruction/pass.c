@@ -5,14 +5,22 @@ static const uint32_t code[] = {
 #include "realtime/reconstruction/reconstruct.comp.inc"
 };
 
+static const uint32_t gpu_code[] = {
+#include "realtime/reconstruction/reconstruct_gpu.comp.inc"
+};
+
 const struct neph_rt_pass neph_rt_reconstruct = {
     .name = "reconstruction",
     .note = "rays and the reprojected history at half resolution",
     .shader = {"reconstruct", code, sizeof(code)},
+    .variants = {[NEPH_RT_GPU] = {"reconstruct_gpu", gpu_code, sizeof(gpu_code),
+                                  .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT},
+                                  .needs = {{RT_EDGE_TILES, RT_EDGE_TILES_KEPT},
+                                            {RT_GATHER, RT_GATHER_TEXEL}},
+                                  .absorbs = &neph_rt_change}},
     .condition = {RT_SPLIT, RT_SPLIT_FOUR},
     .resolution = RT_HALF,
     .unread_resolution = RT_QUARTER,
-    .block = {RT_TEXEL_BLOCK_WIDTH, RT_TEXEL_BLOCK_HEIGHT},
     .reads = NEPH_RT_BIT(RT_TILE) | NEPH_RT_BIT(RT_RAY) | NEPH_RT_BIT(RT_RAY_DISTANCE) |
              NEPH_RT_BIT(RT_HALF_DEPTH) | NEPH_RT_BIT(RT_HALF_DEPTH_BEFORE) |
              NEPH_RT_BIT(RT_HISTORY_BEFORE) | NEPH_RT_BIT(RT_HISTORY_STATE_BEFORE) |

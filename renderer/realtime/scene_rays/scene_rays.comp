@@ -59,7 +59,7 @@ void main()
     uint thread = min(gl_GlobalInvocationID.x, run.ray_count - 1u);
     int ray = int(run.first_ray + thread);
     if (KNOWN_SOLIDS != 0u)
-        ray = spread(ray, view_size().x * view_size().y);
+        ray = deal_ray(ray, view_size().x * view_size().y);
     ivec2 pixel = element_at(ray, view_size().x);
     Camera camera = frame_camera();
     vec3 background = frame.background;

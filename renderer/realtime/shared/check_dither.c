@@ -3,12 +3,10 @@
  * Dither kinds against their published formulas, worked out by other means: interleaved gradient
  * noise in double, the hash in Python's integers. Then the shader against the C, bit by bit.
  */
-#include "tests/base/scratch.h"
 #include "tests/renderer/realtime_test.h"
 
 #include "base/sort.h"
 #include "renderer/blue_noise.h"
-#include "renderer/realtime/noise.h"
 #include "renderer/realtime/shared/check_reference_dither.h"
 
 enum { KINDS = RT_DITHER_SLICE + 1, CHANNELS = 4 };
@@ -175,36 +173,6 @@ static void test_white_is_white(void **state)
 
 /* ---- blue ------------------------------------------------------------------------------------ */
 
-/* All masks of two seeds are the library's own, and one file each. */
-static void test_ranks_are_both_masks(void **state)
-{
-    const struct scratch *scratch = *state;
-    static uint32_t ranks[NEPH_RT_NOISE_COUNT];
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_rt_noise_ranks(2, scratch->folder, ranks, &diag), &diag);
-    assert_int_equal(scratch_count(state), 2);
-    const uint32_t *rank = ranks;
-    for (int frames = 1; frames <= 32; frames += 31) {
-        struct neph_blue_noise *mask = NULL;
-        neph_assert_ok(neph_blue_noise_load(&(struct neph_blue_noise_request){64, 64, frames, 2},
-                                            scratch->folder, &mask, &diag),
-                       &diag);
-        for (int i = 0; i < frames * 4096; i++)
-            assert_int_equal(*rank++, mask->ranks[i]);
-        neph_blue_noise_destroy(mask);
-    }
-    assert_int_equal(scratch_count(state), 2);
-    assert_ptr_equal(rank, ranks + NEPH_RT_NOISE_COUNT);
-}
-
-static void test_ranks_need_a_folder(void **state)
-{
-    static uint32_t ranks[NEPH_RT_NOISE_COUNT];
-    struct neph_diag diag = {0};
-    assert_int_equal(neph_rt_noise_ranks(2, "/dev/null/there", ranks, &diag), NEPH_ERR_IO);
-    assert_non_null(strstr(diag.message, "/dev/null"));
-}
-
 /* Each channel goes on by its own irrational in steps of 2^-32, also where the frame times the step
  * passes 2^32; frame 0 of channel 0 is the mask itself. */
 static void test_blue_goes_on_by_irrationals(void **state)
@@ -289,9 +257,10 @@ static double cells_of_pairs(const struct twin_dither *dither, int kind, bool is
  * 16 (1 - (15/16)^16) = 10.3 cells; the least of what the kinds come to is 9.5. */
 static void test_channels_cover_the_square(void **state)
 {
-    const struct scratch *scratch = *state;
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
-    neph_assert_ok(neph_rt_noise_ranks(1, scratch->folder, ranks, NULL), NULL);
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_blue_noise_load(NEPH_SOURCE_DIR "/renderer/blue_noise.png", 1, ranks, &diag), &diag);
     const struct twin_dither dither = {1, ranks};
     int most;
     assert_true(cells_of_pairs(&dither, RT_DITHER_BLUE, true, 0, &most) < 8.0);
@@ -352,12 +321,10 @@ int main(void)
         cmocka_unit_test(test_interleaved_windows_cover_the_circle),
         cmocka_unit_test(test_white_values),
         cmocka_unit_test(test_white_is_white),
-        scratch_test(test_ranks_are_both_masks),
-        cmocka_unit_test(test_ranks_need_a_folder),
         cmocka_unit_test(test_blue_goes_on_by_irrationals),
         cmocka_unit_test(test_spatiotemporal_is_the_full_mask),
         cmocka_unit_test(test_values_stay_within_the_unit_interval),
-        scratch_test(test_channels_cover_the_square),
+        cmocka_unit_test(test_channels_cover_the_square),
         cmocka_unit_test(test_the_shader_is_the_same),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);

@@ -17,7 +17,6 @@ struct twin {
     const struct neph_gpu_view *view;
     const uint32_t *noise_ranks; /* as at binding 1 of the passes */
     uint32_t *targets[RT_TARGET_COUNT];
-    bool on_gpu; /* as kernels of a GPU round it */
 };
 
 /* Element at a texel of the whole target; pixel of the view or of the picture, half-pixel or tile

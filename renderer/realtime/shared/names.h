@@ -1,224 +1,33 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the real-time renderer, their twins in C and its table of options have
-// in common: this file is both GLSL and C. What a setting means is said once, in
-// renderer/realtime/options.c; `neph engines realtime` prints it.
+// Names that the shaders of the real-time renderer, their CPU references and its table of options
+// have in common: this file is both GLSL and C.
 #ifndef NEPH_REALTIME_NAMES_H
 #define NEPH_REALTIME_NAMES_H
 
-// --- settings: index in the table of options --------------------------------------------------
-
-// The march.
-#define RT_STEPS 0
-#define RT_SUN_STEPS 1
-#define RT_TRANSMITTANCE 2
-#define RT_SUN 3
-#define RT_LIGHTING 4
-// The split of the frame.
-#define RT_SPLIT 5
-#define RT_DEPTH_MAP 6
-#define RT_SLOT_ORDER 7
-#define RT_SLOT_CHECKERBOARD 8
-#define RT_OVERRIDE 9
-#define RT_OVERRIDE_DEPTH 10
-#define RT_OVERRIDE_SKY_M 11
-#define RT_OVERRIDE_REST 12
-#define RT_FAR 13
-#define RT_SKY_M 14
-#define RT_RAY_DEPTH_MAX_M 15
-#define RT_CLAMP_PIXEL_DEPTH 16
-#define RT_DEPTH_FORMAT 17
-#define RT_COLOR_FORMAT 18
-#define RT_EDGE_TILES 19
-#define RT_GATHER 20
-#define RT_TILE_ORIGIN 21
-#define RT_JITTERED_DEPTH 22
-#define RT_RAY_DITHER 23
-#define RT_RAY_DITHER_AMOUNT 24
-// Reconstruction at half resolution: what a texel takes.
-#define RT_FRESH_WEIGHT 25
-#define RT_FRESH_SPACE 26
-#define RT_HISTORY_WEIGHT 27
-#define RT_HISTORY_AGE_MAX 28
-#define RT_HISTORY_FADE 29
-#define RT_HISTORY_FILTER 30
-#define RT_FALLBACK 31
-#define RT_FALLBACK_REJECTED 32
-// The box that its history is held in.
-#define RT_BOX 33
-#define RT_BOX_DEPTH 34
-#define RT_BOX_TRANSMITTANCE 35
-#define RT_CONTRAST 36
-#define RT_BOX_SAME_KIND 37
-#define RT_BOX_SIGMA 38
-#define RT_BOX_SPACE 39
-#define RT_BOX_HOLD 40
-#define RT_BOX_AGE 41
-#define RT_BOX_CENTRE 42
-#define RT_BOX_LEAST 43
-#define RT_BOX_MOTION_PX 44
-#define RT_BOX_CHANGE 45
-// Where its history was, and whether it is one.
-#define RT_REPROJECT_DEPTH 46
-#define RT_REPROJECT_MEASURE 47
-#define RT_REPROJECT_JITTER 48
-#define RT_REPROJECT_LEAST_M 49
-#define RT_WIND 50
-#define RT_VALIDITY 51
-#define RT_CUT_RESET 52
-#define RT_REJECT_DEPTH 53
-#define RT_REJECT_SCENE_M 54
-#define RT_REJECT_WITHIN_M 55
-#define RT_REJECT_NEAREST_M 56
-#define RT_REJECT_AROUND 57
-// Upscale to full resolution.
-#define RT_UPSCALE 58
-#define RT_UPSCALE_DEPTH 59
-#define RT_UPSCALE_SKY_M 60
-#define RT_UPSCALE_CONTRAST 61
-#define RT_UPSCALE_TOLERANCE_M 62
-#define RT_UPSCALE_SAME_KIND 63
-#define RT_UPSCALE_DITHER 64
-#define RT_UPSCALE_AMOUNT_PX 65
-#define RT_UPSCALE_LAW 66
-#define RT_UPSCALE_PAIR 67
-// Temporal anti-aliasing.
-#define RT_TAA 68
-#define RT_TAA_JITTER 69
-#define RT_TAA_JITTER_LENGTH 70
-#define RT_TAA_MOTION 71
-#define RT_TAA_SPACE 72
-#define RT_TAA_HDR_WEIGHT 73
-#define RT_TAA_FILTER 74
-#define RT_TAA_BOX 75
-#define RT_TAA_SIGMA 76
-#define RT_TAA_HISTORY 77
-#define RT_TAA_ALPHA 78
-#define RT_TAA_ALPHA_MOVING 79
-#define RT_TAA_VELOCITY_PX 80
-#define RT_TAA_CONTRAST 81
-#define RT_TAA_FORMAT 82
-#define RT_TAA_ROUNDING 83
-#define RT_TAA_GUARD 84
-// The sequence; no shader asks for it.
-#define RT_WARM_UP 85
-// Sharpening.
-#define RT_SHARPEN 86
-#define RT_SHARPEN_AMOUNT 87
-// Shortcuts of the march.
-#define RT_SUN_CACHE 88
-#define RT_SUN_CACHE_VOXELS 89
-#define RT_SUN_CACHE_FRAMES 90
-#define RT_SKIP 91
-#define RT_EARLY_OUT 92
-#define RT_STEP_GROWTH 93
-#define RT_GRID_SAMPLING 94
-#define RT_GRID_FORMAT 95
-// Traced light.
-#define RT_LIGHT_TEXEL_PX 96
-#define RT_LIGHT_PATHS 97
-#define RT_LIGHT_ROUNDS 98
-#define RT_LIGHT_MEMORY 99
-#define RT_LIGHT_BLUR 100
-// What has changed since the same ray was marched before.
-#define RT_GRADIENT 101
-// Anti-aliasing that follows the medium, and that comes to rest.
-#define RT_TAA_MEDIUM 102
-#define RT_TAA_AGE_MAX 103
-#define RT_TAA_REST_PX 104
-#define RT_TAA_CHANGE 105
-// Diffused light.
-#define RT_DIFFUSION_CELLS 106
-#define RT_DIFFUSION_CYCLES 107
-// What moves beside the camera and the air.
-#define RT_SOLID_MOTION 108
-#define RT_ORIGIN_SHIFT 109
-// Traced light, once more.
-#define RT_LIGHT_AHEAD 110
-#define RT_LIGHT_SIMILAR 111
-// The shadow map of clouds.
-#define RT_CLOUD_SHADOW 112
-#define RT_CLOUD_SHADOW_TEXELS 113
-#define RT_CLOUD_SHADOW_LAYERS 114
-#define RT_CLOUD_SHADOW_LEVELS 115
-#define RT_CLOUD_SHADOW_EXTENT_M 116
-#define RT_CLOUD_SHADOW_PLANE 117
-#define RT_CLOUD_SHADOW_FRAMES 118
-// What is made of changes of the light.
-#define RT_RELIGHT 119
-#define RT_CHANGE_HOLD 120
-// Near froxels.
-#define RT_FROXEL_VOLUME 121
-#define RT_FROXEL_PX 122
-#define RT_FROXEL_SLICES 123
-#define RT_FROXEL_NEAR_M 124
-#define RT_FROXEL_END_M 125
-#define RT_FROXEL_JITTER 126
-#define RT_FROXEL_HISTORY 127
-#define RT_FROXEL_HOLD 128
-// Where the volume is laid over what is behind it.
-#define RT_COMPOSITION 129
-// A picture of more pixels than are rendered.
-#define RT_SCREEN_PERCENT 130
-// Anti-aliasing of what moves by itself, of what has no motion vectors, and of exposed colours.
-#define RT_TAA_ANTIGHOST 131
-#define RT_TAA_RESPONSIVE 132
-#define RT_TAA_PRE_EXPOSURE 133
-// Where froxels are too coarse.
-#define RT_LAMP_PEAKS 134
-// The sky of a planet.
-#define RT_SKY 135
-#define RT_SKY_COLUMNS 136
-#define RT_SKY_ROWS 137
-#define RT_SKY_SLICES 138
-#define RT_SKY_FAR_M 139
-#define RT_SKY_SHADOWS 140
-// And where the depth map is made.
-#define RT_DEPTH_MAP_PASS 141
-// Locks (anti_aliasing/locks.comp), and the filter of the volume in steps (atrous/atrous.glsl).
-#define RT_LOCK_RATIO 142
-#define RT_LOCK_SEPARATION 143
-#define RT_ATROUS 144
-#define RT_ATROUS_SIGMA 145
-#define RT_ATROUS_DEPTH 146
-#define RT_SKY_REFILL 147
-// What two looks at the same light cannot tell.
-#define RT_CHANGE_STROBE 148
-// How long slots that no ray is left for are marched after the sun has jumped.
-#define RT_OVERRIDE_WAKE 149
-// And where what has changed around a tile is found.
-#define RT_CHANGE_PASS 150
-// Steps towards the sun.
-#define RT_SUN_GROWTH 151
-#define RT_SUN_CONE 152
-// And whether the gradient is asked where it is known that it sees nothing.
-#define RT_STEADY 153
-// The height fog as game engines draw it.
-#define RT_FOG 154
-// Steps behind an optical depth.
-#define RT_DEPTH_GROWTH 155
-#define RT_SETTING_COUNT 156
+// The settings of the files settings.toml, by their index in the table of options, what the
+// pipeline chooses for a view behind them, and the words of choices (renderer/settings.py).
+#include "settings/realtime_names.h"
 
 // Specialization constants of the shaders, behind those of the march: whether passes with rays
-// leave their counters alone (rays.glsl); whether the shaders hold the choices, and the
-// first that does (choices.glsl); how many solids the scene has, or that there are many,
-// and which of few are balls (known_solids.glsl); which of the driver's own conversions of halves
-// are taken (renderer/halves.h); whether the device is no CPU; what stands where it stood; whether
-// rays see transmittance alone (realtime/ray_march/ray_march.comp).
+// leave their counters alone (rays.glsl); whether the shaders hold the choices; how many solids the
+// scene has, or that there are many, and which of few are balls (known_solids.glsl); which of the
+// driver's own conversions of halves are taken (renderer/halves.h); which form of
+// shared/device.glsl; what stands where it stood; whether rays see transmittance alone
+// (realtime/ray_march/ray_march.comp); the first that holds choices (choices.glsl).
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
-#define RT_CHOICE_CONSTANT 8
-#define RT_CHOICE_CONSTANT_COUNT 20
-#define RT_SOLIDS_CONSTANT 28
+#define RT_SOLIDS_CONSTANT 8
 #define RT_SOLIDS_UNKNOWN 65 // and from there on: looked at block by block
-#define RT_HALVES_CONSTANT 29
-#define RT_ON_GPU_CONSTANT 30
-#define RT_RESTS_CONSTANT 31
+#define RT_HALVES_CONSTANT 9
+#define RT_GPU_ACCESS_CONSTANT 10
+#define RT_RESTS_CONSTANT 11
 #define RT_RESTS_ALL 1u // camera, air and solids
 #define RT_RESTS_AIR 2u
-#define RT_BALLS_CONSTANT 32 // and the next
-#define RT_DARK_CONSTANT 34
-#define RT_CONSTANT_COUNT 35
+#define RT_BALLS_CONSTANT 12 // and the next
+#define RT_DARK_CONSTANT 14
+#define RT_CHOICE_CONSTANT 15
+#define RT_CONSTANT_COUNT (RT_CHOICE_CONSTANT + RT_CHOICE_CONSTANT_COUNT)
 
 // Pixels below each other that a thread of the anti-aliasing takes, whole tiles: each row that it
 // reads serves three of them.
@@ -237,136 +46,6 @@
 // Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
 // colours take turns.
 #define RT_COLOUR_BLOCK 8
-
-// --- choices ----------------------------------------------------------------------------------
-
-#define RT_SPLIT_NONE 0 // every pixel, every frame
-#define RT_SPLIT_FOUR 1 // one ray per 4x4 pixels, four frames for a whole
-
-#define RT_DEPTH_MAP_CHECKERBOARD 0
-#define RT_DEPTH_MAP_NEAREST 1
-#define RT_DEPTH_MAP_FARTHEST 2
-#define RT_DEPTH_MAP_REVERSED 3
-
-#define RT_SLOT_ORDER_CLOCKWISE 0     // (0,0) (1,0) (1,1) (0,1)
-#define RT_SLOT_ORDER_RASTER 1        // (0,0) (1,0) (0,1) (1,1)
-#define RT_SLOT_ORDER_DIAGONAL 2      // (0,0) (1,1) (1,0) (0,1)
-#define RT_SLOT_ORDER_ANTICLOCKWISE 3 // (0,0) (0,1) (1,1) (1,0)
-
-#define RT_OVERRIDE_NONE 0
-#define RT_OVERRIDE_PARALLEL 1
-#define RT_OVERRIDE_SEQUENTIAL 2
-
-#define RT_FAR_FINITE 0
-#define RT_FAR_INFINITE 1
-
-#define RT_FORMAT_HALF 0
-#define RT_FORMAT_FLOAT 1
-
-#define RT_EDGE_TILES_KEPT 0
-#define RT_EDGE_TILES_DROPPED 1
-
-#define RT_GATHER_TEXEL 0
-#define RT_GATHER_NORMALISED 1
-
-#define RT_TILE_ORIGIN_VIEW 0
-#define RT_TILE_ORIGIN_BUFFER 1
-
-// dither.glsl
-#define RT_DITHER_NONE 0
-#define RT_DITHER_WHITE 1
-#define RT_DITHER_INTERLEAVED 2
-#define RT_DITHER_BLUE 3 // from here on a mask is read
-#define RT_DITHER_SPATIOTEMPORAL 4
-#define RT_DITHER_SLICE 5
-
-#define RT_FILTER_NEAREST 0
-#define RT_FILTER_BILINEAR 1
-#define RT_FILTER_CATMULL_ROM 2
-
-#define RT_BOX_NONE 0
-#define RT_BOX_MIN_MAX 1
-#define RT_BOX_VARIANCE 2
-#define RT_BOX_DISTANCE 3 // of TAA alone
-
-#define RT_SPACE_LINEAR 0
-#define RT_SPACE_REINHARD 1
-#define RT_SPACE_YCOCG 2
-#define RT_SPACE_CHANNELS 3 // not of TAA, whose Reinhard is that of the channels
-
-#define RT_FALLBACK_NEAREST 0
-#define RT_FALLBACK_AROUND 1
-#define RT_FALLBACK_TILE 2
-#define RT_FALLBACK_BILINEAR 3
-#define RT_FALLBACK_BILATERAL 4
-
-#define RT_CONTRAST_TRANSMITTANCE 0
-#define RT_CONTRAST_OPACITY 1
-
-#define RT_HOLD_CLAMP 0
-#define RT_HOLD_CLIP 1
-
-#define RT_REPROJECT_TILE 0
-#define RT_REPROJECT_PIXEL 1
-
-#define RT_MEASURE_EYE 0
-#define RT_MEASURE_RADIAL 1
-
-#define RT_UPSCALE_NEAREST 0
-#define RT_UPSCALE_BILINEAR 1
-#define RT_UPSCALE_MEAN 2
-#define RT_UPSCALE_BILATERAL 3
-#define RT_UPSCALE_INVERSE 4
-#define RT_UPSCALE_SQUARE 5
-
-#define RT_LAW_CONSTANT 0
-#define RT_LAW_OPACITY 1
-
-#define RT_PAIR_SHARED 0
-#define RT_PAIR_INDEPENDENT 1
-
-#define RT_AROUND_OFF 0
-#define RT_AROUND_ON 1
-#define RT_AROUND_MOVED 2
-
-#define RT_TAA_OFF 0
-#define RT_TAA_ON 1
-#define RT_TAA_UPSAMPLING 2
-#define RT_TAA_LOCKS 3
-
-#define RT_JITTER_NONE 0
-#define RT_JITTER_UE 1
-#define RT_JITTER_HALTON 2
-
-#define RT_OF_MOVER 4096 // in place of an age, of which none is as large: a solid that may move
-
-#define RT_RESPONSIVE_OFF 0
-#define RT_RESPONSIVE_MEDIUM 1
-
-#define RT_MOTION_CENTRE 0
-#define RT_MOTION_CROSS 1
-#define RT_MOTION_SQUARE 2
-
-#define RT_DEPTH_MAP_PASS_AUTO 0
-#define RT_DEPTH_MAP_PASS_OWN 1
-#define RT_DEPTH_MAP_PASS_TILE_INDEX 2 // of views alone
-
-#define RT_CHANGE_PASS_AUTO 0
-#define RT_CHANGE_PASS_OWN 1
-#define RT_CHANGE_PASS_RECONSTRUCTION 2 // of views alone
-
-#define RT_STEADY_AUTO 0
-#define RT_STEADY_UNASKED 1
-#define RT_STEADY_KNOWN 2  // of views alone
-#define RT_STEADY_UNREAD 3 // the same, and nobody reads more than the picture
-
-#define RT_COMPOSITION_AUTO 0
-#define RT_COMPOSITION_PASS 1
-#define RT_COMPOSITION_TAA 2
-#define RT_COMPOSITION_UPSCALE 3
-
-#define RT_ROUNDING_NEAREST 0
-#define RT_ROUNDING_STOCHASTIC 1
 
 // --- formats: the words of 32 bits that an element of a target takes --------------------------
 
@@ -399,7 +78,7 @@
 #define RT_VOLUME 11          // RGBA: in-scattered radiance, transmittance after the upscale
 #define RT_VOLUME_DISTANCE 12 // R: [m]
 #define RT_COLOR 13           // RGB: the composed frame
-// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max; or RT_OF_MOVER
+// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
 #define RT_TAA_OUT 14
 #define RT_TAA_BEFORE 15
 // The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
@@ -447,40 +126,38 @@
 // The pixels of the picture: as many as RT_FULL, or more with screen_percent.
 #define RT_PICTURE 7
 
-#define RT_FIXED (-1) // no setting chooses the format
-
-// The table of targets, rows for a C array or a GLSL one: resolution; the setting that chooses the
-// format; the format where that is half; where it is float.
+// The table of targets, rows for a C array or a GLSL one: resolution; the
+// format with target_format=half; with float.
 #define RT_TARGETS                                                                                 \
-    {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                     /* RT_DEPTH */                      \
-        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_BEHIND */                     \
-        {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH */                 \
-        {RT_HALF, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH_BEFORE */          \
-        {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                    \
-        {RT_HALF, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */             \
-        {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */              \
-        {RT_HALF, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */       \
-        {RT_QUARTER, RT_DEPTH_FORMAT, RT_RG16F, RT_RG32F},     /* RT_TILE */                       \
-        {RT_QUARTER, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                        \
-        {RT_QUARTER, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */               \
-        {RT_FULL, RT_COLOR_FORMAT, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                     \
-        {RT_FULL, RT_DEPTH_FORMAT, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */            \
-        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_COLOR */                      \
-        {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_OUT */                    \
-        {RT_PICTURE, RT_TAA_FORMAT, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_BEFORE */                 \
-        {RT_FULL, RT_FIXED, RT_R32F, RT_R32F},                 /* RT_STEADY_DEPTH */               \
-        {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_SHARPENED */                  \
-        {RT_FULL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},           /* RT_MOVED */                      \
-        {RT_FROXEL, RT_FIXED, RT_RGBA32F, RT_RGBA32F},         /* RT_FROXELS */                    \
-        {RT_HALF, RT_FIXED, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_RAY */                   \
-        {RT_FULL, RT_FIXED, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_BEHIND */                \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_NOW */                   \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_THEN */                  \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_NOW */            \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_THEN */           \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE */                     \
-        {RT_QUARTER, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE_BEHIND */              \
-        {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE */                  \
-        {RT_PICTURE, RT_FIXED, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE_BEFORE */
+    {RT_FULL, RT_R32F, RT_R32F},                     /* RT_DEPTH */                      \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_BEHIND */                     \
+        {RT_HALF, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH */                 \
+        {RT_HALF, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH_BEFORE */          \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                    \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */             \
+        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */              \
+        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */       \
+        {RT_QUARTER, RT_RG16F, RT_RG32F},     /* RT_TILE */                       \
+        {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                        \
+        {RT_QUARTER, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */               \
+        {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                     \
+        {RT_FULL, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */            \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_COLOR */                      \
+        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_OUT */                    \
+        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_BEFORE */                 \
+        {RT_FULL, RT_R32F, RT_R32F},                 /* RT_STEADY_DEPTH */               \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_SHARPENED */                  \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_MOVED */                      \
+        {RT_FROXEL, RT_RGBA32F, RT_RGBA32F},         /* RT_FROXELS */                    \
+        {RT_HALF, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_RAY */                   \
+        {RT_FULL, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_BEHIND */                \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_NOW */                   \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_THEN */                  \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_NOW */            \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_THEN */           \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE */                     \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE_BEHIND */              \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE */                  \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE_BEFORE */
 
 #endif

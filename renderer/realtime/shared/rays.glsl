@@ -18,19 +18,6 @@ layout(std430, binding = 6) buffer Counters {
     uint closed_forms[2];
 } counters;
 
-// lavapipe gives each core as many work groups that follow each other, so that one has the sky and
-// waits for that which has the clouds. Groups of a picture are taken as by a comb: each core has a
-// part of everything. The number of a ray, of `count` in a picture; a permutation.
-int spread(int ray, int count)
-{
-    const int group_rays = 64, teeth = 16;
-    int rows = count / group_rays / teeth, group = ray / group_rays;
-    if (ON_GPU || group >= teeth * rows)
-        return ray;
-    ivec2 place = element_at(group, max(rows, 1));
-    return group_rays * (teeth * place.x + place.y) + ray % group_rays;
-}
-
 // Nobody will look at the counters: frames in flight.
 layout(constant_id = RT_UNCOUNTED_CONSTANT) const bool UNCOUNTED = false;
 

@@ -65,7 +65,8 @@ struct Target {
 layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];
-    float settings[RT_SETTING_COUNT]; // as in the table of options; choices as whole numbers
+    // As in the table of options, choices as whole numbers; then what the pipeline chooses.
+    float settings[RT_NUMBER_COUNT];
     uint seed;
     uint frame;       // of the sequence that the pipeline has seen, from 0: phase and dither
     uint has_history; // 0 in the first frame, after a resize, and after a cut if cut_reset
@@ -115,41 +116,24 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// And once more, to be read by a CPU (neph_buffer_see_texels()).
-layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
-uniform readonly uimageBuffer target_texels[KNOWN_TARGETS];
-layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui)
-uniform readonly uimageBuffer target_texel_pairs[KNOWN_TARGETS];
-layout(binding = NEPH_GPU_TEXELS_BINDING, rgba32ui)
-uniform readonly uimageBuffer target_texel_fours[KNOWN_TARGETS];
+// And once more, to be read by a CPU (neph_buffer_see_texels()): texels of as many words as the
+// buffer's view has, which may be one, two or four.
+layout(binding = NEPH_GPU_TEXELS_BINDING) uniform usamplerBuffer target_texels[KNOWN_TARGETS];
 #endif
 
-// lavapipe runs both sides of every branch, and skips what no thread wants of a loop alone; a GPU
-// keeps in registers what it finds without an index, and wants its loops known.
-layout(constant_id = RT_ON_GPU_CONSTANT) const bool ON_GPU = false;
+#include "device.glsl"
 
-// Numbers of the view that alone decide a branch, as own() of frame.glsl has those of the frame:
-// lavapipe would compile a kernel anew, for milliseconds in each picture, that branches by them.
-uint of_thread(uint number)
+ViewCamera force_nonuniform(ViewCamera camera)
 {
-    return ON_GPU ? number : number | gl_LocalInvocationIndex & 0x80000000u;
-}
-
-float of_thread(float number) { return uintBitsToFloat(of_thread(floatBitsToUint(number))); }
-
-vec3 of_thread(vec3 v) { return vec3(of_thread(v.x), of_thread(v.y), of_thread(v.z)); }
-
-ViewCamera of_thread(ViewCamera camera)
-{
-    camera.is_parallel = of_thread(camera.is_parallel);
-    camera.position_m = of_thread(camera.position_m);
+    camera.is_parallel = force_nonuniform(camera.is_parallel);
+    camera.position_m = force_nonuniform(camera.position_m);
     return camera;
 }
 
 // The view once more, read at the start of main(): there lavapipe knows that all threads are at
 // work, and reads for all at once. Behind a return or a branch it reads for one after the other.
-ViewCamera view_now = of_thread(view.now), view_before = of_thread(view.before);
-float settings[RT_SETTING_COUNT] = view.settings;
+ViewCamera view_now = force_nonuniform(view.now), view_before = force_nonuniform(view.before);
+float settings[RT_NUMBER_COUNT] = view.settings;
 ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
 ivec2 size_px = ivec2(view.size_px[0], view.size_px[1]);
 ivec2 picture_px = ivec2(view.picture_px[0], view.picture_px[1]);
@@ -159,9 +143,10 @@ ivec2 half_size_px = ivec2(view.half_size_px[0], view.half_size_px[1]);
 ivec2 tiles = ivec2(view.tile_count[0], view.tile_count[1]);
 vec2 jitter_px = vec2(view.jitter_px[0], view.jitter_px[1]);
 vec2 jitter_before_px = vec2(view.jitter_before_px[0], view.jitter_before_px[1]);
-vec3 moved_by_wind_m = of_thread(vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]));
-uint view_seed = view.seed, view_frame = of_thread(view.frame);
-bool has_past = of_thread(view.has_history) != 0u, is_cut = of_thread(view.is_cut) != 0u;
+vec3 moved_by_wind_m = force_nonuniform(vec3(view.wind_m[0], view.wind_m[1], view.wind_m[2]));
+uint view_seed = view.seed, view_frame = force_nonuniform(view.frame);
+bool has_past = force_nonuniform(view.has_history) != 0u;
+bool is_cut = force_nonuniform(view.is_cut) != 0u;
 // Texels in a row of the targets of each resolution.
 int full_row = int(view.targets[RT_DEPTH].width);
 int picture_row = int(view.targets[RT_TAA_OUT].width);
@@ -170,16 +155,7 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 #define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
-// A choice by an index that is no constant, which only formats need. It names these three and not
-// all settings: a kernel is made anew for each setting that its shader names.
-int format_choice(int index)
-{
-    return index == RT_DEPTH_FORMAT ? choice(RT_DEPTH_FORMAT)
-         : index == RT_COLOR_FORMAT ? choice(RT_COLOR_FORMAT)
-         : index == RT_TAA_FORMAT   ? choice(RT_TAA_FORMAT)
-                                    : int(settings[index]);
-}
-float setting(int index) { return of_thread(settings[index]); } // of one that is a number
+float setting(int index) { return force_nonuniform(settings[index]); } // of one that is a number
 // Whether a number is other than 0, where that is "never" or "off".
 #define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
 
@@ -196,7 +172,7 @@ vec3 wind_m() { return moved_by_wind_m; }
 const float HALF_MAX = 65504.0;
 
 struct TargetRow {
-    int resolution, setting, half_format, float_format;
+    int resolution, half_format, float_format;
 };
 
 const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
@@ -204,7 +180,7 @@ const TargetRow TARGETS[RT_TARGET_COUNT] = {RT_TARGETS};
 int format_of(int target)
 {
     TargetRow row = TARGETS[target];
-    bool is_half = row.setting == RT_FIXED || format_choice(row.setting) == RT_FORMAT_HALF;
+    bool is_half = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF;
     return is_half ? row.half_format : row.float_format;
 }
 
@@ -239,52 +215,12 @@ int width_of(int target)
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 
-// A texel has as many words as a format that is known.
-const bool READS_TEXELS = SPECIALISED && !ON_GPU;
-
-uint word(int target, uint index)
-{
-#ifdef SEES_TEXELS
-    if (READS_TEXELS)
-        return imageLoad(target_texels[target], int(index)).x;
-#endif
-    return targets[target].words[index];
-}
-
-uvec2 word_pair(int target, uint index)
-{
-#ifdef SEES_TEXELS
-    if (READS_TEXELS)
-        return imageLoad(target_texel_pairs[target], int(index)).xy;
-#endif
-    if (ON_GPU)
-        return target_pairs[target].words[index];
-    return unpackUint2x32(target_longs[target].words[index]);
-}
-
-uvec4 word_four(int target, uint index)
-{
-#ifdef SEES_TEXELS
-    if (READS_TEXELS)
-        return imageLoad(target_texel_fours[target], int(index));
-#endif
-    return target_fours[target].words[index];
-}
-
-void put_word_pair(int target, uint index, uvec2 pair)
-{
-    if (ON_GPU)
-        target_pairs[target].words[index] = pair;
-    else
-        target_longs[target].words[index] = packUint2x32(pair);
-}
-
 // The words of an element that is kept in halves: one, or two.
 uvec2 half_words(int target, uint index, int format)
 {
     if (format == RT_RGBA16F)
-        return word_pair(target, index);
-    uint word = word(target, index);
+        return load_word_pair(target, index);
+    uint word = load_word(target, index);
     return uvec2(format == RT_R16F ? word & 0xffffu : word, 0u);
 }
 
@@ -295,11 +231,11 @@ vec4 fetch(int target, ivec2 texel)
     int format = format_of(target);
     switch (format) {
     case RT_R32F:
-        return vec4(uintBitsToFloat(word(target, index)), 0.0, 0.0, 0.0);
+        return vec4(uintBitsToFloat(load_word(target, index)), 0.0, 0.0, 0.0);
     case RT_RG32F:
-        return vec4(uintBitsToFloat(word_pair(target, index)), 0.0, 0.0);
+        return vec4(uintBitsToFloat(load_word_pair(target, index)), 0.0, 0.0);
     case RT_RGBA32F:
-        return uintBitsToFloat(word_four(target, index));
+        return uintBitsToFloat(load_word_four(target, index));
     default:
         return unpack(half_words(target, index, format));
     }
@@ -319,25 +255,14 @@ void put(int target, ivec2 texel, vec4 value)
         targets[target].words[index] = pack(value.xy);
         break;
     case RT_RG32F:
-        put_word_pair(target, index, floatBitsToUint(value.xy));
+        store_word_pair(target, index, floatBitsToUint(value.xy));
         break;
     case RT_RGBA16F:
-        put_word_pair(target, index, uvec2(pack(value.xy), pack(value.zw)));
+        store_word_pair(target, index, uvec2(pack(value.xy), pack(value.zw)));
         break;
     default:
         target_fours[target].words[index] = floatBitsToUint(value);
     }
-}
-
-// Column and row of an element of an image that is `width` wide. lavapipe divides whole numbers for
-// one thread after the other; a quotient of floats is off by at most one row up to 2^20 of them.
-ivec2 element_at(int index, int width)
-{
-    int row = int(float(index) / float(width));
-    int column = index - row * width;
-    if (column < 0)
-        return ivec2(column + width, row - 1);
-    return column < width ? ivec2(column, row) : ivec2(column - width, row + 1);
 }
 
 // Elements by their place in the view: pixels, half-resolution texels or tiles, held at its sides.
@@ -371,17 +296,6 @@ void put_half(int target, ivec2 pixel, vec4 value)
 }
 
 void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 4 + tile, value); }
-
-// The first and the last of four taps in a row that have a weight: one tap where the camera rests.
-int first_tap(vec4 weights)
-{
-    return ON_GPU || weights.x != 0.0 ? 0 : weights.y != 0.0 ? 1 : 2;
-}
-
-int last_tap(vec4 weights)
-{
-    return ON_GPU || weights.w != 0.0 ? 3 : weights.z != 0.0 ? 2 : 1;
-}
 
 // --- numbers that may be bad -------------------------------------------------------------------
 

@@ -16,7 +16,6 @@ static void get_rgb(const struct test_passes *test, int target, int x, int y, fl
 static void sharpen(struct test_passes *test, int source, int x, int y)
 {
     static const int cross[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-    const float amount = test->view.settings[RT_SHARPEN_AMOUNT];
     float own[4], neighbours[4][4], made[4] = {0};
     get_rgb(test, source, x, y, own);
     for (int i = 0; i < 4; i++)
@@ -28,7 +27,7 @@ static void sharpen(struct test_passes *test, int source, int x, int y)
             least = fminf(least, neighbours[i][c]);
             largest = fmaxf(largest, neighbours[i][c]);
         }
-        made[c] = fmaxf(fminf(own[c] + amount * (own[c] - 0.25f * sum), largest), least);
+        made[c] = fmaxf(fminf(own[c] + 0.5f * (own[c] - 0.25f * sum), largest), least);
     }
     twin_put_full(&test->twin, RT_SHARPENED, x, y, made);
 }
@@ -38,9 +37,9 @@ static void test_the_shader_is_its_formula(void **state)
     static const struct {
         const char *settings;
         int source;
-    } cases[] = {{"sharpen=on sharpen_amount=0.5", RT_TAA_OUT},
-                 {"sharpen=on sharpen_amount=4 taa=off", RT_COLOR},
-                 {"sharpen=on sharpen_amount=0 taa_format=float", RT_TAA_OUT}};
+    } cases[] = {{"sharpen=on", RT_TAA_OUT},
+                 {"sharpen=on taa=off", RT_COLOR},
+                 {"sharpen=on target_format=float", RT_TAA_OUT}};
     for (size_t k = 0; k < COUNT(cases); k++) {
         const struct neph_settings settings = test_settings(cases[k].settings);
         struct test_passes test;

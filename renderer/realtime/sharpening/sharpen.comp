@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: MIT
 //
 // Sharpening of the finished picture, against the blur of anti-aliasing: a pixel moves away from
-// the mean of its four neighbours by sharpen_amount times its distance from it, and stays within
+// the mean of its four neighbours by half of its distance from it, and stays within
 // the least and the largest of the five. So no edge rings, a constant stays what it is, and no
 // radiance becomes negative (unsharp masking held as in AMD's Robust Contrast Adaptive Sharpening).
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
+
+const float AMOUNT = 0.5; // of the distance from the mean of four
 
 const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
 
@@ -29,7 +31,7 @@ void main()
         largest = mix(largest, neighbour, greaterThan(neighbour, largest));
         sum += neighbour;
     }
-    precise vec3 sharper = own + setting(RT_SHARPEN_AMOUNT) * (own - 0.25 * sum);
+    precise vec3 sharper = own + AMOUNT * (own - 0.25 * sum);
     sharper = mix(sharper, least, lessThan(sharper, least));
     sharper = mix(sharper, largest, greaterThan(sharper, largest));
     put_picture(RT_SHARPENED, pixel, vec4(sharper, 0.0));

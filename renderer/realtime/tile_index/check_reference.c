@@ -38,8 +38,7 @@ static float compared_depth_m(const struct twin *twin, float depth_m)
 {
     if (depth_m < NEPH_GPU_FAR_M)
         return depth_m;
-    return choice(twin, RT_FAR) == RT_FAR_INFINITE ? INFINITY
-                                                   : twin->view->settings[RT_OVERRIDE_SKY_M];
+    return choice(twin, RT_FAR) == RT_FAR_INFINITE ? INFINITY : 1e6f;
 }
 
 static void tile_depths_m(const struct twin *twin, int x, int y, float depths_m[4])
@@ -77,7 +76,7 @@ static int count_covering(const struct twin *twin, int x, int y, float depth_m)
             const int slot = believed_slot(twin, nx, ny);
             const float ray_m = compared_depth_m(twin,
                                                  slot_depth_m(twin, nx, ny, slot, view->origin_px));
-            count += fabsf(compared_m - ray_m) < view->settings[RT_OVERRIDE_DEPTH] * ray_m;
+            count += fabsf(compared_m - ray_m) < 0.25f * ray_m;
         }
     return count;
 }

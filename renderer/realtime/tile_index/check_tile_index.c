@@ -39,10 +39,8 @@ static struct neph_settings random_settings(uint64_t *seed, int override, int fa
     settings.values[RT_SLOT_ORDER] = (double)(neph_test_random(seed) % 4);
     settings.values[RT_SLOT_CHECKERBOARD] = (double)(neph_test_random(seed) % 2);
     settings.values[RT_TILE_ORIGIN] = (double)(neph_test_random(seed) % 2);
-    settings.values[RT_DEPTH_FORMAT] = (double)(neph_test_random(seed) % 2);
-    settings.values[RT_OVERRIDE_DEPTH] = neph_test_random(seed) % 2 ? 0.25 : 0.0;
+    settings.values[RT_TARGET_FORMAT] = (double)(neph_test_random(seed) % 2);
     settings.values[RT_SKY_M] = neph_test_random(seed) % 2 ? 20000.0 : 1e15;
-    settings.values[RT_OVERRIDE_SKY_M] = neph_test_random(seed) % 2 ? 20000.0 : 1e6;
     settings.values[RT_RAY_DEPTH_MAX_M] = neph_test_random(seed) % 2 ? 10000.0 : 1e15;
     return settings;
 }

@@ -101,8 +101,8 @@ static void shift_px(const struct twin *twin, int x, int y, float shift[2])
 static float compared_depth_m(const struct twin *twin, float eye_m)
 {
     if (setting(twin, RT_CLAMP_PIXEL_DEPTH) != 0)
-        return twin_limited_depth_m(twin->view, eye_m, setting(twin, RT_UPSCALE_SKY_M));
-    return eye_m >= NEPH_GPU_FAR_M ? setting(twin, RT_UPSCALE_SKY_M) : eye_m;
+        return twin_limited_depth_m(twin->view, eye_m, 1e6f);
+    return eye_m >= NEPH_GPU_FAR_M ? 1e6f : eye_m;
 }
 
 static struct tap tap_at(const struct twin *twin, const int corner[2], int i,

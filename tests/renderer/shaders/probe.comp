@@ -14,7 +14,7 @@ layout(local_size_x = 64) in;
 const uint PROBE_PHI = 0;            // a.x -> phi
 const uint PROBE_TRANSMITTANCE = 1;  // a.x -> e^-a.x
 const uint PROBE_ABSORBED = 2;       // a.x -> 1 - e^-a.x
-const uint PROBE_PHASE = 3;          // kind, a.x = g, b = view, c = sun -> 1/sr
+const uint PROBE_PHASE = 3;          // kind, a = (g, u), b = view, c = sun -> 1/sr, versine, cosine
 const uint PROBE_EXTINCTION = 4;     // a = layer, b.x = y -> 1/m
 const uint PROBE_FOG = 5;            // a = layer, b = (y, k_y, length) -> depth, transmittance
 const uint PROBE_DISTANCE = 6;       // a = layer, b = (y, k_y, optical depth) -> distance, thin end
@@ -52,7 +52,8 @@ vec4 answer(Probe p)
     case PROBE_ABSORBED:
         return vec4(absorbed_fraction(p.a.x));
     case PROBE_PHASE:
-        return vec4(phase_per_sr(p.kind, p.a.x, p.b.xyz, p.c.xyz));
+        return vec4(phase_per_sr(p.kind, p.a.x, p.b.xyz, p.c.xyz),
+                    phase_versine(p.kind, abs(p.a.x), p.a.y), phase_mean_cosine(p.kind, p.a.x), 0.0);
     case PROBE_EXTINCTION:
         return vec4(fog_extinction_per_m(layer, p.b.x));
     case PROBE_FOG: {

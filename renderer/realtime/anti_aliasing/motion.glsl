@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+//
+// Motion: where the frame before showed what a pixel shows now. A static scene before a static
+// camera has none; otherwise the pixel goes with the solid nearest to the camera around it, or with
+// the medium in front, which the wind carries.
+#ifndef NEPH_REALTIME_MOTION_GLSL
+#define NEPH_REALTIME_MOTION_GLSL
+
+#include "renderer/realtime/gradient/change.glsl"
+#include "renderer/realtime/tile_index/slots.glsl"
+
+// --- what has changed ----------------------------------------------------------------------------
+
+// By the temporal gradient, around this thread's tile; found once in main().
+Change medium_change, behind_change;
+
+bool keeps_age() { return is_set(RT_TAA_AGE_MAX); }
+
+bool uses_gradient() { return choice(RT_GRADIENT) != 0 && keeps_age(); }
+
+void find_change(ivec2 tile)
+{
+    if (!uses_gradient())
+        return;
+    medium_change = change_of(RT_CHANGE, tile);
+    behind_change = change_of(RT_CHANGE_BEHIND, tile);
+}
+
+// 0: the light is that of the frame before, 1: another.
+float light_change()
+{
+    return beyond(max(medium_change.residue, behind_change.residue), setting(RT_TAA_CHANGE));
+}
+
+bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
+
+// The solids' motion is known by their distance. The medium's distance is a mean over all that a
+// ray meets: good enough for the wind, which moves all of it alike, but not for a camera that
+// moves. A veil that looks the same everywhere does not change, whatever the wind, and keeps its
+// place.
+bool follows_medium()
+{
+    return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
+           (!uses_gradient() || light_change() > 0.0);
+}
+
+// Whether the history of a pixel is the pixel of the same place. Known before the kernel is
+// compiled, so that it has nothing of the rest of this file.
+bool is_static = ALL_REST && !follows_solids();
+
+// --- places --------------------------------------------------------------------------------------
+
+float dot_in_order(vec3 a, vec3 b)
+{
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// The point at eye depth 1 that a pixel's centre shows, without jitter.
+vec3 ray_through(vec2 centre_px)
+{
+    precise float x = (2.0 * centre_px.x / float(picture_px.x) - 1.0) * view_now.half_width;
+    precise float y = (1.0 - 2.0 * centre_px.y / float(picture_px.y)) * view_now.half_height;
+    precise vec3 ray = view_now.forward + x * view_now.right + y * view_now.up;
+    return ray;
+}
+
+// Where a camera sees a point, in pixels from the middle of its frame.
+vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
+{
+    float spread = view_spread(camera, depth);
+    precise vec2 place_px;
+    place_px.x = 0.5 * float(picture_px.x) *
+                 (dot_in_order(point, camera.right) / (spread * camera.half_width));
+    place_px.y = -0.5 * float(picture_px.y) *
+                 (dot_in_order(point, camera.up) / (spread * camera.half_height));
+    return place_px;
+}
+
+// How many pixels a point `depth_m` deep has moved since the frame before, when it stood `from_m`
+// off from where it is now, as seen by the camera; false when it was behind that camera. Lengths are
+// divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
+// difference of two projections, exactly 0 for a static camera. All depths of an orthographic frame
+// move alike, since its camera never turns (scenes/load_motion.c).
+bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
+{
+    precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
+    float depth_before = view_spread(view_before, dot_in_order(ray_before, view_before.forward));
+    precise vec2 moved_px =
+        project_from_middle(view_now, ray, dot_in_order(ray, view_now.forward)) -
+        project_from_middle(view_before, ray_before, depth_before);
+    motion_px = moved_px;
+    return depth_before > 0.0;
+}
+
+// --- which depth ---------------------------------------------------------------------------------
+
+const ivec2 CROSS_2PX[4] = {ivec2(-2, -2), ivec2(2, -2), ivec2(-2, 2), ivec2(2, 2)};
+const ivec2 SQUARE_RING[8] = {ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(-1, 0),
+                              ivec2(1, 0),   ivec2(-1, 1), ivec2(0, 1),  ivec2(1, 1)};
+
+// The nearest of the pixel's depth and the four or eight around, so that the rim of an object moves
+// with it; and how far that object has moved by itself. As in Unreal the motion is that of the
+// pixel's own place at this depth, not of the neighbour's.
+float nearest_depth(ivec2 pixel, out vec3 moved_m)
+{
+    moved_m = vec3(0.0);
+    ivec2 nearest = pixel;
+    float nearest_m = fetch_full(RT_DEPTH, pixel).x;
+    bool is_cross = choice(RT_TAA_MOTION) == RT_MOTION_CROSS;
+    int others = is_cross ? 4 : choice(RT_TAA_MOTION) == RT_MOTION_SQUARE ? 8 : 0;
+    for (int i = 0; i < others; i++) {
+        ivec2 other = pixel + (is_cross ? CROSS_2PX[i] : SQUARE_RING[i]);
+        float depth_m = fetch_full(RT_DEPTH, other).x;
+        if (depth_m < nearest_m) {
+            nearest_m = depth_m;
+            nearest = other;
+        }
+    }
+    if (follows_solids())
+        moved_m = fetch_full(RT_MOVED, nearest).xyz;
+    return nearest_m;
+}
+
+// Transmittance below which a medium hides what is behind it: nearly all of a solid that moves by
+// itself, half of a static one. The sky has nothing that could smear.
+const float HIDES_MOVER = 0.0625, HIDES_STATIC = 0.5, HIDES_SKY = 1.0;
+
+// The motion of the medium, where that hides the scene behind and lies before the solids around.
+// One of both motions, never a mix: that would drag solids along in the haze before them.
+bool find_medium_motion(ivec2 pixel, vec3 ray, float scene_m, bool is_mover, out vec2 motion_px)
+{
+    float transmittance = fetch_full(RT_VOLUME, pixel).a;
+    float distance_m = fetch_full(RT_VOLUME_DISTANCE, pixel).x;
+    float hides = is_mover ? HIDES_MOVER : is_sky(scene_m) ? HIDES_SKY : HIDES_STATIC;
+    bool is_seen = transmittance >= 0.0 && transmittance < hides && distance_m > 0.0 &&
+                   distance_m < FAR_M;
+    precise float depth_m = distance_m / sqrt(dot_in_order(ray, ray));
+    precise vec3 from_m = view_before.position_m + wind_m();
+    return is_seen && depth_m < scene_m && find_motion(ray, depth_m, from_m, motion_px);
+}
+
+// The place in the frame before, in pixels, by the depths about a pixel's source; false when that
+// was out of the frame.
+bool find_before(ivec2 pixel, ivec2 source, out vec2 place_px, out float speed_px)
+{
+    precise vec2 centre_px = vec2(pixel) + 0.5;
+    if (is_static) {
+        place_px = centre_px;
+        speed_px = 0.0;
+        return true;
+    }
+    vec3 ray = ray_through(centre_px), moved_m = vec3(0.0);
+    vec2 motion_px;
+    // A camera that only turns moves all depths alike.
+    bool needs_depth = view_before.position_m != vec3(0.0) || follows_solids();
+    float scene_m = needs_depth || follows_medium() ? nearest_depth(source, moved_m) : FAR_M;
+    precise vec3 from_m = view_before.position_m + moved_m;
+    bool is_mover = moved_m != vec3(0.0);
+    bool is_before = (follows_medium() &&
+                      find_medium_motion(source, ray, scene_m, is_mover, motion_px)) ||
+                     find_motion(ray, needs_depth ? scene_m : FAR_M, from_m, motion_px);
+    precise vec2 before_px = centre_px - motion_px;
+    place_px = before_px;
+    speed_px = length(motion_px);
+    return is_before && before_px.x > 0.0 && before_px.x < float(picture_px.x) &&
+           before_px.y > 0.0 && before_px.y < float(picture_px.y);
+}
+
+#endif

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+//
+// Stochastic rounding to half floats: one of the two halves next to a value, by 32 random bits, so
+// that their mean is the value. A history that is rounded to nearest stalls short of its limit.
+// (Unreal adds up to one step, and leaves the rest to the hardware's rounding.)
+#ifndef NEPH_REALTIME_ROUNDING_GLSL
+#define NEPH_REALTIME_ROUNDING_GLSL
+
+#include "renderer/shaders/random.glsl"
+
+const uint HALF_MAX_BITS = 0x477fe000u;  // of 65504
+const uint LEAST_NORMAL_EXPONENT = 113u; // of 2^-14; smaller halves lie as far apart as from there on
+
+float round_by_chance(float value, uint bits)
+{
+    uint magnitude = floatBitsToUint(value) & 0x7fffffffu;
+    if (magnitude >= HALF_MAX_BITS)
+        return value;
+    uint exponent = max(magnitude >> 23, LEAST_NORMAL_EXPONENT);
+    float halves_per_unit = uintBitsToFloat((264u - exponent) << 23); // 2^10 of them in an octave
+    float half_step = uintBitsToFloat((exponent - 10u) << 23);
+    precise float halves = value * halves_per_unit;
+    precise float below = floor(halves);
+    precise float above_it = halves - below;
+    return (uniform_from(uvec3(bits)).x < above_it ? below + 1.0 : below) * half_step;
+}
+
+#endif

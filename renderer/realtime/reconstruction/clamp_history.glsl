@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+//
+// The neighbourhood clamp: which of this frame's rays around make the box of a texel's history.
+#ifndef NEPH_REALTIME_CLAMP_HISTORY_GLSL
+#define NEPH_REALTIME_CLAMP_HISTORY_GLSL
+
+#include "rays_around.glsl"
+
+bool in_box[9]; // of the rays around
+
+const float OPACITY_LEAST = 1e-6; // c52e's, against 0 / 0
+
+bool is_alike(float transmittance, float other)
+{
+    precise float difference = abs(transmittance - other);
+    precise float opacity = 1.0 - (transmittance > other ? transmittance : other);
+    precise float allowed = setting(RT_BOX_TRANSMITTANCE) *
+                            (choice(RT_CONTRAST) == RT_CONTRAST_TRANSMITTANCE ? 1.0
+                             : opacity > OPACITY_LEAST                        ? opacity
+                                                                              : OPACITY_LEAST);
+    return difference < allowed;
+}
+
+bool is_accepted(int ray, int nearest, float nearest_through, float own_m, bool own_is_sky)
+{
+    precise float allowed_m = setting(RT_BOX_DEPTH) * ray_at(ray).depth_m;
+    bool is_candidate = ray_at(ray).is_usable && (ray != 0 || choice(RT_BOX_CENTRE) != 0) &&
+                        (choice(RT_BOX_SAME_KIND) == 0 || ray_at(ray).is_sky == own_is_sky);
+    return ray == nearest ||
+           (is_candidate && (depth_difference_m(own_m, ray) < allowed_m ||
+                             is_alike(ray_at(ray).value.a, nearest_through)));
+}
+
+void choose_rays(int nearest, float nearest_through, float own_m, bool own_is_sky)
+{
+    [[unroll]] for (int i = 0; i < 9; i++)
+        in_box[i] = is_accepted(i, nearest, nearest_through, own_m, own_is_sky);
+}
+
+void extend_by_rays(inout Box box, int space)
+{
+    [[unroll]] for (int i = 0; i < 9; i++)
+        if (in_box[i])
+            extend(box, to_space(space, ray_at(i).value));
+}
+
+void extend_by_variance(inout Box box, int space)
+{
+    float count = 0.0;
+    vec4 mean = vec4(0.0), variance = vec4(0.0);
+    [[unroll]] for (int i = 0; i < 9; i++)
+        if (in_box[i]) {
+            count += 1.0;
+            mean += to_space(space, ray_at(i).value);
+        }
+    mean /= count;
+    [[unroll]] for (int i = 0; i < 9; i++)
+        if (in_box[i]) {
+            vec4 difference = to_space(space, ray_at(i).value) - mean;
+            variance += difference * difference;
+        }
+    Box about = variance_box(mean, variance / count, 1.0);
+    extend(box, about.low);
+    extend(box, about.high);
+}
+
+// History clamped to the box of the accepted rays, which has the nearest ray in any case.
+vec4 clamp_to_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
+{
+    if (choice(RT_BOX) == RT_BOX_NONE)
+        return value;
+    int space = choice(RT_BOX_SPACE);
+    vec4 nearest_value = ray_value(nearest), first = to_space(space, nearest_value);
+    Box box = Box(first, first);
+    choose_rays(nearest, nearest_value.a, own_m, own_is_sky);
+    if (choice(RT_BOX) == RT_BOX_MIN_MAX)
+        extend_by_rays(box, space);
+    else
+        extend_by_variance(box, space);
+    return clamp_in_space(space, value, nearest_value, box);
+}
+
+#endif

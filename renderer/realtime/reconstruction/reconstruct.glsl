@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+//
+// A texel of the reconstruction (reconstruct.comp), from the rays around and its history.
+#ifndef NEPH_REALTIME_RECONSTRUCT_GLSL
+#define NEPH_REALTIME_RECONSTRUCT_GLSL
+
+#include "renderer/realtime/gradient/change.glsl"
+#include "renderer/realtime/gradient/gradient_samples.glsl"
+#include "clamp_history.glsl"
+
+const float AGE_MAX = 255.0;
+
+// Rays that see only transmittance have no noise: each is worth as much as all before it.
+layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
+
+// The change around a tile, from wherever a shader has it.
+Change change_around_tile(ivec2 tile);
+
+// --- change -----------------------------------------------------------------------------------
+
+// The difference of the nearest ray from the history of its own texel: of luminance, relative to
+// the larger, or of transmittance. A gradient as of C. Schied, C. Peters, C. Dachsbacher, "Gradient
+// Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018: each tile has one for free.
+float change_at_ray(ivec2 tile, int ray)
+{
+    ivec2 own_tile = ray_tile(tile, ray);
+    ivec2 place = ray_half_pixel(own_tile);
+    History then = history_of(place, fetch_half(RT_HALF_DEPTH, place).x,
+                              fetch_tile(RT_RAY_DISTANCE, own_tile).x);
+    vec4 now = ray_value(ray);
+    float now_luminance = luminance(now.rgb);
+    float then_luminance = luminance(then.value.rgb);
+    float most = max(now_luminance, then_luminance);
+    float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
+    return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
+}
+
+// The temporal gradient has it without noise (realtime/gradient/gradient.comp).
+float change_at(ivec2 tile, int nearest)
+{
+    return choice(RT_GRADIENT) != 0 ? change_around_tile(tile).residue
+                                    : change_at_ray(tile, nearest);
+}
+
+// History that has changed by box_change is no older than this frame. Of a slow change no more rays
+// count than it takes to change by that.
+float age_after_change(ivec2 tile, bool is_fresh, float age)
+{
+    if (choice(RT_GRADIENT) == 0)
+        return age;
+    float change = change_around_tile(tile).residue;
+    float unchanged = 1.0 - beyond(change, setting(RT_BOX_CHANGE));
+    age = min(unchanged * age, lasting(change, setting(RT_BOX_CHANGE)));
+    return max(age, is_fresh ? 0.0 : 1.0);
+}
+
+// Static history takes the gain of the light since the frame before.
+vec3 relight(vec3 radiance, ivec2 tile, float motion_px)
+{
+    if (choice(RT_GRADIENT) == 0 || !is_set(RT_RELIGHT))
+        return radiance;
+    vec3 gain = change_around_tile(tile).gain;
+    return mix(gain, vec3(1.0), beyond(motion_px, setting(RT_BOX_MOTION_PX))) * radiance;
+}
+
+// How much of the neighbourhood clamp applies, 0..1: all of it to what moves, and none to what is
+// static in unchanged light, through which the depths of this frame's rays would flicker.
+float clamp_share(float motion_px, ivec2 tile, int nearest)
+{
+    if (is_static() && is_unchanged() && is_set(RT_BOX_MOTION_PX) && is_set(RT_BOX_CHANGE))
+        return 0.0;
+    float share = beyond(motion_px, setting(RT_BOX_MOTION_PX));
+    if (share < 1.0)
+        share = max(share, beyond(change_at(tile, nearest), setting(RT_BOX_CHANGE)));
+    return share;
+}
+
+// --- blending ---------------------------------------------------------------------------------
+
+// At a weight of 0 or 1 the value itself, whatever the other one is (a NaN, say).
+vec4 blend(vec4 a, vec4 b, float weight_of_b)
+{
+    if (weight_of_b == 0.0 || weight_of_b == 1.0)
+        return weight_of_b == 0.0 ? a : b;
+    return a + weight_of_b * (b - a);
+}
+
+// Weight of a fresh ray; `part` of the history's age counts (box_age).
+float fresh_weight(float age, float part)
+{
+    if (!is_set(RT_HISTORY_AGE_MAX))
+        return setting(RT_FRESH_WEIGHT);
+    float of_history = 1.0 - 1.0 / min(age, setting(RT_HISTORY_AGE_MAX));
+    return 1.0 - part * setting(RT_HISTORY_FADE) * of_history;
+}
+
+// History and ray are blended in fresh_space.
+vec4 blend_fresh(vec4 history, vec4 ray, float weight)
+{
+    int space = choice(RT_FRESH_SPACE);
+    if (space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0)
+        return blend(history, ray, weight);
+    float brightest = max(luminance(history.rgb), luminance(ray.rgb));
+    return from_space(space, blend(to_space(space, history), to_space(space, ray), weight),
+                      brightest);
+}
+
+// --- without history ----------------------------------------------------------------------------
+
+// Weights of the tile before, of the texel's own and of the one after along one axis. A texel lies
+// a quarter of a tile from its tile's centre towards the one before; the other kind is mirrored.
+const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
+const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
+
+vec4 mean_of_rays(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+{
+    bool by_depth = kind == RT_FALLBACK_BILATERAL;
+    vec4 sum = vec4(0.0);
+    float total = 0.0;
+    [[unroll]] for (int i = 0; i < 9; i++) {
+        ivec2 at = 1 + AROUND[i] * (1 - 2 * (half_pixel & 1));
+        float weight = by_depth ? GAUSSIAN_WEIGHTS[at.x] * GAUSSIAN_WEIGHTS[at.y] /
+                                      (depth_difference_m(own_m, i) +
+                                       setting(RT_UPSCALE_TOLERANCE_M))
+                                : LINEAR_WEIGHTS[at.x] * LINEAR_WEIGHTS[at.y];
+        if (!ray_at(i).is_usable || weight == 0.0 || (by_depth && ray_at(i).is_sky != own_is_sky))
+            continue;
+        sum += weight * ray_at(i).value;
+        total += weight;
+    }
+    return total > 0.0 ? sum / total : ray_value(nearest);
+}
+
+vec4 fallback(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_sky)
+{
+    int around = kind == RT_FALLBACK_AROUND ? nearest_ray(own_m, 1) : -1;
+    if (kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL)
+        return mean_of_rays(kind, half_pixel, nearest, own_m, own_is_sky);
+    if (kind == RT_FALLBACK_TILE && ray_at(0).is_usable)
+        return ray_at(0).value;
+    return ray_value(around < 0 ? nearest : around);
+}
+
+// --- the result ---------------------------------------------------------------------------------
+
+// Sound values stay sound when they are kept in halves.
+float limit_to_format(float value)
+{
+    bool is_too_large = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF && checks_validity() &&
+                        value > HALF_MAX;
+    return is_too_large ? HALF_MAX : value;
+}
+
+void put_result(ivec2 half_pixel, vec4 value, float age, float distance_m)
+{
+    for (int c = 0; c < 4; c++)
+        value[c] = limit_to_format(value[c]);
+    put_half(RT_HISTORY, half_pixel, value);
+    put_half(RT_HISTORY_STATE, half_pixel, vec4(age, limit_to_format(distance_m), 0.0, 0.0));
+}
+
+// --- a texel ------------------------------------------------------------------------------------
+
+struct Texel {
+    ivec2 half_pixel, tile;
+    float depth_m;    // of the scene
+    float compared_m; // as depths of rays are stored
+    int nearest;      // of the rays around in depth; -1: none can be used
+    bool is_fresh;    // this frame's ray goes through it
+};
+
+Texel texel_at(ivec2 half_pixel)
+{
+    Texel texel;
+    texel.half_pixel = half_pixel;
+    texel.tile = half_pixel / 2;
+    texel.depth_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
+    texel.compared_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? stored_depth_m(texel.depth_m)
+                       : is_sky(texel.depth_m)           ? setting(RT_SKY_M)
+                                                         : texel.depth_m;
+    texel.nearest = nearest_ray(texel.compared_m, 0);
+    texel.is_fresh = ray_at(0).is_usable &&
+                     int(fetch_tile(RT_TILE, texel.tile).x) == slot_of(half_pixel);
+    return texel;
+}
+
+// Where the gradient does not run its samples are kept here.
+void keep_ray(ivec2 half_pixel)
+{
+    ivec2 kept_texel = 2 * (half_pixel / 2) + kept_place();
+    if (is_unchanged() && (is_unread() || half_pixel == kept_texel))
+        put_half(RT_KEPT_RAY, kept_texel, as_halves(ray_at(0).value));
+}
+
+// Distance of the medium that a texel shows [m].
+float medium_distance_m(Texel texel)
+{
+    bool of_tile = choice(RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && ray_at(0).is_usable;
+    return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, of_tile ? 0 : texel.nearest)).x;
+}
+
+// History in the light of this frame, clamped as far as it has moved or changed. Returns the part
+// of its age that counts.
+float adapt_history(Texel texel, inout History history)
+{
+    float part = 1.0;
+    history.value.rgb = relight(history.value.rgb, texel.tile, history.motion_px);
+    float share = clamp_share(history.motion_px, texel.tile, texel.nearest);
+    if (share > 0.0) {
+        vec4 clamped = clamp_to_rays(history.value, texel.nearest, texel.compared_m,
+                                     is_sky(texel.depth_m));
+        if (clamped.rgb != history.value.rgb)
+            part = 1.0 - share * (1.0 - setting(RT_BOX_AGE));
+        if (clamped != history.value)
+            history.value = blend(history.value, clamped, share);
+    }
+    history.age = age_after_change(texel.tile, texel.is_fresh, history.age);
+    return part;
+}
+
+// A texel whose rays around are there.
+void reconstruct(ivec2 half_pixel)
+{
+    keep_ray(half_pixel);
+    Texel texel = texel_at(half_pixel);
+    if (texel.nearest < 0) {
+        put_result(half_pixel, vec4(0.0, 0.0, 0.0, 1.0), 0.0, FAR_M);
+        return;
+    }
+    float distance_m = medium_distance_m(texel);
+    History history = history_of(half_pixel, texel.depth_m, distance_m);
+    float part = history.is_void ? 1.0 : adapt_history(texel, history);
+    float age = history.is_void ? 1.0 : history.age;
+    vec4 value = ray_value(texel.is_fresh ? 0 : texel.nearest);
+    if (texel.is_fresh && !history.is_void) {
+        age = IS_DARK ? AGE_MAX : min(history.age + 1.0, AGE_MAX);
+        value = blend_fresh(history.value, value, IS_DARK ? 1.0 : fresh_weight(age, part));
+    } else if (!history.is_void) {
+        if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
+            age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);
+        value = blend(value, history.value, setting(RT_HISTORY_WEIGHT));
+    } else if (!texel.is_fresh) {
+        int kind = history.is_rejected ? choice(RT_FALLBACK_REJECTED) : choice(RT_FALLBACK);
+        value = fallback(kind, half_pixel, texel.nearest, texel.compared_m, is_sky(texel.depth_m));
+    }
+    put_result(half_pixel, value, age, known_distance_m(distance_m));
+}
+
+#endif

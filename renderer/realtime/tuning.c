@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/realtime/tuning.h"
+
+#include "renderer/realtime/shared/names.h"
+
+static const struct neph_rt_tuning tunings[NEPH_RT_DEVICE_KINDS] = {
+    [NEPH_RT_CPU] = {.composition = RT_COMPOSITION_UPSCALE,
+                     .has_air_kernels = true,
+                     .elides_outputs = true},
+    [NEPH_RT_GPU] = {.composition = RT_COMPOSITION_TAA,
+                     .has_driver_halves = true,
+                     .prepares_kernels = true},
+};
+
+const struct neph_rt_tuning *neph_rt_tuning_of(enum neph_rt_device_kind kind)
+{
+    return &tunings[kind];
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Between the keys of a scene: of its camera, sun, wind and solids. Private to scenes/.
+ */
+#ifndef NEPH_SCENES_KEYS_H
+#define NEPH_SCENES_KEYS_H
+
+#include "base/vec3.h"
+
+#include <stddef.h>
+
+/* The keys around a frame, and how far it is from the one to the other: 0..1. */
+struct neph_span {
+    int from, to;
+    double part;
+};
+
+/* `keys` is an array of structures of `size` bytes that begin with their frame, in ascending order.
+ * Before the first and after the last that one holds. */
+struct neph_span neph_span_at(const void *keys, size_t size, int count, double frame);
+
+/* From a (part 0) to b (part 1). */
+struct neph_vec3 neph_mix(struct neph_vec3 a, struct neph_vec3 b, double part);
+
+#endif

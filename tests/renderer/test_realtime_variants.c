@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shaders that a kind of device has for itself against the readable shader of the same pass, from the
+ * same random targets: the same results, by another way.
+ */
+#include "tests/renderer/realtime_test.h"
+
+#include <math.h>
+
+/* One half step: where both round the same sum, of float32 terms in another order, to halves. */
+static const double half_step = 0x1p-10;
+
+/* Passes whose results are rounded freely: how far apart values may be, and which part of them may be
+ * farther apart, because a decision hangs on a rounded value. All else has the same bits. */
+static const struct {
+    const char *pass;
+    double step, beyond;
+} free_passes[] = {{"upscale", half_step, 0.0}, {"anti-aliasing", half_step, 1e-3}};
+
+static float pick_depth_m(uint64_t *seed)
+{
+    static const float depths_m[] = {10, 10, 100, 160, 125, 1000, 15000, 30000, NEPH_GPU_FAR_M};
+    return depths_m[neph_test_random(seed) % COUNT(depths_m)];
+}
+
+static void fill_at_random(struct test_passes *test, int target, uint64_t *seed)
+{
+    for (size_t i = 0; i < test_elements(test, target); i++) {
+        float value[4];
+        for (int c = 0; c < 4; c++)
+            value[c] = (float)test_uniform(seed);
+        if (target == RT_DEPTH || target == RT_STEADY_DEPTH || target == RT_HALF_DEPTH ||
+            target == RT_HALF_DEPTH_BEFORE)
+            value[0] = pick_depth_m(seed);
+        if (target == RT_TILE) {
+            value[0] = (float)(neph_test_random(seed) % 4);
+            value[1] = fminf(pick_depth_m(seed), 20000.0f) * 1e-4f;
+        }
+        if (target == RT_HISTORY_STATE || target == RT_HISTORY_STATE_BEFORE) {
+            value[0] = (float)(1 + neph_test_random(seed) % 9);
+            value[1] = 1000.0f * value[1];
+        }
+        if (target == RT_RAY_DISTANCE || target == RT_VOLUME_DISTANCE)
+            value[0] *= 1000.0f;
+        if (target == RT_LOOK_THEN || target == RT_LOOK_BEHIND_THEN)
+            value[3] = (float)(neph_test_random(seed) % 2);
+        test_set(test, target, i, value);
+    }
+}
+
+/* The targets that a pass and the one that its variant absorbs write, after both. For the caller to
+ * free. */
+static void take_results(struct test_passes *test, uint32_t targets, uint32_t *results[])
+{
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        results[t] = targets & NEPH_RT_BIT(t) ? test_download(test, t) : NULL;
+}
+
+static void run_readable(struct test_passes *test, const struct neph_rt_pass *pass,
+                         const struct neph_rt_pass *absorbed)
+{
+    uint32_t *before[RT_TARGET_COUNT] = {NULL};
+    test->device.has_no_variants = true;
+    neph_rt_absorb_passes(&test->view, test->device.kind, false);
+    if (absorbed) {
+        test_passes_run(test, absorbed->name);
+        for (int t = 0; t < RT_TARGET_COUNT; t++)
+            if (absorbed->writes & NEPH_RT_BIT(t)) {
+                before[t] = test->twin.targets[t];
+                test->twin.targets[t] = test_download(test, t);
+            }
+    }
+    test_passes_run(test, pass->name);
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        if (before[t]) {
+            free(test->twin.targets[t]);
+            test->twin.targets[t] = before[t];
+        }
+    test->device.has_no_variants = false;
+}
+
+static bool are_close(const float a[4], const float b[4], double step)
+{
+    for (int c = 0; c < 4; c++)
+        if (!(a[c] == b[c] || fabs((double)a[c] - b[c]) <= step * fabs((double)b[c])))
+            return false;
+    return true;
+}
+
+static void compare(struct test_passes *test, const struct neph_rt_pass *pass, int target,
+                    const uint32_t *readable, const uint32_t *variant, const char *preset)
+{
+    double step = 0.0, beyond = 0.0;
+    size_t count = test_elements(test, target), apart = 0;
+    for (size_t i = 0; i < COUNT(free_passes); i++)
+        if (!strcmp(free_passes[i].pass, pass->name)) {
+            step = free_passes[i].step;
+            beyond = free_passes[i].beyond;
+        }
+    for (size_t i = 0; i < count; i++) {
+        float a[4], b[4];
+        neph_rt_load(&test->view.targets[target], variant, i, a);
+        neph_rt_load(&test->view.targets[target], readable, i, b);
+        apart += !are_close(a, b, step);
+    }
+    if ((double)apart > beyond * (double)count)
+        fail_msg("%s of preset %s on kind %d: %zu of %zu elements of %s differ", pass->name, preset,
+                 (int)test->device.kind, apart, count, neph_rt_target_name(target));
+}
+
+/* Before a camera that turns or is static. */
+static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *pass, int kind,
+                         const struct neph_preset *preset, uint64_t seed)
+{
+    const struct neph_settings settings = test_settings(preset->assignments);
+    uint32_t *readable[RT_TARGET_COUNT], *variant[RT_TARGET_COUNT];
+    struct test_passes test;
+    test_passes_open(vulkan, &settings, (int[2]){61, 35}, (int[2]){8, 4}, 2 * seed, &test);
+    if (kind == NEPH_RT_GPU)
+        test_be_gpu(&test.device);
+    const struct neph_rt_pass *absorbed = pass->variants[kind].absorbs;
+    if (absorbed && !neph_rt_holds(&test.view, absorbed->condition))
+        absorbed = NULL;
+    test.view.frame = (uint32_t)seed;
+    test.view.has_history = 1;
+    if (seed % 2) {
+        test.view.before.right[2] -= 0.01f;
+        test.view.before.position_m[0] = 0.5f;
+    }
+    for (int t = 0; t < RT_TARGET_COUNT; t++)
+        fill_at_random(&test, t, &seed);
+    const uint32_t targets = pass->writes | (absorbed ? absorbed->writes : 0u);
+    if (neph_rt_holds(&test.view, pass->condition) &&
+        neph_rt_shader_for(&test.view, pass, kind) != &pass->shader) {
+        run_readable(&test, pass, absorbed);
+        take_results(&test, targets, readable);
+        neph_rt_absorb_passes(&test.view, kind, true);
+        const uint32_t touched = neph_rt_targets_touched(&test.view, pass);
+        test_passes_run(&test, pass->name);
+        take_results(&test, targets, variant);
+        for (int t = 0; t < RT_TARGET_COUNT; t++) {
+            if (targets & touched & NEPH_RT_BIT(t))
+                compare(&test, pass, t, readable[t], variant[t], preset->name);
+            free(readable[t]);
+            free(variant[t]);
+        }
+    }
+    test_passes_close(&test);
+}
+
+static void test_variants_equal_readable_shaders(void **state)
+{
+    for (int p = 0; neph_rt_passes[p]; p++)
+        for (int kind = 0; kind < NEPH_RT_DEVICE_KINDS; kind++)
+            for (int i = 0; neph_rt_passes[p]->variants[kind].code && neph_rt_presets[i].name; i++)
+                for (uint64_t seed = 0; seed < 2; seed++)
+                    compare_pass(*state, neph_rt_passes[p], kind, &neph_rt_presets[i], seed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_variants_equal_readable_shaders),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
