@@ -61,7 +61,7 @@ static void test_history_follows_the_jitter(void **state)
         {"jittered_depth=off reproject_jitter=on", 0}, /* the rays of media have none */
     };
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 32, 24, &test, "box=none fresh_weight=0 target_format=float %s",
                          cases[i].assignments);
         const float now_px[2] = {0.25f, -0.375f}, before_px[2] = {-0.125f, 0.25f};
