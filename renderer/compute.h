@@ -120,8 +120,8 @@ enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_
                                   struct neph_diag *diag);
 
 /* Add a dispatch; its copy is left out. Waits for its kernel, and meanwhile sends what the batch
- * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: more work groups
- * than the device allows. */
+ * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: there are more
+ * work groups than the device allows. */
 enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      const struct neph_dispatch *dispatch, struct neph_diag *diag);
 
