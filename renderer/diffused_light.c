@@ -526,26 +526,3 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
     light->is_alone = !continues && !status;
     return status;
 }
-
-enum neph_status neph_diffused_light_read(const struct neph_diffused_light *light,
-                                          struct neph_gpu_diffusion_cell **cells,
-                                          struct neph_diag *diag)
-{
-    const size_t bytes = cell_count(&light->levels[0]) * sizeof(**cells);
-    struct neph_buffer readback = {0};
-    struct neph_gpu_diffusion_cell *copy = malloc(bytes);
-    enum neph_status status = copy ? NEPH_OK : neph_fail_memory(diag);
-    if (!status)
-        status = neph_buffer_create(light->vulkan, NEPH_BUFFER_READBACK, bytes,
-                                    "diffusion readback", &readback, diag);
-    if (!status)
-        status = neph_buffer_download(light->vulkan, &light->cells, &readback, bytes, diag);
-    if (!status)
-        memcpy(copy, readback.mapped, bytes);
-    neph_buffer_destroy(light->vulkan, &readback);
-    if (status)
-        free(copy);
-    else
-        *cells = copy;
-    return status;
-}

@@ -66,9 +66,4 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
 void neph_diffused_light_place(struct neph_diffused_light *light, const struct neph_scene *scene,
                                double frame, const struct neph_gpu_scene *gpu);
 
-/* The cells of the finest level as they are, waited for; for free(). */
-enum neph_status neph_diffused_light_read(const struct neph_diffused_light *light,
-                                          struct neph_gpu_diffusion_cell **cells,
-                                          struct neph_diag *diag);
-
 #endif

@@ -37,13 +37,16 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE;
 }
 
-/* What the loader says of other people's drivers (type GENERAL) is not about us. */
-static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct neph_vulkan *vulkan)
+/* What the loader says of other people's drivers (type GENERAL) is not about us. With checks in
+ * shaders the layer warns of features that it enables for itself: only errors count there. */
+static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct neph_vulkan *vulkan,
+                                                         enum neph_vulkan_validation validation)
 {
+    const VkDebugUtilsMessageSeverityFlagsEXT warning =
+        validation == NEPH_VALIDATION_ON ? VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT : 0;
     return (VkDebugUtilsMessengerCreateInfoEXT){
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageSeverity = warning | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
         .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
                        VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
         .pfnUserCallback = on_message,
@@ -74,7 +77,9 @@ static bool has_validation_layer(void)
     return false;
 }
 
-static enum neph_status create_messenger(struct neph_vulkan *vulkan, struct neph_diag *diag)
+static enum neph_status create_messenger(struct neph_vulkan *vulkan,
+                                         enum neph_vulkan_validation validation,
+                                         struct neph_diag *diag)
 {
     PFN_vkCreateDebugUtilsMessengerEXT create_messenger_ext =
         (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(vulkan->instance,
@@ -83,7 +88,7 @@ static enum neph_status create_messenger(struct neph_vulkan *vulkan, struct neph
         vulkan->instance, "vkDestroyDebugUtilsMessengerEXT");
     vulkan->set_object_name = (PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(
         vulkan->instance, "vkSetDebugUtilsObjectNameEXT");
-    const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(vulkan);
+    const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(vulkan, validation);
     const VkResult result = create_messenger_ext(vulkan->instance, &info, NULL, &vulkan->messenger);
     return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "create the messenger", diag);
 }
@@ -104,16 +109,21 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
         return NEPH_ERR_UNAVAILABLE;
     }
 
+    /* Of core checks and those in shaders the layer wants one kind at a time. */
+    const VkValidationFeatureDisableEXT no_checks[] = {
+        VK_VALIDATION_FEATURE_DISABLE_CORE_CHECKS_EXT};
     const VkValidationFeatureEnableEXT checks[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
         VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
         VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
-    const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan);
+    const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan, validation);
     const VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
         .pNext = &messenger, /* hears the creation and the destruction of the instance too */
         .enabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 3 : 1,
         .pEnabledValidationFeatures = checks,
+        .disabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 1 : 0,
+        .pDisabledValidationFeatures = no_checks,
     };
     const char *const layers[] = {validation_layer};
     const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
@@ -137,7 +147,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
     if (result != VK_SUCCESS)
         return unavailable_driver(result, "create an instance", diag);
     volkLoadInstanceOnly(vulkan->instance);
-    return validation != NEPH_VALIDATION_OFF ? create_messenger(vulkan, diag) : NEPH_OK;
+    return validation != NEPH_VALIDATION_OFF ? create_messenger(vulkan, validation, diag) : NEPH_OK;
 }
 
 /* --- physical device ---------------------------------------------------------------------- */

@@ -19,8 +19,8 @@ struct neph_vulkan;
 enum neph_vulkan_validation {
     NEPH_VALIDATION_OFF,
     NEPH_VALIDATION_ON,      /* core and synchronization checks; every message is counted */
-    NEPH_VALIDATION_SHADERS, /* those, and checks that the layer adds to the shaders: what they
-                              * read and write, as they run */
+    NEPH_VALIDATION_SHADERS, /* synchronization checks, and those that the layer adds to shaders:
+                              * what they read and write, as they run; every error is counted */
 };
 
 struct neph_vulkan_params {

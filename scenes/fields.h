@@ -112,8 +112,8 @@ struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 
 /* The lines of a scene's hash, see scenes/hash_text.h: of every row that does not say otherwise. */
 void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text);
 
-/* "key: value, key: value", as a scene file may have it: of numbers, threes and flags, those that are
- * hashed where they are set only then. */
+/* "key: value, key: value", as a scene file may have it, of numbers, threes and flags. Rows that
+ * are hashed where they are set are written only then. */
 void neph_fields_write(const struct neph_field *fields, const void *target, FILE *out);
 
 /* What its value may be, in words. */

@@ -69,7 +69,7 @@ static void hash_value(const struct neph_field *field, const void *target, FILE 
     }
 }
 
-/* Of a number, three of them, or a flag: whether it is not 0. */
+/* Whether a number, three of them, or a flag is not 0. */
 static bool is_set(const struct neph_field *field, const void *target)
 {
     const void *value = (const char *)target + field->at;

@@ -316,7 +316,7 @@ struct neph_scene {
         *chain; /* the file of the picture chain, which its pictures are shown by; NULL: none */
     int gate_count;
     struct neph_gate *gates;
-    /* Of a scene that was built in memory: NULL. */
+    /* Both are NULL in a scene that was built in memory. */
     const struct neph_failing *failing;
     const struct neph_injections *injections; /* ask neph_scene_injections() */
     bool borrows;     /* made by neph_scene_at() or neph_scene_variant(): all pointers belong to the

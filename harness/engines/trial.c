@@ -17,8 +17,18 @@
 enum { FORMAT = 2, GRID_SIDE = 4 };
 enum { FOG, VOXELS };
 
-/* What a working renderer is off by in these images, many times over: 2e-4, and 2 % of noise. */
-static const double transmittance_slack = 0.02, radiance_slack = 0.2;
+/* Tolerances lie between what a working renderer is off by and the least fault that is looked for.
+ * Transmittance: all Blenders are off by at most 2.2e-4 (docs/blender.md); half or twice the density
+ * is 0.22 off exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
+static const double transmittance_slack = 0.02;
+/* A place without a medium has exactly 1; this is the error above, five times. */
+static const double empty_transmittance = 0.999;
+/* Scattered light: the sum of 16 pixels of 64 paths has 2 % of noise, of which this is 10 standard
+ * deviations; a factor of 2, the least of wrong units, is 0.5 or 1. */
+static const double radiance_slack = 0.2;
+/* Depth: an image of half floats rounds by 2^-11; this is twice as much. The distance along the ray
+ * in place of that along the axis is 6 % off there, a place half a pixel beside the centre 14 %. */
+static const double depth_slack = 1e-3;
 
 /* ---- the scene ------------------------------------------------------------------------------- */
 
@@ -103,7 +113,8 @@ static enum neph_status check_transmittance(const struct neph_scene *scene,
     return neph_fail(diag, NEPH_ERR_ENGINE,
                      "its images of a trial scene are wrong: behind %s of transmittance %.4f they "
                      "have %.4f%s",
-                     what, truth, measured, measured > 0.999 ? ", as if it were not there" : "");
+                     what, truth, measured,
+                     measured > empty_transmittance ? ", as if it were not there" : "");
 }
 
 static enum neph_status check_radiance(const struct neph_scene *scene,
@@ -139,7 +150,7 @@ static enum neph_status check_depth(const struct neph_scene *scene, const struct
                            neph_vec3_dot(ray.direction, camera.forward);
     const double depth_m = (double)neph_image_channel(
         image, "Z")[FLOOR_ROW * NEPH_TRIAL_WIDTH_PX + FOG_COLUMN];
-    if (fabs(depth_m - truth_m) <= 1e-3 * truth_m)
+    if (fabs(depth_m - truth_m) <= depth_slack * truth_m)
         return NEPH_OK;
     return neph_fail(
         diag, NEPH_ERR_ENGINE,
@@ -156,7 +167,7 @@ enum neph_status neph_trial_judge(const struct neph_trial *trial, const struct n
         status = check_transmittance(scene, image, FOG_COLUMN, "a fog", diag);
     if (!status)
         status = check_depth(scene, image, diag);
-    *has_voxels = !status && transmittance_at(image, VOXELS_COLUMN) < 0.999;
+    *has_voxels = !status && transmittance_at(image, VOXELS_COLUMN) < empty_transmittance;
     return status || !*has_voxels
                ? status
                : check_transmittance(scene, image, VOXELS_COLUMN, "voxels", diag);

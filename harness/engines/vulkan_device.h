@@ -10,7 +10,7 @@
 #include "renderer/vulkan.h"
 
 /* NEPH_VULKAN_DEVICE: a part of the device's name. NEPH_VULKAN_VALIDATION=1: with the validation
- * layers; =shaders: with their checks in shaders, too. The name is the environment's own string. */
+ * layers; =shaders: with their checks in shaders. The name is the environment's own string. */
 struct neph_vulkan_params neph_vulkan_device_params(void);
 
 /* That device, with what it compiles kept in the cache (neph_cache_path()). Errors as of

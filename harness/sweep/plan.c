@@ -232,7 +232,8 @@ static const struct neph_field series_fields[] = {
     {0},
 };
 
-static const struct neph_record series_record = {.size = sizeof(struct neph_sweep_series), .fields = series_fields, .read = read_series};
+static const struct neph_record series_record = {
+    .size = sizeof(struct neph_sweep_series), .fields = series_fields, .read = read_series};
 
 static const struct neph_field plan_fields[] = {
     {"title", NEPH_TEXT, PLAN(title), .least = 1, .most = TEXT_MAX},

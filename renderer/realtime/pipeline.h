@@ -4,7 +4,7 @@
  * frames before have left (table 1A of the frame split, then temporal anti-aliasing).
  *
  * Source: "The Weather of Red Dead Redemption 2" (F. Bauer, SIGGRAPH 2019) as written down for
- * Unreal Engine 4.24; options.c has every choice and presets.c what other engines chose.
+ * Unreal Engine 4.24; docs/settings.md has every choice and presets.c what other engines chose.
  */
 #ifndef NEPH_RENDERER_REALTIME_PIPELINE_H
 #define NEPH_RENDERER_REALTIME_PIPELINE_H

@@ -480,13 +480,7 @@ static void test_the_picture_without_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_occlusion),
-        cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_half_resolution),
-        cmocka_unit_test(test_blur_and_smoothing),
-        cmocka_unit_test(test_a_mirror_finds_what_is_shown),
-        cmocka_unit_test(test_the_mean_over_frames),
-        cmocka_unit_test(test_the_picture_without_rays),
+#include "cases/check_screen.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

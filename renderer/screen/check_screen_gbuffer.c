@@ -172,9 +172,7 @@ static void test_halves_are_near(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_g_buffer_is_what_rays_find),
-        cmocka_unit_test(test_no_bad_values),
-        cmocka_unit_test(test_halves_are_near),
+#include "cases/check_screen_gbuffer.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

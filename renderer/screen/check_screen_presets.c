@@ -65,8 +65,7 @@ static void test_presets_are_what_they_were(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_presets_are_what_they_were),
-        cmocka_unit_test(test_defaults_are_the_article_s),
+#include "cases/check_screen_presets.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

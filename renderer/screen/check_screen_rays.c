@@ -269,9 +269,7 @@ static void test_history_goes_with_the_surface(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_plane_mirror),
-        cmocka_unit_test(test_light_of_a_wall),
-        cmocka_unit_test(test_history_goes_with_the_surface),
+#include "cases/check_screen_rays.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -246,6 +246,16 @@ class Realtime(neph_case.NephCase):
         for unknown in ("_bytes", "anti_aliasing"):  # of passes that did not run
             self.assertNotIn(unknown, " ".join(result["stats"]))
 
+    def test_settings_that_are_gone_are_ignored_with_one_warning(self):
+        done = self.neph("render", self.moving, "-q", "-o", self.folder, "-e", "realtime", "--size",
+                         "32x24", *("-s", "steps=4", "-s", "warm_up=0"),
+                         *("-s", "taa_rest_px=1", "-s", "taa_rest_px=2", "-s", "taa_format=float"))
+        self.assertEqual(done.stderr.splitlines(), [
+            "warning: engine realtime: setting taa_rest_px is gone and ignored: it was 0.02 in "
+            "every preset",
+            "warning: engine realtime: setting taa_format is gone and ignored: target_format is the "
+            "format of all images"])
+
     def test_the_list_of_settings_can_be_read(self):
         lines = self.neph("engines", "realtime").stdout.splitlines()
         rows = [line for line in lines if line.startswith("    box_transmittance ")]

@@ -29,11 +29,6 @@ static inline void test_end_grid(struct neph_grid **grid)
     neph_grid_destroy(*grid);
 }
 
-static inline void test_end_horizon(struct neph_horizon **horizon)
-{
-    neph_horizon_destroy(*horizon);
-}
-
 static inline void test_end_slab(struct neph_slab **slab)
 {
     neph_slab_destroy(*slab);

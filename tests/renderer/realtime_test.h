@@ -112,11 +112,16 @@ static inline void test_make_parallel(struct neph_gpu_view *view, float half_hei
     }
 }
 
-static inline void test_passes_close(struct test_passes *test)
+static inline void test_end_passes(struct test_passes *test)
 {
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         free(test->twin.targets[t]);
     neph_rt_device_destroy(&test->device);
+}
+
+static inline void test_passes_close(struct test_passes *test)
+{
+    test_end_passes(test);
 }
 
 static inline size_t test_elements(const struct test_passes *test, int target)

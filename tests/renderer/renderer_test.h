@@ -8,6 +8,7 @@
 #include "tests/renderer/owned.h"
 
 #include "base/option.h"
+#include "renderer/compute.h"
 #include "renderer/vulkan.h"
 
 #include <stdlib.h>
@@ -36,6 +37,23 @@ static inline struct neph_vulkan *test_vulkan_open(void)
                            &vulkan, &diag),
         &diag);
     return vulkan;
+}
+
+/* The first bytes of a buffer on the device. For free(). */
+static inline void *test_read_buffer(struct neph_vulkan *vulkan, const struct neph_buffer *buffer,
+                                     size_t bytes)
+{
+    struct neph_buffer readback = {0};
+    struct neph_diag diag = {0};
+    neph_assert_ok(
+        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "readback", &readback, &diag),
+        &diag);
+    neph_assert_ok(neph_buffer_download(vulkan, buffer, &readback, bytes, &diag), &diag);
+    void *copy = malloc(bytes);
+    assert_non_null(copy);
+    memcpy(copy, readback.mapped, bytes);
+    neph_buffer_destroy(vulkan, &readback);
+    return copy;
 }
 
 /* cmocka group fixtures. */

@@ -547,19 +547,7 @@ static void test_what_is_out_of_range_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_twin_has_the_same),
-        cmocka_unit_test(test_a_blob_is_of_second_order),
-        cmocka_unit_test(test_a_slab_is_exact),
-        cmocka_unit_test(test_voxels_are_within_two_per_cent),
-        cmocka_unit_test(test_edges_keep_their_place),
-        cmocka_unit_test(test_layers_tell_what_is_between),
-        cmocka_unit_test(test_fog_alone_keeps_the_bits),
-        cmocka_unit_test(test_texels_stay_with_the_clouds),
-        cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
-        cmocka_unit_test(test_a_map_of_all_clouds_stays),
-        cmocka_unit_test(test_the_map_is_filled_over_pictures),
-        cmocka_unit_test(test_in_real_time_the_ground_is_the_same),
-        cmocka_unit_test(test_what_is_out_of_range_is_refused),
+#include "cases/test_cloud_shadow.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -30,14 +30,16 @@ static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
                                              struct neph_march_scene *march)
 {
     const struct neph_march_moment moment = {.continues = continues};
-    struct neph_gpu_diffusion_cell *found = NULL;
     struct neph_diag diag = {0};
     struct neph_sun_fill_cost fill = {.dispatches = 0};
     double gpu_s = 0.0;
     struct neph_march_scene_cost cost = {.fill = &fill, .light_gpu_s = &gpu_s};
     neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &moment, march, &cost, &diag), &diag);
-    neph_assert_ok(neph_diffused_light_read(&march->diffused_light, &found, &diag), &diag);
-    return found;
+    const struct neph_diffused_light *light = &march->diffused_light;
+    const uint32_t *size = light->levels[0].size;
+    return test_read_buffer(light->vulkan, &light->cells,
+                            (size_t)size[0] * size[1] * size[2] *
+                                sizeof(struct neph_gpu_diffusion_cell));
 }
 
 /* The cells of a picture by itself. For free(). */
@@ -503,14 +505,7 @@ static void test_what_it_cannot_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cells_balance),
-        cmocka_unit_test(test_a_slab_has_the_closed_solution),
-        cmocka_unit_test(test_many_cells_balance_to_the_last_bits),
-        cmocka_unit_test(test_pictures_of_slabs),
-        cmocka_unit_test(test_a_white_furnace),
-        cmocka_unit_test(test_a_row_comes_to_rest),
-        cmocka_unit_test(test_solids_that_move_are_seen),
-        cmocka_unit_test(test_what_it_cannot_is_refused),
+#include "cases/test_diffused_light.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Clouds that repeat without end: pictures of them against those of many copies, and the step cloud
- * of I3RC by the path tracer against a Monte Carlo that shares next to nothing with it.
+ * Clouds that repeat without end: frames of them against those of many copies. (The step cloud of
+ * I3RC against a Monte Carlo that shares next to nothing with the tracer is a check of neph physics.)
  */
 #include "tests/renderer/frames.h"
 
 #include "scenes/grid.h"
-#include "truth/step_cloud.h"
 
 /* `count` nodes along x, of which `copies` stand side by side around the world's middle, in 64 rows
  * along z; 0: both without end. Bounds cut it off above and below, between two nodes that are the
@@ -121,7 +120,7 @@ static void test_tables_refuse(void **state)
 
 /* ---- the step cloud of I3RC ------------------------------------------------------------------ */
 
-enum { NODES = 32, COLUMNS = 8 * NODES, ACROSS = 128, DEEP = 2, SEEN = ACROSS * DEEP };
+enum { NODES = 32, ACROSS = 128, DEEP = 2, SEEN = ACROSS * DEEP };
 
 static const double period_m = 500.0, high_m = 250.0;
 
@@ -182,60 +181,10 @@ static void test_paths_see_no_end(void **state)
     }
 }
 
-/* The same ramps in steps of an eighth of a node: with walls in their place the thin half is 7 %
- * darker. Its sun shines the other way, and so the thick half comes first. */
-static double depth_of_column(int column)
-{
-    const double at = (column + 0.5) * NODES / COLUMNS - 0.5, low = floor(at);
-    const int from = ((int)low + NODES) % NODES, to = ((int)low + 1) % NODES;
-    const double first = from < NODES / 2 ? 18.0 : 2.0, second = to < NODES / 2 ? 18.0 : 2.0;
-    return first + (at - low) * (second - first);
-}
-
-/* Against columns that have no end either, and share no code with it: within four times the noise
- * of halves, of which the tracer's, by its own word, is 0.9 and 0.45 %. Rays stand so close that
- * four of them lie in a ramp; 16 in all saw none of it. */
-static void test_the_step_cloud(void **state)
-{
-    neph_test_waits_for_the_night();
-    static const double noise[2] = {0.009, 0.0045};
-    double depths[COLUMNS];
-    struct neph_estimate nadir_per_sr[COLUMNS];
-    struct neph_step_cloud_fluxes fluxes;
-    struct neph_diag diag = {0};
-    for (int i = 0; i < COLUMNS; i++)
-        depths[i] = depth_of_column(i);
-    const struct neph_step_cloud_params truth = {.column_count = COLUMNS,
-                                                 .optical_depths = depths,
-                                                 .column_width_m = period_m / COLUMNS,
-                                                 .thickness_m = high_m,
-                                                 .albedo = 1.0,
-                                                 .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, 0.85},
-                                                 .sun_cosine = 0.5,
-                                                 .seed = 3,
-                                                 .photons = 2000000};
-    neph_assert_ok(neph_step_cloud_solve(&truth, &fluxes, nadir_per_sr, &diag), &diag);
-    OWNED(image) struct neph_image *image = trace_step_cloud(*state, 0, 8192);
-    for (int half = 0; half < 2; half++) {
-        const double mean = half_mean(image, half);
-        double expected = 0.0, variance = 0.0;
-        for (int i = 0; i < COLUMNS / 2; i++) {
-            const struct neph_estimate *column = &nadir_per_sr[half ? i : COLUMNS / 2 + i];
-            expected += column->mean / (COLUMNS / 2);
-            variance += pow(column->standard_error / (COLUMNS / 2), 2);
-        }
-        print_message("%s half: %.5f of the tracer, %.5f +- %.5f\n", half ? "thick" : "thin", mean,
-                      expected, sqrt(variance));
-        neph_assert_close(mean, expected, 4.0 * noise[half], 4.0 * sqrt(variance));
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_march_sees_no_end), cmocka_unit_test(test_exact_sees_no_end),
-        cmocka_unit_test(test_tables_refuse),       cmocka_unit_test(test_paths_see_no_end),
-        cmocka_unit_test(test_the_step_cloud),
+#include "cases/test_endless.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

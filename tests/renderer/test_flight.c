@@ -3,38 +3,16 @@
  * Frames in flight: a picture that comes after some of which nothing was read is, bit for bit, what
  * it is after pictures that were.
  */
-#include "tests/renderer/frames.h"
+#include "tests/renderer/sequence_test.h"
 
 /* Scene camera_dolly: a camera that moves past solids in fog; all that a frame is told differs from
  * the last. */
 enum { WIDTH_PX = 48, HEIGHT_PX = 28, FRAMES = 8 /* each lane and slot is used more than once */ };
 
-static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
-                                           const struct neph_scene *scene,
-                                           const struct neph_settings *settings)
-{
-    const struct neph_realtime_params params = {
-        .width_px = WIDTH_PX, .height_px = HEIGHT_PX, .settings = settings, .seed = 7};
-    struct neph_realtime *realtime = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_create(vulkan, scene, &params, &realtime, &diag), &diag);
-    return realtime;
-}
-
 /* With dithers that need no masks. */
 static struct neph_settings few_steps(const char *preset)
 {
     return test_preset(preset, "steps=4 ray_dither=none upscale_dither=none");
-}
-
-static struct neph_image *render(struct neph_realtime *realtime, const struct neph_scene *scene,
-                                 int frame, struct neph_realtime_stats *stats)
-{
-    const struct neph_realtime_frame picture = {scene, frame, NULL};
-    struct neph_image *image = NULL;
-    struct neph_diag diag = {0};
-    neph_assert_ok(neph_realtime_render(realtime, &picture, &image, stats, &diag), &diag);
-    return image;
 }
 
 static void send(struct neph_realtime *realtime, const struct neph_scene *scene, int frame)
@@ -47,17 +25,19 @@ static void send(struct neph_realtime *realtime, const struct neph_scene *scene,
 static void check_after_flight(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                const struct neph_settings *settings)
 {
-    OWNED(realtime) struct neph_realtime *read = open_realtime(vulkan, scene, settings);
-    OWNED(realtime) struct neph_realtime *sent = open_realtime(vulkan, scene, settings);
+    OWNED(realtime)
+    struct neph_realtime *read = test_sequence(vulkan, scene, settings, WIDTH_PX, HEIGHT_PX);
+    OWNED(realtime)
+    struct neph_realtime *sent = test_sequence(vulkan, scene, settings, WIDTH_PX, HEIGHT_PX);
     struct neph_realtime_stats read_stats, sent_stats;
     struct neph_image *expected = NULL;
     for (int frame = 0; frame < FRAMES; frame++) {
         neph_image_destroy(expected);
-        expected = render(read, scene, frame, &read_stats);
+        expected = test_next(read, scene, frame, &read_stats);
         if (frame < FRAMES - 1)
             send(sent, scene, frame);
     }
-    OWNED(image) struct neph_image *image = render(sent, scene, FRAMES - 1, &sent_stats);
+    OWNED(image) struct neph_image *image = test_next(sent, scene, FRAMES - 1, &sent_stats);
     assert_true(test_same_bits(image, expected));
     assert_true(sent_stats.density_evaluations > 0);
     assert_int_equal(sent_stats.density_evaluations, read_stats.density_evaluations);
@@ -81,7 +61,8 @@ static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
         "off", "steps=4 ray_dither=none upscale_dither=none split=four sun=marched "
                "sun_cache=grid sun_cache_voxels=16");
     check_after_flight(*state, scene, &settings);
-    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    OWNED(realtime)
+    struct neph_realtime *realtime = test_sequence(*state, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_realtime_stats home;
     struct neph_diag diag = {0};
     send(realtime, scene, 0);
@@ -97,10 +78,11 @@ static void test_costs_come_home_in_order(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     const struct neph_settings settings = few_steps("ours");
-    OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    OWNED(realtime)
+    struct neph_realtime *realtime = test_sequence(*state, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_realtime_stats read, home;
     struct neph_diag diag = {0};
-    neph_image_destroy(render(realtime, scene, 0, &read));
+    neph_image_destroy(test_next(realtime, scene, 0, &read));
     assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
     for (int frame = 1; frame <= NEPH_IN_FLIGHT_FRAMES; frame++)
         send(realtime, scene, frame);
@@ -124,7 +106,7 @@ static void test_no_split_flies_alone(void **state)
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
     struct neph_settings settings = few_steps("off");
     const struct neph_realtime_frame picture = {scene, 0, NULL};
-    struct neph_realtime *realtime = open_realtime(*state, scene, &settings);
+    struct neph_realtime *realtime = test_sequence(*state, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_realtime_stats home;
     struct neph_diag diag = {0};
     send(realtime, scene, 0);
@@ -132,7 +114,7 @@ static void test_no_split_flies_alone(void **state)
     assert_true(home.gpu_s > 0.0);
     neph_realtime_destroy(realtime);
     settings.values[RT_TAA] = 1.0;
-    realtime = open_realtime(*state, scene, &settings);
+    realtime = test_sequence(*state, scene, &settings, WIDTH_PX, HEIGHT_PX);
     assert_int_equal(neph_realtime_render(realtime, &picture, NULL, NULL, &diag),
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "split=four"));
@@ -164,11 +146,7 @@ static void test_the_march_in_flight(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_picture_after_pictures_in_flight),
-        cmocka_unit_test(test_a_cache_is_filled_between_pictures_in_flight),
-        cmocka_unit_test(test_costs_come_home_in_order),
-        cmocka_unit_test(test_no_split_flies_alone),
-        cmocka_unit_test(test_the_march_in_flight),
+#include "cases/test_flight.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

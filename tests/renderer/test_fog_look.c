@@ -379,11 +379,7 @@ static int open_device(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_shader_is_the_formula),
-        cmocka_unit_test(test_the_points_where_engines_fail),
-        cmocka_unit_test(test_the_physical_part_is_exact),
-        cmocka_unit_test(test_a_clear_sun_is_not_dimmed),
-        cmocka_unit_test(test_pictures_in_a_row),
+#include "cases/test_fog_look.inc"
     };
     return cmocka_run_group_tests(tests, open_device, test_vulkan_teardown);
 }

@@ -366,14 +366,7 @@ static void test_says_what_it_cannot(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_glowing_fog_and_clouds_are_exact),
-        cmocka_unit_test(test_any_order_of_layers_is_the_same),
-        cmocka_unit_test(test_without_clouds_it_is_the_look),
-        cmocka_unit_test(test_realtime_has_the_same_fog),
-        cmocka_unit_test(test_a_glow_is_handed_over_anywhere),
-        cmocka_unit_test(test_near_fog_is_physics),
-        cmocka_unit_test(test_fog_before_the_sky),
-        cmocka_unit_test(test_says_what_it_cannot),
+#include "cases/test_fog_look_march.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -80,7 +80,6 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
     uint64_t seed = 5;
     OWNED(media) struct test_scene test;
     struct neph_gpu_scene gpu = {.frame = NULL};
-    struct neph_buffer readback = {0};
     struct neph_diag diag = {0};
     test_scene_init(&test);
     test_add(&test,
@@ -92,19 +91,12 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
     assert_int_equal((gpu.constants[1] & NEPH_GPU_PAIRS) != 0, gpu.is_on_cpu);
     const size_t count = gpu.buffers[NEPH_GPU_VALUES_BUFFER].size_bytes / sizeof(float);
     assert_int_equal(count, 5 * 6 * 4 + 4 * 4 * 5);
-    neph_assert_ok(neph_buffer_create(*state, NEPH_BUFFER_READBACK, 2 * count * sizeof(float),
-                                      "readback", &readback, &diag),
-                   &diag);
-    OWNED(memory) float *values = malloc(count * sizeof(*values));
-    neph_assert_ok(neph_buffer_download(*state, &gpu.buffers[NEPH_GPU_VALUES_BUFFER], &readback,
-                                        count * sizeof(float), &diag),
-                   &diag);
-    memcpy(values, readback.mapped, count * sizeof(*values));
+    OWNED(memory)
+    float *values = test_read_buffer(*state, &gpu.buffers[NEPH_GPU_VALUES_BUFFER],
+                                     count * sizeof(float));
     if (gpu.is_on_cpu) {
-        neph_assert_ok(
-            neph_buffer_download(*state, &gpu.pairs, &readback, 2 * count * sizeof(float), &diag),
-            &diag);
-        const float *pairs = readback.mapped;
+        OWNED(memory)
+        float *pairs = test_read_buffer(*state, &gpu.pairs, 2 * count * sizeof(float));
         for (size_t i = 0; i < count; i++) {
             const size_t row = i < 5 * 6 * 4 ? 5 : 4, place = i < 5 * 6 * 4 ? i : i - 5 * 6 * 4;
             assert_true(pairs[2 * i] == values[i]);
@@ -112,16 +104,13 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
                 assert_true(pairs[2 * i + 1] == values[i + 1]);
         }
     }
-    neph_buffer_destroy(*state, &readback);
     neph_gpu_scene_destroy(*state, &gpu);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_where_nothing_is_in_the_way_all_is_lit),
-        cmocka_unit_test(test_the_ground_shades_no_cloud),
-        cmocka_unit_test(test_a_cpu_has_voxels_in_pairs),
+#include "cases/test_gpu_scene.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -369,13 +369,7 @@ static void test_textures_in_real_time(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values_are_within_weights_and_texels),
-        cmocka_unit_test(test_a_march_changes_by_the_values_alone),
-        cmocka_unit_test(test_clear_air_adds_nothing),
-        cmocka_unit_test(test_a_texture_has_its_own_march),
-        cmocka_unit_test(test_closed_forms_alone_are_refused),
-        cmocka_unit_test(test_a_format_that_the_device_lacks_is_named),
-        cmocka_unit_test(test_textures_in_real_time),
+#include "cases/test_grid_texture.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -258,15 +258,7 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_march_comes_to_the_exact_transport),
-        cmocka_unit_test(test_fog_without_bounds_is_of_second_order),
-        cmocka_unit_test(test_short_steps_far_from_a_lamp),
-        cmocka_unit_test(test_marched_depths_to_lamps),
-        cmocka_unit_test(test_sun_and_lamps_add),
-        cmocka_unit_test(test_what_knows_no_lamps_says_so),
-        cmocka_unit_test(test_the_tracer_is_the_exact_transport),
-        cmocka_unit_test(test_the_tracer_finds_lights_near_rays),
-        cmocka_unit_test(test_of_all_orders_it_is_the_oracle),
+#include "cases/test_lamps.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

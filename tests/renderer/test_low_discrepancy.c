@@ -187,10 +187,7 @@ static void test_all_orders_lose_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_rectangle_has_its_point),
-        cmocka_unit_test(test_a_point_is_anywhere),
-        cmocka_unit_test(test_light_scattered_once_gains_much),
-        cmocka_unit_test(test_all_orders_lose_nothing),
+#include "cases/test_low_discrepancy.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -22,6 +22,16 @@ static const struct neph_march_params exact_48 = {.width_px = 48,
                                                   .transmittance = NEPH_MARCH_EXACT,
                                                   .sun = NEPH_MARCH_EXACT};
 
+/* A frame of which few rays are enough. */
+static struct neph_march_params tiny(int steps)
+{
+    struct neph_march_params params = exact_48;
+    params.width_px = 8;
+    params.height_px = 6;
+    params.steps = steps;
+    return params;
+}
+
 /* The media of every scene here, in this order; what a scene has more comes behind. */
 static const struct {
     enum neph_medium_kind kind;
@@ -186,9 +196,8 @@ static void test_marched_transmittance(void **state)
     neph_image_destroy(frame);
 
     test_scene_build(&test, scene_fog_two_layers);
-    params.width_px = 8;
-    params.height_px = 6;
-    params.steps = 8192;
+    params = tiny(8192);
+    params.transmittance = NEPH_MARCH_MARCHED;
     frame = render(*state, &test, &params, NULL);
     const struct worst worst = compare_transmittance(&test, frame, 1e-4, 2e-6);
     print_message("8192 marched steps: T off by %.1e of itself, %.1e absolute\n", worst.relative,
@@ -226,45 +235,39 @@ static const struct {
     {"two layers, up", scene_two_layers_up},
 };
 
-static const struct {
-    const char *name;
-    enum neph_march_mode transmittance, sun;
-} mode_pairs[] = {
-    {"T exact,   sun exact  ", NEPH_MARCH_EXACT, NEPH_MARCH_EXACT},
-    {"T marched, sun exact  ", NEPH_MARCH_MARCHED, NEPH_MARCH_EXACT},
-    {"T exact,   sun marched", NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED},
-    {"T marched, sun marched", NEPH_MARCH_MARCHED, NEPH_MARCH_MARCHED},
-};
-
 /* The order between two step counts that are both in the asymptotic range and above the float32
- * floor of a few 1e-7. Solids (the ground) are lit but throw no shadow on the medium here. */
-static void test_volume_converges_at_second_order(void **state)
+ * floor of a few 1e-7. */
+static void check_order(struct neph_vulkan *vulkan, const char *name, const struct test_scene *test,
+                        enum neph_march_mode transmittance, enum neph_march_mode sun)
 {
     static const int counts[] = {64, 256};
-    for (size_t s = 0; s < sizeof(smooth_scenes) / sizeof(smooth_scenes[0]); s++) {
+    struct neph_march_params params = tiny(64);
+    OWNED(memory)
+    struct neph_ray_light *light = test_exact(&test->scene, params.width_px, params.height_px);
+    double errors[2];
+    params.transmittance = transmittance;
+    params.sun = sun;
+    for (int c = 0; c < 2; c++) {
+        params.steps = params.sun_steps = counts[c];
+        OWNED(image) struct neph_image *frame = render(vulkan, test, &params, NULL);
+        errors[c] = volume_error(frame, light);
+    }
+    const double order = log2(errors[0] / errors[1]) / 2.0;
+    print_message("%-16s T %d, sun %d: %.1e %.1e  order %.2f\n", name, (int)transmittance, (int)sun,
+                  errors[0], errors[1], order);
+    assert_true(errors[1] < 5e-7 || order > 1.8);
+    assert_true(errors[1] < 5e-3);
+}
+
+/* Solids (the ground) are lit but throw no shadow on the medium here. */
+static void test_volume_converges_at_second_order(void **state)
+{
+    for (size_t s = 0; s < COUNT(smooth_scenes); s++) {
         struct test_scene test;
         test_scene_build(&test, smooth_scenes[s].build);
-        struct neph_march_params params = exact_48;
-        params.width_px = 8;
-        params.height_px = 6;
-        OWNED(memory)
-        struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
-        for (size_t m = 0; m < COUNT(mode_pairs); m += (size_t)neph_test_by_day(3, 1)) {
-            double errors[2];
-            print_message("%-16s %s:", smooth_scenes[s].name, mode_pairs[m].name);
-            for (int c = 0; c < 2; c++) {
-                params.transmittance = mode_pairs[m].transmittance;
-                params.sun = mode_pairs[m].sun;
-                params.steps = params.sun_steps = counts[c];
-                OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
-                errors[c] = volume_error(frame, light);
-                print_message(" %.1e", errors[c]);
-            }
-            const double order = log2(errors[0] / errors[1]) / 2.0;
-            print_message("  order %.2f\n", order);
-            assert_true(errors[1] < 5e-7 || order > 1.8);
-            assert_true(errors[1] < 5e-3);
-        }
+        for (int modes = 0; modes < 4; modes += neph_test_by_day(3, 1))
+            check_order(*state, smooth_scenes[s].name, &test, (enum neph_march_mode)(modes & 1),
+                        (enum neph_march_mode)(modes >> 1));
     }
 }
 
@@ -273,10 +276,7 @@ static void test_volume_has_no_floor_but_float32(void **state)
 {
     struct test_scene test;
     test_scene_build(&test, scene_fog_up);
-    struct neph_march_params params = exact_48;
-    params.width_px = 8;
-    params.height_px = 6;
-    params.steps = 20000;
+    const struct neph_march_params params = tiny(20000);
     OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     struct neph_march_stats stats;
@@ -299,32 +299,15 @@ static void scene_two_fogs_up(struct test_scene *test)
 /* As sunlight that is scattered: second order, down to what float32 knows. */
 static void test_emission_converges_at_second_order(void **state)
 {
-    static const int counts[] = {64, 256};
     static void (*const builders[])(struct test_scene *) = {scene_cube, scene_fog_up,
                                                             scene_fog_down, scene_two_fogs_up};
-    for (size_t s = 0; s < COUNT(builders); s++)
-        for (int m = 0; m < 2; m++) {
-            struct test_scene test;
-            test_scene_build(&test, builders[s]);
-            make_glow(&test);
-            struct neph_march_params params = exact_48;
-            params.width_px = 8;
-            params.height_px = 6;
-            params.transmittance = params.sun = m ? NEPH_MARCH_MARCHED : NEPH_MARCH_EXACT;
-            OWNED(memory)
-            struct neph_ray_light *light = test_exact(&test.scene, params.width_px,
-                                                      params.height_px);
-            double errors[2];
-            for (int c = 0; c < 2; c++) {
-                params.steps = params.sun_steps = counts[c];
-                OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
-                errors[c] = volume_error(frame, light);
-            }
-            const double order = log2(errors[0] / errors[1]) / 2.0;
-            print_message("emission: %.1e %.1e  order %.2f\n", errors[0], errors[1], order);
-            assert_true(errors[1] < 5e-7 || order > 1.8);
-            assert_true(errors[1] < 5e-3);
-        }
+    for (size_t s = 0; s < COUNT(builders); s++) {
+        struct test_scene test;
+        test_scene_build(&test, builders[s]);
+        make_glow(&test);
+        check_order(*state, "emission", &test, NEPH_MARCH_EXACT, NEPH_MARCH_EXACT);
+        check_order(*state, "emission", &test, NEPH_MARCH_MARCHED, NEPH_MARCH_MARCHED);
+    }
 }
 
 /* In the dark and without scattering: glow (1 - T) whatever the steps, and a distance to it. */
@@ -362,10 +345,7 @@ static void test_a_fog_that_ends_hides_nothing(void **state)
         &test, make_homogeneous(0.1, (struct neph_bounds){{-300, -300, -206}, {300, 300, -200}}));
     box->albedo = make_grey(0.0);
     box->emission_w_per_m2_sr = make_grey(1.0);
-    struct neph_march_params params = exact_48;
-    params.width_px = 8;
-    params.height_px = 6;
-    params.steps = 4000;
+    const struct neph_march_params params = tiny(4000);
     OWNED(memory)
     struct neph_ray_light *light = test_exact(&test.scene, params.width_px, params.height_px);
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
@@ -793,25 +773,7 @@ int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_transmittance_is_the_closed_form),
-        cmocka_unit_test(test_marched_transmittance),
-        cmocka_unit_test(test_volume_converges_at_second_order),
-        cmocka_unit_test(test_volume_has_no_floor_but_float32),
-        cmocka_unit_test(test_emission_converges_at_second_order),
-        cmocka_unit_test(test_an_even_medium_that_glows),
-        cmocka_unit_test(test_a_fog_that_ends_hides_nothing),
-        cmocka_unit_test(test_solids_are_lit_through_the_media),
-        cmocka_unit_test(test_shadows_in_the_air),
-        cmocka_unit_test(test_many_solids),
-        cmocka_unit_test(test_evaluations_are_counted),
-        cmocka_unit_test(test_distance_of_what_is_seen),
-        cmocka_unit_test(test_same_inputs_give_the_same_bits),
-        cmocka_unit_test(test_all_sizes),
-        cmocka_unit_test(test_a_frame_of_many_dispatches),
-        cmocka_unit_test(test_parameters_out_of_range_are_refused),
-        cmocka_unit_test(test_says_what_it_cannot),
-        cmocka_unit_test(test_extreme_inputs_give_no_nonsense),
-        cmocka_unit_test(test_interruption_is_heard),
+#include "cases/test_march.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

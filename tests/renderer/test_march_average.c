@@ -171,11 +171,7 @@ static void test_other_numbers_of_rays_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points_are_a_net_around_the_centre),
-        cmocka_unit_test(test_one_ray_has_the_bits_of_the_frame),
-        cmocka_unit_test(test_the_mean_is_the_mean_and_depth_is_the_centres),
-        cmocka_unit_test(test_an_edge_has_its_share),
-        cmocka_unit_test(test_other_numbers_of_rays_are_refused),
+#include "cases/test_march_average.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -128,10 +128,7 @@ static void test_closed_forms_count_where_there_are_some(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms_count_where_there_are_some),
-        cmocka_unit_test(test_each_ray_makes_each_step_once),
-        cmocka_unit_test(test_a_dispatch_takes_its_time),
-        cmocka_unit_test(test_without_a_clock_nothing_changes),
+#include "cases/test_march_cut.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

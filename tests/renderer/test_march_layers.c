@@ -167,9 +167,7 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_medium_in_layers_is_the_medium),
-        cmocka_unit_test(test_any_order_of_layers_is_the_same),
-        cmocka_unit_test(test_far_from_the_origin_it_is_the_same),
+#include "cases/test_march_layers.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -475,15 +475,7 @@ static void test_what_each_model_cannot(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_octaves_over_a_slab),
-        cmocka_unit_test(test_fitted_octaves_over_a_slab),
-        cmocka_unit_test(test_fitted_octaves_are_reciprocal),
-        cmocka_unit_test(test_similar_media_over_a_slab),
-        cmocka_unit_test(test_the_table_is_a_slab),
-        cmocka_unit_test(test_one_octave_is_single_scattering),
-        cmocka_unit_test(test_horizon_light_is_the_articles),
-        cmocka_unit_test(test_horizon_light_of_an_empty_layer),
-        cmocka_unit_test(test_what_each_model_cannot),
+#include "cases/test_march_light.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

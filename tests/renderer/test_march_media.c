@@ -114,61 +114,6 @@ static void test_all_at_once_and_coloured(void **state)
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
 
-/* Cumulus, seen through a box of fog: what is marched, and what has a closed form. */
-static struct neph_horizon *add_cumulus(struct test_scene *test)
-{
-    struct neph_diag diag = {0};
-    const struct neph_horizon_params params = make_cumulus();
-    struct neph_medium *cloud = test_add_cloud(test, NEPH_MEDIUM_HORIZON, 0.01);
-    cloud->bounds = (struct neph_bounds){{-1500.0, 0.0, -3000.0}, {1500.0, 2e3, 0.0}};
-    neph_assert_ok(neph_horizon_create(&params, &cloud->horizon, &diag), &diag);
-    test_add_medium(test, 3e-4, 0.0, 0.0)->bounds = (struct neph_bounds){{-400.0, 0.0, -900.0},
-                                                                         {300.0, 1500.0, 0.0}};
-    test->key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0};
-    return cloud->horizon;
-}
-
-/* Root mean square of the march's transmittance less that by quadrature. */
-static double transmittance_error(struct neph_vulkan *vulkan, struct test_scene *test,
-                                  enum neph_march_mode mode, int steps)
-{
-    const struct neph_march_params params = {
-        .width_px = 16, .height_px = 9, .steps = steps, .sun_steps = 1, .transmittance = mode};
-    OWNED(image) struct neph_image *frame = test_march(vulkan, &test->scene, &params, NULL);
-    const float *transmittance = neph_image_channel(frame, "transmittance.G");
-    double squares = 0.0;
-    for (int p = 0; p < 16 * 9; p++) {
-        const struct neph_pixel_ray ray = test_ray(&test->scene, 16, 9, p);
-        const double depth =
-            neph_scene_optical_depth(&test->scene, ray.origin_m, ray.direction, 0.0, INFINITY).g;
-        const double error = (double)transmittance[p] - exp(-depth);
-        assert_true(isfinite(error));
-        squares += error * error;
-    }
-    return sqrt(squares / (16 * 9));
-}
-
-/* The midpoint rule is of second order between the kinks of the density, of which there are many
- * per step at first. */
-static void test_horizon_transmittance_converges(void **state)
-{
-    neph_test_waits_for_the_night();
-    struct test_scene test;
-    test_scene_init(&test);
-    OWNED(horizon) struct neph_horizon *horizon = add_cumulus(&test);
-    test.scene.scattering = NEPH_SCATTERING_NONE;
-    const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
-    const double order_min[] = {1.5, 0.8}; /* a marched fog has its faces within a step */
-    for (int m = 0; m < 2; m++) {
-        const double coarse = transmittance_error(*state, &test, modes[m], 128);
-        const double fine = transmittance_error(*state, &test, modes[m], 2048);
-        const double order = log2(coarse / fine) / 4.0;
-        print_message("Horizon, %s: T off by %.1e, %.1e (rms): order %.2f\n",
-                      m ? "all marched" : "fog in closed form", coarse, fine, order);
-        assert_true(order > order_min[m] && fine < 2e-4);
-    }
-}
-
 /* Sunlight scattered once, by the midpoint rule over optical depths by quadrature. */
 static double single_scattering(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                 struct neph_vec3 direction, double end_m, int points)
@@ -196,13 +141,21 @@ static double single_scattering(const struct neph_scene *scene, struct neph_vec3
     return sum * scene->sun.irradiance_w_per_m2.g;
 }
 
-/* A row of pixels. Both rules are of second order; 13 m of the reference against detail of 9 m are
+/* Cumulus, seen through a box of fog: what is marched, and what has a closed form. A row of pixels.
+ * Both rules are of second order; 13 m of the reference against detail of 9 m are
  * worth about 1e-3 of the brightest, 8 m of the march less. */
 static void test_horizon_scattering_against_quadrature(void **state)
 {
-    struct test_scene test;
+    OWNED(media) struct test_scene test;
+    struct neph_diag diag = {0};
+    const struct neph_horizon_params cumulus = make_cumulus();
     test_scene_init(&test);
-    OWNED(horizon) struct neph_horizon *horizon = add_cumulus(&test);
+    struct neph_medium *cloud = test_add_cloud(&test, NEPH_MEDIUM_HORIZON, 0.01);
+    cloud->bounds = (struct neph_bounds){{-1500.0, 0.0, -3000.0}, {1500.0, 2e3, 0.0}};
+    neph_assert_ok(neph_horizon_create(&cumulus, &cloud->horizon, &diag), &diag);
+    test_add_medium(&test, 3e-4, 0.0, 0.0)->bounds = (struct neph_bounds){{-400.0, 0.0, -900.0},
+                                                                          {300.0, 1500.0, 0.0}};
+    test.key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0};
     const struct neph_march_params params = {
         .width_px = 6, .height_px = 3, .steps = 512, .sun_steps = 64};
     OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
@@ -222,10 +175,7 @@ static void test_horizon_scattering_against_quadrature(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_media_converge),
-        cmocka_unit_test(test_all_at_once_and_coloured),
-        cmocka_unit_test(test_horizon_transmittance_converges),
-        cmocka_unit_test(test_horizon_scattering_against_quadrature),
+#include "cases/test_march_media.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

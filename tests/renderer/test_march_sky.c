@@ -413,15 +413,7 @@ static void test_says_what_it_cannot(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_air_and_cloud_are_exact_of_one_order),
-        cmocka_unit_test(test_any_order_of_layers_is_the_same),
-        cmocka_unit_test(test_without_clouds_it_is_the_sky),
-        cmocka_unit_test(test_aerial_perspective_converges),
-        cmocka_unit_test(test_the_sky_lights_a_thin_cloud),
-        cmocka_unit_test(test_clouds_light_the_air_below),
-        cmocka_unit_test(test_realtime_has_the_same_sky),
-        cmocka_unit_test(test_froxels_are_seen_through_the_air),
-        cmocka_unit_test(test_says_what_it_cannot),
+#include "cases/test_march_sky.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -332,11 +332,7 @@ static void test_history_drifts_with_the_wind(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_march_is_exact_transport),
-        cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_every_pixel_is_a_perspective_cameras),
-        cmocka_unit_test(test_tracer_is_exact_transport),
-        cmocka_unit_test(test_history_drifts_with_the_wind),
+#include "cases/test_orthographic.inc"
     };
     return cmocka_run_group_tests_name("orthographic", tests, test_vulkan_setup,
                                        test_vulkan_teardown);

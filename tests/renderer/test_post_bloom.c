@@ -226,10 +226,7 @@ static void test_the_threshold_is_of_exposed_light(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_shaders_are_their_matrices),
-        cmocka_unit_test(test_no_light_is_won_or_lost),
-        cmocka_unit_test(test_a_constant_stays_what_it_is),
-        cmocka_unit_test(test_the_threshold_is_of_exposed_light),
+#include "cases/test_post_bloom.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -253,15 +253,7 @@ static void test_codes_have_the_bits_asked_for(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_agx_is_its_authors),
-        cmocka_unit_test(test_the_shader_is_agx),
-        cmocka_unit_test(test_pq_is_as_published),
-        cmocka_unit_test(test_primaries_are_those_of_bt_2020),
-        cmocka_unit_test(test_the_shader_is_pq_held_to_the_peak),
-        cmocka_unit_test(test_the_roll_off_is_bt_2390s),
-        cmocka_unit_test(test_the_shader_rolls_off),
-        cmocka_unit_test(test_the_display_shows_the_light),
-        cmocka_unit_test(test_codes_have_the_bits_asked_for),
+#include "cases/test_post_display.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

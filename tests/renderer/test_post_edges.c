@@ -370,11 +370,7 @@ static void test_a_constant_stays_what_it_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fxaa_is_its_algorithm),
-        cmocka_unit_test(test_fxaa_makes_an_edge_straighter),
-        cmocka_unit_test(test_sharpening_is_its_formula),
-        cmocka_unit_test(test_easu_is_its_algorithm),
-        cmocka_unit_test(test_a_constant_stays_what_it_is),
+#include "cases/test_post_edges.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

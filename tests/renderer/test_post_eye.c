@@ -263,15 +263,7 @@ static void test_what_cannot_be_metered_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_flat_is_shown_grey),
-        cmocka_unit_test(test_percentiles_of_a_ramp),
-        cmocka_unit_test(test_the_meter_is_its_formula),
-        cmocka_unit_test(test_the_meter_sees_every_pixel),
-        cmocka_unit_test(test_the_meter_sees_luminance),
-        cmocka_unit_test(test_a_step_of_light_is_approached),
-        cmocka_unit_test(test_the_way_does_not_know_the_frame_rate),
-        cmocka_unit_test(test_limits_hold_and_a_still_eye_stays),
-        cmocka_unit_test(test_what_cannot_be_metered_is_refused),
+#include "cases/test_post_eye.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -388,16 +388,7 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glow_and_red_are_those_of_aces),
-        cmocka_unit_test(test_the_film_curve_is_unreals),
-        cmocka_unit_test(test_narkowicz_is_his),
-        cmocka_unit_test(test_matrices_are_those_of_aces),
-        cmocka_unit_test(test_white_balance_makes_its_light_white),
-        cmocka_unit_test(test_the_shader_is_its_formulas),
-        cmocka_unit_test(test_the_table_is_near_its_formula),
-        cmocka_unit_test(test_extremes_stay_numbers),
-        cmocka_unit_test(test_the_corner_is_darker_by_the_fourth_power_of_the_cosine),
-        cmocka_unit_test(test_grain_is_uniform_noise_of_its_range),
+#include "cases/test_post_tone.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -168,21 +168,6 @@ static void test_a_mirror_changes_nothing(void **state)
     }
 }
 
-/* Those that go through the texels' values; directional and gaussian blur by themselves. */
-static void test_a_picture_of_its_size_stays_what_it_is(void **state)
-{
-    static const char *const through[] = {"nearest", "bilinear", "catmull_rom", "lanczos",
-                                          "smoothstep"};
-    float *in[3], *out[3];
-    OWNED(image) struct neph_image *image = post_image(17, 9, in);
-    fill(in, 17 * 9, 5);
-    for (size_t f = 0; f < COUNT(through); f++) {
-        OWNED(image) struct neph_image *made = upscaled(*state, through[f], 100.0, "", image, out);
-        for (int i = 0; i < 17 * 9; i++)
-            neph_assert_close(out[0][i], in[0][i], 2e-6, 2e-6); /* sines of multiples of pi */
-    }
-}
-
 /* The article's trap: weights of 0 / 0 at texels' centres. */
 static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state)
 {
@@ -217,13 +202,7 @@ static void test_what_is_too_large_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels_are_theirs),
-        cmocka_unit_test(test_the_gaussian_is_its_formula),
-        cmocka_unit_test(test_a_constant_stays_what_it_is),
-        cmocka_unit_test(test_a_mirror_changes_nothing),
-        cmocka_unit_test(test_a_picture_of_its_size_stays_what_it_is),
-        cmocka_unit_test(test_without_its_guard_lanczos_has_no_number_at_centres),
-        cmocka_unit_test(test_what_is_too_large_is_refused),
+#include "cases/test_post_upscale.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

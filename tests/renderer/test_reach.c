@@ -211,9 +211,7 @@ static void test_the_largest_orthographic_picture_is_right(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_refused),
-        cmocka_unit_test(test_the_last_that_is_rendered_is_right),
-        cmocka_unit_test(test_the_largest_orthographic_picture_is_right),
+#include "cases/test_reach.inc"
     };
     return cmocka_run_group_tests_name("reach", tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -34,7 +34,7 @@ static void test_a_slice_turns(void **state)
  * not covered by rays of the sky. */
 static void test_the_sky_of_the_override(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(*state, 20, 20, 1, &test, "override=parallel");
     test_fill(&test, RT_HALF_DEPTH, NEPH_GPU_FAR_M, 0, 0, 0);
     const int other = (twin_default_slot(&test.view, 2, 2) + 2) % 4;
@@ -46,7 +46,6 @@ static void test_the_sky_of_the_override(void **state)
     neph_rt_load(&test.view.targets[RT_TILE], words, 2 * test.view.targets[RT_TILE].width + 2,
                  tile);
     assert_int_equal((int)tile[0], other);
-    test_passes_close(&test);
 }
 
 /* History that says where it was looked up, in half-resolution texels: before a camera at rest by
@@ -62,7 +61,7 @@ static void test_history_follows_the_jitter(void **state)
         {"jittered_depth=off reproject_jitter=on", 0}, /* the rays of media have none */
     };
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 32, 24, &test, "box=none fresh_weight=0 target_format=float %s",
                          cases[i].assignments);
         const float now_px[2] = {0.25f, -0.375f}, before_px[2] = {-0.125f, 0.25f};
@@ -77,7 +76,6 @@ static void test_history_follows_the_jitter(void **state)
         /* half a pixel per pixel; float32 places of up to 32 px */
         neph_assert_close(value[0], 7 + cases[i].follows * 0.1875, 0, 1e-5);
         neph_assert_close(value[1], 5 - cases[i].follows * 0.3125, 0, 1e-5);
-        test_passes_close(&test);
     }
 }
 
@@ -165,7 +163,7 @@ static void test_what_stands_in_for_history(void **state)
         {"fallback=bilateral upscale_tolerance_m=2", 0},
     };
     for (int i = 0; i < 5; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_nine(*state, cases[i].assignments, mixed_m, &test);
         test.view.has_history = 0;
         int at[2];
@@ -175,7 +173,6 @@ static void test_what_stands_in_for_history(void **state)
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
         /* nine sums and products of float32 */
         neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], 0), expected, 2e-6, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -184,7 +181,7 @@ static void test_what_stands_in_for_history(void **state)
 static void test_rejected_is_not_absent(void **state)
 {
     for (int is_rejected = 0; is_rejected < 2; is_rejected++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_nine(*state, "fallback=tile fallback_rejected=around reject_depth=0.1", mixed_m,
                   &test);
         int at[2];
@@ -194,7 +191,6 @@ static void test_rejected_is_not_absent(void **state)
         test.view.has_history = (uint32_t)is_rejected;
         reconstruct_run(&test);
         assert_true(half_value(&test, RT_HISTORY, at[0], at[1], 0) == (is_rejected ? 3.0f : 1.0f));
-        test_passes_close(&test);
     }
 }
 
@@ -231,7 +227,7 @@ static void test_where_a_rejection_looks(void **state)
     } cases[] = {{"on", 0.0f, 0},    {"off", 0.0f, 1},   {"moved", 0.0f, 1},
                  {"moved", 0.3f, 1}, {"moved", 1.0f, 0}, {"off", 1.0f, 1}};
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         char words[64];
         snprintf(words, sizeof(words), "reject_depth=0.1 reject_around=%s", cases[i].around);
         open_bright(*state, words, &test);
@@ -239,7 +235,6 @@ static void test_where_a_rejection_looks(void **state)
         twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
         reconstruct_run(&test);
         assert_int_equal(count_void(&test), cases[i].rejected);
-        test_passes_close(&test);
     }
 }
 
@@ -257,7 +252,7 @@ static void test_history_is_relit(void **state)
                  {"relight=0.1", 2.0, {1.0, 1.0, 1.0}}};
     const double px_per_m = 32.0 / (2.0 * 100.0 * 0.4663077 * 32.0 / 24.0);
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         char words[128];
         snprintf(words, sizeof(words),
                  "target_format=float gradient=on box_motion_px=1 box_change=1 %s", cases[i].words);
@@ -270,7 +265,6 @@ static void test_history_is_relit(void **state)
                         value); /* in the middle, where rays are level */
         for (int c = 0; c < 3; c++)
             neph_assert_close(value[c], cases[i].expected[c], 0.0, 1e-3);
-        test_passes_close(&test);
     }
 }
 
@@ -317,7 +311,7 @@ static void test_colours_are_clipped(void **state)
         {"box_hold=clip", {2.5f, 1.5f, 5, 0.4f}, {2, 1.5, 1, 0.4f}, 8, 8},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_box(*state, cases[i].assignments, cases[i].history, (float)cases[i].age, &test);
         reconstruct_run(&test);
         int at[2];
@@ -326,7 +320,6 @@ static void test_colours_are_clipped(void **state)
             neph_assert_close(skipped_value(&test, c), cases[i].expected[c], 1e-6, 0);
         neph_assert_close(half_value(&test, RT_HISTORY_STATE, at[0], at[1], 0),
                           cases[i].expected_age, 1e-6, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -339,7 +332,7 @@ static void test_a_fading_mean(void **state)
         double held, part;
     } cases[] = {{{2, 1.5f, 1, 0.4f}, 2, 1}, {{6, 2, 1, 0.4f}, 3, 0.5}};
     for (int i = 0; i < 2; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_box(*state, "box_hold=clip history_age_max=16 history_fade=0.95 box_age=0.5",
                  cases[i].history, 8, &test);
         reconstruct_run(&test);
@@ -349,7 +342,6 @@ static void test_a_fading_mean(void **state)
         neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], 0),
                           1 + weight * (cases[i].held - 1), 1e-6, 0);
         neph_assert_close(half_value(&test, RT_HISTORY_STATE, at[0], at[1], 0), 9, 0, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -360,19 +352,18 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
                                               "box_depth=1e6 box_same_kind=on"};
     static const float depths_m[9] = {100, 100, 100, 100, 100, 100, 100, 100, NEPH_GPU_FAR_M};
     for (int i = 0; i < 2; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_nine(*state, assignments[i], depths_m, &test);
         test_fill(&test, RT_HISTORY_BEFORE, 20, 20, 20, 1);
         reconstruct_run(&test);
         assert_true(skipped_value(&test, 0) == (i ? 8.0f : 9.0f));
-        test_passes_close(&test);
     }
 }
 
 /* c52e mixes x / (1 + x): a fifth of the way from 3/4 to 1/2 is 0.7, which is 7/3. */
 static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     reconstruct_open(*state, 12, 12, &test,
                      "box=none fresh_weight=0.2 fresh_space=channels target_format=float");
     test_fill(&test, RT_RAY, 1, 3, 0, 0.5f);
@@ -383,7 +374,6 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
     const double expected[4] = {7.0 / 3.0, 3, 0, 0.9};
     for (int c = 0; c < 4; c++)
         neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], c), expected[c], 1e-6, 0);
-    test_passes_close(&test);
 }
 
 /* --- the upscale --------------------------------------------------------------------------------
@@ -419,11 +409,10 @@ static void test_square_weights_are_the_published(void **state)
     for (int i = 0; i < 9; i++)
         total += weights[i];
     for (int i = 0; i < 9; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_upscale(*state, "upscale=square", &test);
         twin_put_half(&test.twin, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
         neph_assert_close(upscale(&test), weights[i] / total, 0, 1e-6); /* six digits */
-        test_passes_close(&test);
     }
 }
 
@@ -443,13 +432,12 @@ static void test_inverse_weights(void **state)
         {"upscale=bilinear upscale_same_kind=off", NEPH_GPU_FAR_M, 0.5625},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_upscale(*state, cases[i].assignments, &test);
         test_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 3, 3, (float[4]){100});
         twin_put_half(&test.twin, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
         neph_assert_close(upscale(&test), cases[i].expected, 1e-6, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -460,14 +448,13 @@ static void test_contrast_of_opacity(void **state)
         "upscale=nearest upscale_contrast=0.2 contrast=transmittance",
         "upscale=nearest upscale_contrast=0.2 contrast=opacity"};
     for (int i = 0; i < 2; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_upscale(*state, assignments[i], &test);
         test_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
         test_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
         twin_put_half(&test.twin, RT_HALF_DEPTH, 2, 2, (float[4]){100});
         twin_put_half(&test.twin, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
         neph_assert_close(upscale(&test), i ? 1.0 : 0.25, 1e-6, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -508,21 +495,7 @@ static void test_lengths_of_the_jitter(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_slice_turns),
-        cmocka_unit_test(test_the_sky_of_the_override),
-        cmocka_unit_test(test_history_follows_the_jitter),
-        cmocka_unit_test(test_what_stands_in_for_history),
-        cmocka_unit_test(test_rejected_is_not_absent),
-        cmocka_unit_test(test_where_a_rejection_looks),
-        cmocka_unit_test(test_history_is_relit),
-        cmocka_unit_test(test_colours_are_clipped),
-        cmocka_unit_test(test_a_fading_mean),
-        cmocka_unit_test(test_the_sky_is_not_in_the_box_of_solids),
-        cmocka_unit_test(test_fresh_rays_are_mixed_tone_mapped),
-        cmocka_unit_test(test_square_weights_are_the_published),
-        cmocka_unit_test(test_inverse_weights),
-        cmocka_unit_test(test_contrast_of_opacity),
-        cmocka_unit_test(test_lengths_of_the_jitter),
+#include "cases/test_realtime_engines.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

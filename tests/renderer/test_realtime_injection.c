@@ -122,7 +122,7 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
 static void test_the_device_counts_what_is_bad(void **state)
 {
     uint64_t seed = 5;
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     struct neph_diag diag = {0};
     uint64_t all = 0;
     const struct neph_settings settings = test_preset("ours", "");
@@ -147,7 +147,6 @@ static void test_the_device_counts_what_is_bad(void **state)
         all += found;
     }
     assert_true(all > 1000);
-    test_passes_close(&test);
 }
 
 /* A renderer that is sound has none in any image; one whose history went bad has, and a ray that
@@ -451,20 +450,7 @@ static void test_what_stands_still_costs_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_garbage_before_a_first_picture_never_shows),
-        cmocka_unit_test(test_what_is_put_in_is_counted),
-        cmocka_unit_test(test_a_bad_ray_shows_where_nobody_looks),
-        cmocka_unit_test(test_the_device_counts_what_is_bad),
-        cmocka_unit_test(test_a_sequence_is_watched),
-        cmocka_unit_test(test_a_split_view_is_the_view_alone),
-        cmocka_unit_test(test_a_mirrored_view_leaves_its_history),
-        cmocka_unit_test(test_another_size_and_back),
-        cmocka_unit_test(test_no_other_picture_in_flight),
-        cmocka_unit_test(test_pictures_do_not_know_where_the_world_lies),
-        cmocka_unit_test(test_motion_is_that_of_the_solids),
-        cmocka_unit_test(test_movers_that_rest_are_none),
-        cmocka_unit_test(test_anti_aliasing_follows_solids),
-        cmocka_unit_test(test_what_stands_still_costs_nothing),
+#include "cases/test_realtime_injection.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

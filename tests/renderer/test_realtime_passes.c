@@ -236,12 +236,7 @@ static void test_columns_of_froxels_go_with_the_picture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_records_are_what_shaders_do),
-        cmocka_unit_test(test_what_is_read_was_written),
-        cmocka_unit_test(test_histories_have_one_shape),
-        cmocka_unit_test(test_choices_fit_into_their_constants),
-        cmocka_unit_test(test_threads_cover_all_texels),
-        cmocka_unit_test(test_columns_of_froxels_go_with_the_picture),
+#include "cases/test_realtime_passes.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

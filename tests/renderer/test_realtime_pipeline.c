@@ -138,32 +138,6 @@ static void test_zero_density_changes_nothing(void **state)
         check_nothing(*state, &test.scene, truth, test_preset(presets[p], "taa=off"));
 }
 
-/* Two renderers make the same frames; of the second `observer` is called. */
-static void check_pair(struct neph_vulkan *vulkan, const char *preset,
-                       neph_realtime_observer *observer)
-{
-    enum { FRAMES = 6 };
-    struct test_scene test;
-    test_scene_fence(&test);
-    const struct neph_settings settings = test_preset(preset, "");
-    OWNED(realtime) struct neph_realtime *one = open_realtime(vulkan, &test.scene, &settings);
-    OWNED(realtime) struct neph_realtime *two = open_realtime(vulkan, &test.scene, &settings);
-    neph_realtime_observe(two, observer, NULL);
-    for (int frame = 0; frame < FRAMES; frame++) {
-        OWNED(image) struct neph_image *a = test_next(one, &test.scene, frame, NULL);
-        OWNED(image) struct neph_image *b = test_next(two, &test.scene, frame, NULL);
-        assert_same_bits(a, b);
-    }
-}
-
-static void test_same_sequence_same_bits(void **state)
-{
-    for (int p = 0; p < preset_count(); p++)
-        check_pair(*state, presets[p], NULL);
-}
-
-/* Choices that are compiled into the shaders and choices that are looked up make the same bits:
- * what is tested pass by pass is what is used. */
 static void generalise(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                        void *context)
 {
@@ -171,10 +145,23 @@ static void generalise(struct neph_rt_device *device, const struct neph_rt_pass 
     device->specialises = false;
 }
 
+/* Choices that are compiled into the shaders and choices that are looked up make the same bits:
+ * what is tested pass by pass is what is used, and two renderers make the same frames. */
 static void test_specialised_shaders_make_the_same_bits(void **state)
 {
-    for (int p = 1; p < neph_test_by_day(3, COUNT(presets)); p++)
-        check_pair(*state, presets[p], generalise);
+    for (int p = 1; p < neph_test_by_day(3, COUNT(presets)); p++) {
+        struct test_scene test;
+        test_scene_fence(&test);
+        const struct neph_settings settings = test_preset(presets[p], "");
+        OWNED(realtime) struct neph_realtime *one = open_realtime(*state, &test.scene, &settings);
+        OWNED(realtime) struct neph_realtime *two = open_realtime(*state, &test.scene, &settings);
+        neph_realtime_observe(two, generalise, NULL);
+        for (int frame = 0; frame < 6; frame++) {
+            OWNED(image) struct neph_image *a = test_next(one, &test.scene, frame, NULL);
+            OWNED(image) struct neph_image *b = test_next(two, &test.scene, frame, NULL);
+            assert_same_bits(a, b);
+        }
+    }
 }
 
 /* --- convergence ---------------------------------------------------------------------------- */
@@ -525,21 +512,7 @@ static void test_what_does_not_shine_is_not_marched(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_off_is_the_march),
-        cmocka_unit_test(test_a_tile_marches_as_march_does),
-        cmocka_unit_test(test_zero_density_changes_nothing),
-        cmocka_unit_test(test_same_sequence_same_bits),
-        cmocka_unit_test(test_specialised_shaders_make_the_same_bits),
-        cmocka_unit_test(test_error_against_the_number_of_frames),
-        cmocka_unit_test(test_a_bad_ray_is_gone_one_frame_later),
-        cmocka_unit_test(test_garbage_in_the_history_never_shows),
-        cmocka_unit_test(test_no_bad_number_in_motion),
-        cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_a_fourteenth_of_the_evaluations),
-        cmocka_unit_test(test_coloured_extinction_is_refused),
-        cmocka_unit_test(test_given_depth),
-        cmocka_unit_test(test_few_and_many_solids_look_alike),
-        cmocka_unit_test(test_what_does_not_shine_is_not_marched),
+#include "cases/test_realtime_pipeline.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -215,7 +215,7 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
     } rows[] = {{"reconstruction", {RT_HISTORY, RT_HISTORY_STATE}, 2},
                 {"anti-aliasing", {RT_TAA_OUT}, 1}};
     for (int round = 0; round < 4; round++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_steady(*state, round, &test);
         test_passes_run(&test, "gradient");
         uint32_t *kept = test_download(&test, RT_KEPT_RAY);
@@ -238,7 +238,6 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
                 test_same_words(&test, RT_KEPT_RAY, (uint64_t)round);
             }
         }
-        test_passes_close(&test);
     }
 }
 
@@ -271,11 +270,7 @@ static void test_what_is_not_known(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_bit_is_another),
-        cmocka_unit_test(test_what_nobody_reads_is_no_other_picture),
-        cmocka_unit_test(test_what_takes_light_alone_is_made_once),
-        cmocka_unit_test(test_passes_that_know_do_as_those_that_look),
-        cmocka_unit_test(test_what_is_not_known),
+#include "cases/test_realtime_steady.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

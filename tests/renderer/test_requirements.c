@@ -192,13 +192,7 @@ static void test_docs_have_the_table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_missing_row_is_refused_or_done_without),
-        cmocka_unit_test(test_each_optional_row_says_how_it_is_done_without),
-        cmocka_unit_test(test_all_that_is_missing_is_named),
-        cmocka_unit_test(test_only_features_that_a_device_has_are_enabled),
-        cmocka_unit_test(test_a_device_that_lacks_something_is_passed_over),
-        cmocka_unit_test(test_why_no_device_can_be_used_is_said),
-        cmocka_unit_test(test_docs_have_the_table),
+#include "cases/test_requirements.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

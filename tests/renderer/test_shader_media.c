@@ -912,16 +912,7 @@ int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaussian_blobs),
-        cmocka_unit_test(test_plumes),
-        cmocka_unit_test(test_shells),
-        cmocka_unit_test(test_tents),
-        cmocka_unit_test(test_grids),
-        cmocka_unit_test(test_grids_beside_each_other),
-        cmocka_unit_test(test_endless_grids),
-        cmocka_unit_test(test_horizon_clouds),
-        cmocka_unit_test(test_extreme_media_give_no_nonsense),
-        cmocka_unit_test(test_extreme_horizon_clouds_give_no_nonsense),
+#include "cases/test_shader_media.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

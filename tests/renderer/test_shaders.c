@@ -601,17 +601,7 @@ int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_phi_and_friends),
-        cmocka_unit_test(test_sum_of_many_steps_keeps_its_digits),
-        cmocka_unit_test(test_loops_make_all_their_turns),
-        cmocka_unit_test(test_what_a_drivers_halves_are_worth),
-        cmocka_unit_test(test_phase_functions),
-        cmocka_unit_test(test_fog_optical_depth),
-        cmocka_unit_test(test_fog_extinction),
-        cmocka_unit_test(test_fog_distances_leave_out_what_they_say),
-        cmocka_unit_test(test_boxes),
-        cmocka_unit_test(test_spheres),
-        cmocka_unit_test(test_the_ground_of_a_planet),
+#include "cases/test_shaders.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

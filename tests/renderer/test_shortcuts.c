@@ -501,22 +501,7 @@ static void test_shortcuts_in_real_time(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values_of_what_is_off_do_not_count),
-        cmocka_unit_test(test_skipping_keeps_the_bits),
-        cmocka_unit_test(test_skipping_in_fog_keeps_the_bits),
-        cmocka_unit_test(test_fog_alone_keeps_the_bits),
-        cmocka_unit_test(test_the_sun_cache_is_of_second_order),
-        cmocka_unit_test(test_the_sun_cache_has_colours),
-        cmocka_unit_test(test_the_sun_cache_has_a_depth_a_channel),
-        cmocka_unit_test(test_the_sun_cache_follows_sun_and_cloud),
-        cmocka_unit_test(test_the_sun_cache_is_filled_over_pictures),
-        cmocka_unit_test(test_early_out_loses_what_it_says),
-        cmocka_unit_test(test_growing_steps_tile_the_ray),
-        cmocka_unit_test(test_steps_grow_by_depth),
-        cmocka_unit_test(test_steps_in_thin_media_do_not_grow),
-        cmocka_unit_test(test_what_is_of_no_use_is_refused),
-        cmocka_unit_test(test_skipping_refuses_media_that_part),
-        cmocka_unit_test(test_shortcuts_in_real_time),
+#include "cases/test_shortcuts.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -185,20 +185,30 @@ static void test_one_order_is_exact_in_the_limit(void **state)
 
 /* --- all orders ------------------------------------------------------------------------------- */
 
+/* Air of 100 m on a large black ball, whose solid is the caller's, and all orders of a sun's light. */
+static struct neph_scene thin_air(double radius_m, double depth, double albedo,
+                                  struct neph_phase phase, double sun_cosine,
+                                  struct neph_solid *ground)
+{
+    static const double height_m = 100.0;
+    *ground = make_sphere(0.0, -radius_m, 0.0, radius_m);
+    struct neph_medium medium = make_shell(depth / height_m, ground->center_m, radius_m, height_m);
+    medium.albedo = make_grey(albedo);
+    medium.phase = phase;
+    struct neph_scene scene = make_sunny(
+        medium, (struct neph_vec3){sqrt(1.0 - sun_cosine * sun_cosine), sun_cosine, 0.0});
+    scene.solids = ground;
+    scene.solid_count = 1;
+    scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    return scene;
+}
+
 /* A thin atmosphere on a large ball, black below: plane-parallel to sqrt(H / R),
  * 3e-3: light that comes level sees the curve. */
 static void check_slab(struct neph_phase phase, int degree, double tolerance)
 {
-    static const double radius_m = 1e7, height_m = 100.0, cosines[] = {0.9, 0.6, 0.35};
-    struct neph_medium medium = make_shell(0.5 / height_m, (struct neph_vec3){0, -radius_m, 0},
-                                           radius_m, height_m);
-    medium.albedo = make_grey(0.95);
-    medium.phase = phase;
-    struct neph_scene scene = make_sunny(medium, (struct neph_vec3){0, 1, 0});
-    struct neph_solid ground = make_sphere(0.0, -radius_m, 0.0, radius_m);
-    scene.solids = &ground;
-    scene.solid_count = 1;
-    scene.scattering = NEPH_SCATTERING_MULTIPLE;
+    static const double cosines[] = {0.9, 0.6, 0.35};
+    struct neph_solid ground;
     const struct neph_sky_params params = {.steps = 96,
                                            .sun_altitudes = 24,
                                            .sun_cosines = 4096,
@@ -212,7 +222,7 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
                                                      .steps = 16}};
     const struct neph_sky_field axis = {.altitudes = 32, .suns = 9};
     const double sun_cosine = neph_sky_node_sun_cosine(&axis, 6);
-    scene.sun.direction = (struct neph_vec3){sqrt(1.0 - sun_cosine * sun_cosine), sun_cosine, 0.0};
+    const struct neph_scene scene = thin_air(1e7, 0.5, 0.95, phase, sun_cosine, &ground);
     struct neph_diag diag = {0};
     OWNED(slab) struct neph_slab *slab = NULL;
     neph_assert_ok(neph_slab_create(&(struct neph_slab_params){.optical_depth = 0.5,
@@ -272,7 +282,6 @@ static const double sweigart_cosines[3] = {0.018014, 0.538263, 0.981986};
  * of its way there. */
 static void test_sweigarts_rayleigh_sky(void **state)
 {
-    static const double radius_m = 3e8, height_m = 100.0;
     const struct neph_sky_params params = {.steps = 192,
                                            .sun_altitudes = 24,
                                            .sun_cosines = 4096,
@@ -284,19 +293,13 @@ static void test_sweigarts_rayleigh_sky(void **state)
                                                      .below = 8,
                                                      .around = 5,
                                                      .steps = 16}};
-    struct neph_solid ground = make_sphere(0.0, -radius_m, 0.0, radius_m);
     double worst = 0.0, grazing = 0.0;
     for (size_t n = 0; n < (size_t)neph_test_by_day(1, COUNT(sweigart)); n++) {
-        struct neph_medium medium = make_shell(0.2 / height_m, ground.center_m, radius_m, height_m);
-        medium.albedo = make_grey(sweigart[n].albedo);
-        medium.phase = (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0};
-        struct neph_scene scene = make_sunny(medium, (struct neph_vec3){0, 1, 0});
-        scene.sun.direction = (struct neph_vec3){
-            sqrt(1.0 - sweigart_sun_cosine * sweigart_sun_cosine), sweigart_sun_cosine, 0.0};
+        struct neph_solid ground;
+        struct neph_scene scene = thin_air(3e8, 0.2, sweigart[n].albedo,
+                                           (struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0},
+                                           sweigart_sun_cosine, &ground);
         scene.sun.irradiance_w_per_m2 = make_grey(M_PI);
-        scene.solids = &ground;
-        scene.solid_count = 1;
-        scene.scattering = NEPH_SCATTERING_MULTIPLE;
         OWNED(sky) struct neph_sky *sky = test_sky(&scene, &params);
         for (int i = 0; i < 3; i++) {
             const double y = sweigart_cosines[i], x = sqrt(1.0 - y * y);
@@ -671,21 +674,7 @@ static void test_says_what_it_cannot(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_harmonics_are_orthonormal),
-        cmocka_unit_test(test_phase_functions_are_their_series),
-        cmocka_unit_test(test_sun_table),
-        cmocka_unit_test(test_one_order_is_exact_in_the_limit),
-        cmocka_unit_test(test_all_orders_in_a_slab),
-        cmocka_unit_test(test_sweigarts_rayleigh_sky),
-        cmocka_unit_test(test_all_orders_of_the_earth),
-        cmocka_unit_test(test_solids_behind_air),
-        cmocka_unit_test(test_moments_light_surfaces),
-        cmocka_unit_test(test_view_table_is_the_walk_in_the_limit),
-        cmocka_unit_test(test_view_table_sees_the_ground_near),
-        cmocka_unit_test(test_splitting_a_medium_changes_nothing),
-        cmocka_unit_test(test_device_is_the_twin),
-        cmocka_unit_test(test_device_says_what_it_cannot),
-        cmocka_unit_test(test_says_what_it_cannot),
+#include "cases/test_sky.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

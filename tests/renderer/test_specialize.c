@@ -359,14 +359,7 @@ static void test_a_damaged_shader_is_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_way),
-        cmocka_unit_test(test_valid_whatever_the_constants),
-        cmocka_unit_test(test_bits_that_are_not_read_change_nothing),
-        cmocka_unit_test(test_unused_goes),
-        cmocka_unit_test(test_the_size_of_work_groups_stays),
-        cmocka_unit_test(test_kernels_of_a_gpu_need_no_int64),
-        cmocka_unit_test(test_a_refused_shader_is_named),
-        cmocka_unit_test(test_a_damaged_shader_is_found),
+#include "cases/test_specialize.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -156,10 +156,7 @@ static void test_validation_tells(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_kept_is_right),
-        cmocka_unit_test(test_what_is_lost_is_found),
-        cmocka_unit_test(test_the_fault),
-        cmocka_unit_test(test_validation_tells),
+#include "cases/test_spirv_loops.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

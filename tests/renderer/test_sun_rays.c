@@ -162,9 +162,7 @@ static void test_other_rays_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_through_voxels),
-        cmocka_unit_test(test_in_an_even_medium),
-        cmocka_unit_test(test_other_rays_are_refused),
+#include "cases/test_sun_rays.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -157,25 +157,12 @@ struct texel {
     double light, weight;
 };
 
-static void download(struct neph_vulkan *vulkan, const struct neph_buffer *buffer, void *into,
-                     size_t bytes)
-{
-    struct neph_buffer readback = {.size_bytes = 0};
-    struct neph_diag diag = {0};
-    assert_int_equal(buffer->size_bytes, bytes);
-    neph_assert_ok(
-        neph_buffer_create(vulkan, NEPH_BUFFER_READBACK, bytes, "read back", &readback, &diag),
-        &diag);
-    neph_assert_ok(neph_buffer_download(vulkan, buffer, &readback, bytes, &diag), &diag);
-    memcpy(into, readback.mapped, bytes);
-    neph_buffer_destroy(vulkan, &readback);
-}
-
-/* A picture by itself: what texels have in the end, and the paths that are under way then. */
-static void trace(struct neph_vulkan *vulkan, const struct neph_scene *scene,
-                  const struct neph_march_params *params,
-                  struct neph_gpu_light_texel texels[TEXELS],
-                  struct neph_gpu_light_path paths[TEXELS * PATHS])
+/* A picture by itself: what texels have in the end, and the paths that are under way then (may be NULL). Both
+ * for free(). */
+static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
+                                          const struct neph_scene *scene,
+                                          const struct neph_march_params *params,
+                                          struct neph_gpu_light_path **paths)
 {
     static const struct neph_march_moment alone;
     struct neph_march_scene march = {.gpu = {.frame = NULL}};
@@ -186,10 +173,14 @@ static void trace(struct neph_vulkan *vulkan, const struct neph_scene *scene,
     neph_assert_ok(neph_march_scene_create(vulkan, scene, params, &march, &diag), &diag);
     neph_assert_ok(neph_march_scene_show(scene, params, 0.0, &alone, &march, &cost, &diag), &diag);
     const struct neph_traced_light *light = &march.traced_light;
-    download(vulkan, &light->texels[light->round % 2], texels, TEXELS * sizeof(*texels));
+    const size_t bytes = TEXELS * sizeof(struct neph_gpu_light_texel);
+    assert_int_equal(light->texels[0].size_bytes, bytes);
+    struct neph_gpu_light_texel *texels = test_read_buffer(vulkan, &light->texels[light->round % 2],
+                                                           bytes);
     if (paths)
-        download(vulkan, &light->paths, paths, TEXELS * PATHS * sizeof(*paths));
+        *paths = test_read_buffer(vulkan, &light->paths, TEXELS * PATHS * sizeof(**paths));
     neph_march_scene_destroy(vulkan, &march);
+    return texels;
 }
 
 /* What the cache holds, of one picture at rest. */
@@ -197,10 +188,9 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
                    bool looks_ahead, struct texel texels[TEXELS])
 {
     struct neph_march_params params = params_of(seed);
-    struct neph_gpu_light_texel found[TEXELS];
     params.light.rounds = 96;
     params.light.looks_ahead = looks_ahead;
-    trace(vulkan, scene, &params, found, NULL);
+    OWNED(memory) struct neph_gpu_light_texel *found = trace(vulkan, scene, &params, NULL);
     for (int t = 0; t < TEXELS; t++) {
         texels[t].weight = (double)found[t].collisions;
         texels[t].light = (double)found[t].light[1] / (double)found[t].collisions;
@@ -333,8 +323,8 @@ static void test_what_is_ahead_is_taken_back(void **state)
 {
     enum { ESTIMATES = 2 };
     static const int cells[ESTIMATES] = {4, 24};
-    static struct neph_gpu_light_path paths[ESTIMATES][TEXELS * PATHS];
-    struct neph_gpu_light_texel texels[ESTIMATES][TEXELS];
+    struct neph_gpu_light_path *paths[ESTIMATES];
+    struct neph_gpu_light_texel *texels[ESTIMATES];
     struct test_scene test;
     double apart = 0.0;
     dense_blob(&test);
@@ -343,7 +333,7 @@ static void test_what_is_ahead_is_taken_back(void **state)
         params.light.rounds = 6;
         params.light.looks_ahead = true;
         params.diffusion.cells = cells[i];
-        trace(*state, &test.scene, &params, texels[i], paths[i]);
+        texels[i] = trace(*state, &test.scene, &params, &paths[i]);
     }
     for (int t = 0; t < TEXELS; t++) {
         const double light = (double)texels[0][t].light[1];
@@ -355,6 +345,10 @@ static void test_what_is_ahead_is_taken_back(void **state)
     print_message("with both estimates the same, where sums differ by up to %.1f %%\n",
                   100.0 * apart);
     assert_true(apart > 1e-3); /* they had something to take back */
+    for (int i = 0; i < ESTIMATES; i++) {
+        free(texels[i]);
+        free(paths[i]);
+    }
 }
 
 /* The first picture after a cut, of a slab that light comes through after thousands of orders. Its
@@ -584,17 +578,7 @@ static void test_what_it_cannot_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slabs_are_those_of_adding_and_doubling),
-        cmocka_unit_test(test_white_furnaces),
-        cmocka_unit_test(test_texels_are_what_the_tracer_finds),
-        cmocka_unit_test(test_sky_and_ground),
-        cmocka_unit_test(test_what_is_ahead_is_taken_back),
-        cmocka_unit_test(test_orders_that_had_no_time),
-        cmocka_unit_test(test_paths_that_end_ahead),
-        cmocka_unit_test(test_similar_media),
-        cmocka_unit_test(test_light_follows_a_camera),
-        cmocka_unit_test(test_same_seed_same_bits),
-        cmocka_unit_test(test_what_it_cannot_is_refused),
+#include "cases/test_traced_light.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -870,33 +870,7 @@ int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_scattering_is_exact_transport),
-        cmocka_unit_test(test_against_the_light),
-        cmocka_unit_test(test_a_grid_beneath_dark_fog),
-        cmocka_unit_test(test_a_grid_far_from_the_fog_below),
-        cmocka_unit_test(test_procedural_clouds_against_the_light),
-        cmocka_unit_test(test_the_last_bit_decides_little),
-        cmocka_unit_test(test_without_scattering_the_rest_is_exact),
-        cmocka_unit_test(test_shapes_in_fog_attenuate_exactly),
-        cmocka_unit_test(test_clouds_are_those_of_the_oracle),
-        cmocka_unit_test(test_a_grid_in_fog_is_that_of_the_oracle),
-        cmocka_unit_test(test_guessed_clouds_are_those_of_the_oracle),
-        cmocka_unit_test(test_spikes_are_those_of_the_oracle),
-        cmocka_unit_test(test_no_light_is_no_target_reached),
-        cmocka_unit_test(test_level_rays_stay_in_their_cells),
-        cmocka_unit_test(test_clouds_in_the_white_furnace),
-        cmocka_unit_test(test_the_half_space_is_chandrasekhars),
-        cmocka_unit_test(test_emission_that_is_seen),
-        cmocka_unit_test(test_bright_media_in_dark_ones),
-        cmocka_unit_test(test_a_glow_in_dark_clouds),
-        cmocka_unit_test(test_a_guess_without_sunlight),
-        cmocka_unit_test(test_dispatches_change_no_bit),
-        cmocka_unit_test(test_seeds_are_independent),
-        cmocka_unit_test(test_a_rest_at_a_checkpoint_changes_no_bit),
-        cmocka_unit_test(test_targets_and_time_limits_stop),
-        cmocka_unit_test(test_all_sizes),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_interruption_is_heard),
+#include "cases/test_tracer.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -166,9 +166,7 @@ static void test_no_light_is_negative(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_any_table_is_right),
-        cmocka_unit_test(test_a_table_that_misses_it_all_is_right),
-        cmocka_unit_test(test_no_light_is_negative),
+#include "cases/test_tracer_sun.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

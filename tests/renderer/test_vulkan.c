@@ -43,6 +43,10 @@ static const uint32_t sum_code[] = {
 #include "shaders/tracer_sum.comp.inc"
 };
 
+static const uint32_t halves_code[] = {
+#include "shaders/halves.comp.inc"
+};
+
 static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t kinds,
                                             uint32_t unknown)
 {
@@ -203,6 +207,27 @@ static void test_too_large_a_buffer_is_refused(void **state)
     assert_non_null(strstr(diag.message, "huge"));
 }
 
+static void test_too_many_work_groups_are_refused(void **state)
+{
+    const struct neph_kernel_params params = {.name = "halves",
+                                              .code = halves_code,
+                                              .code_bytes = sizeof(halves_code),
+                                              .buffer_count = 1};
+    struct neph_vulkan *vulkan = *state;
+    struct neph_buffer buffer = {0};
+    struct neph_diag diag = {0};
+    const struct neph_kernel *kernel = NULL;
+    neph_assert_ok(neph_buffer_create(vulkan, NEPH_BUFFER_UPLOAD, 64, "buffer", &buffer, &diag),
+                   &diag);
+    neph_assert_ok(neph_kernel_get(vulkan, &params, &kernel, &diag), &diag);
+    const struct neph_dispatch dispatch = {
+        .buffers = {&buffer}, .group_count = vulkan->limits.maxComputeWorkGroupCount[0] + 1};
+    assert_int_equal(neph_kernel_run(vulkan, kernel, &dispatch, NULL, &diag), NEPH_ERR_UNSUPPORTED);
+    print_message("%s\n", diag.message);
+    assert_non_null(strstr(diag.message, "halves"));
+    neph_buffer_destroy(vulkan, &buffer);
+}
+
 /* --- what drivers have compiled -------------------------------------------------------------- */
 
 static void open_and_close(const char *cache_folder)
@@ -290,6 +315,7 @@ int main(void)
         cmocka_unit_test(test_validation_hears_a_leak),
         device_test(test_memory_is_counted_as_long_as_it_is_had),
         device_test(test_too_large_a_buffer_is_refused),
+        device_test(test_too_many_work_groups_are_refused),
         cmocka_unit_test(test_a_broken_cache_is_renewed),
         cmocka_unit_test(test_no_room_for_the_cache_is_no_error),
     };

@@ -12,7 +12,7 @@
 
 enum { PATHS_MAX = 400 };
 
-/* Keys that no scene of every_key/ has to change: files are needed, and other keys follow the size. */
+/* Keys that no scene of every_key/ has to change: of files, and one that other keys follow. */
 static const char *const left_out[] = {"media[].volume.", "media[].grid.size"};
 
 /* Paths of keys, indices left out: "media[].gaussian.width_m". */
@@ -150,7 +150,7 @@ static void walk_file(void **state, const char *name, struct paths *seen)
 
 /* --- all keys of the tables ------------------------------------------------------------------- */
 
-/* Of `media[].KIND.albedo` some medium's will do. */
+/* Any medium will do for `media[].KIND.albedo`. */
 static bool is_seen(const struct paths *seen, const char *path)
 {
     static const char kind[] = "media[].KIND.";

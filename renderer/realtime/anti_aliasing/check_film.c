@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What temporal anti-aliasing makes of many frames: the arithmetic of an exponential mean, blur by
- * resampling, the stall of a history in halves, and bad numbers that must not stay.
+ * resampling, and the stall of a history in halves.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -195,65 +195,6 @@ static void test_a_history_in_halves_stalls(void **state)
     test_passes_close(&film);
 }
 
-/* --- bad numbers -------------------------------------------------------------------------------
- */
-
-static int count_bad(const struct test_passes *film)
-{
-    int count = 0;
-    for (size_t i = 0; i < test_elements(film, RT_TAA_BEFORE); i++)
-        for (int c = 0; c < 3; c++)
-            count += !isfinite(film_value(film, i, c));
-    return count;
-}
-
-/* One pixel of one frame; what it is in the end, in the settings of a whole renderer. */
-static int bad_after_one_frame(struct neph_vulkan *vulkan, const char *settings_text, float bad)
-{
-    struct test_passes film;
-    film_open(vulkan, settings_text, (int[2]){32, 32}, &film);
-    film_start(&film, 1.0f);
-    int count = 0;
-    for (int frame = 0; frame < 8; frame++) {
-        for (size_t i = 0; i < 32 * 32; i++)
-            test_set(&film, RT_COLOR, i, (float[4]){1.0f, 0.5f, 0.25f});
-        if (frame == 2)
-            test_set(&film, RT_COLOR, 16 * 32 + 16, (float[4]){bad, bad, bad});
-        film.view.before.position_m[0] = 0.3f; /* a history that moves is resampled */
-        film_step(&film);
-        count = count_bad(&film);
-    }
-    test_passes_close(&film);
-    return count;
-}
-
-/* Without the guard one pixel becomes nine by the filter and more each frame by Catmull-Rom. */
-static void test_a_bad_pixel_grows_without_guard_alone(void **state)
-{
-    static const float bad[] = {NAN, INFINITY, -INFINITY};
-    for (int b = 0; b < 3; b++) {
-        assert_int_equal(bad_after_one_frame(*state, "taa_guard=on", bad[b]), 0);
-        assert_int_equal(bad_after_one_frame(*state, "taa_guard=on taa_box=none", bad[b]), 0);
-    }
-    assert_true(bad_after_one_frame(*state, "taa_guard=off", NAN) > 3 * 9);
-}
-
-/* Black over black: 0.01 * 0 / 0. */
-static void test_black_stays_black_with_guard_alone(void **state)
-{
-    for (int guard = 0; guard < 2; guard++) {
-        struct test_passes film;
-        film_open(*state, guard ? "taa_guard=on" : "taa_guard=off", (int[2]){8, 8}, &film);
-        film_start(&film, 0.0f);
-        film_step(&film);
-        film_step(&film);
-        assert_int_equal(count_bad(&film), guard ? 0 : 3 * 64);
-        for (size_t i = 0; i < 64 && guard; i++)
-            assert_true(film_value(&film, i, 0) == 0.0f);
-        test_passes_close(&film);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -261,8 +202,6 @@ int main(void)
         cmocka_unit_test(test_bilinear_history_blurs_as_alpha_says),
         cmocka_unit_test(test_catmull_rom_does_not_widen),
         cmocka_unit_test(test_a_history_in_halves_stalls),
-        cmocka_unit_test(test_a_bad_pixel_grows_without_guard_alone),
-        cmocka_unit_test(test_black_stays_black_with_guard_alone),
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

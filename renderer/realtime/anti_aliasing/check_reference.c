@@ -6,6 +6,8 @@
  */
 #include "renderer/realtime/anti_aliasing/check_reference.h"
 
+#include "renderer/realtime/shared/check_reference_dither.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -575,24 +577,6 @@ static struct colour resolve(const struct twin *twin, struct place at, double *a
 
 /* --- the output ------------------------------------------------------------------------------- */
 
-/* The hash of renderer/shaders/random.glsl; its first number is the white dither's. */
-static void random_numbers(const uint32_t key[4], float numbers[3])
-{
-    uint32_t v[4];
-    for (int i = 0; i < 4; i++)
-        v[i] = key[i] * 1664525u + 1013904223u;
-    for (int round = 0; round < 2; round++) {
-        v[0] += v[1] * v[3];
-        v[1] += v[2] * v[0];
-        v[2] += v[0] * v[1];
-        v[3] += v[1] * v[2];
-        for (int i = 0; i < 4 && round == 0; i++)
-            v[i] ^= v[i] >> 16;
-    }
-    for (int i = 0; i < 3; i++)
-        numbers[i] = ((float)(v[i + 1] >> 9) + 0.5f) * 0x1p-23f;
-}
-
 static float round_by_chance(float value, float number)
 {
     if (!(fabsf(value) < 65504.0f))
@@ -607,15 +591,16 @@ static float round_by_chance(float value, float number)
 void taa_put_pixel(const struct twin *twin, int x, int y, struct colour colour, double age)
 {
     const struct neph_gpu_view *view = twin->view;
-    float numbers[3], value[4] = {[3] = (float)age};
-    random_numbers((uint32_t[4]){(uint32_t)x, (uint32_t)y, view->frame, view->seed}, numbers);
+    float value[4] = {[3] = (float)age};
+    uint32_t bits[4] = {(uint32_t)x, (uint32_t)y, view->frame, view->seed};
+    twin_pcg4d(bits); /* the first number is the white dither's */
     const bool by_chance = choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF &&
                            choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
         const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
         value[c] = (float)taa_clamp(colour.c[c], least, half_max);
         if (by_chance)
-            value[c] = round_by_chance(value[c], numbers[c]);
+            value[c] = round_by_chance(value[c], ((float)(bits[c + 1] >> 9) + 0.5f) * 0x1p-23f);
     }
     twin_put_picture(twin, RT_TAA_OUT, x, y, value);
 }

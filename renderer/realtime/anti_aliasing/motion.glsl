@@ -11,7 +11,9 @@
 
 // --- what has changed ----------------------------------------------------------------------------
 
-// By the temporal gradient, around this thread's tile; found once in main().
+// What the temporal gradient (gradient/) says of this thread's tile of 4x4 pixels, of the media and
+// of what is behind them: `gain`, the light of this frame over the light of the frame before, and
+// `residue`, the relative change that the gain does not explain. Found once in main().
 Change medium_change, behind_change;
 
 bool keeps_age() { return is_set(RT_TAA_AGE_MAX); }
@@ -44,8 +46,9 @@ bool follows_medium()
            (!uses_gradient() || light_change() > 0.0);
 }
 
-// Whether the history of a pixel is the pixel of the same place. Known before the kernel is
-// compiled, so that it has nothing of the rest of this file.
+// Whether the history of each pixel is the pixel of the same place: camera, media and solids are
+// where they were in the frame before. Known before the kernel is compiled (ALL_REST), so that it
+// has nothing of the rest of this file.
 bool is_static = ALL_REST && !follows_solids();
 
 // --- places --------------------------------------------------------------------------------------

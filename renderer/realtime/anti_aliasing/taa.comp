@@ -16,7 +16,13 @@
 //     6. output    taa.glsl            rounded to halves by chance; the next frame's history
 //
 // This is the readable form, one thread a pixel, which check_reference.c mirrors. taa_cpu.comp and
-// taa_gpu.comp give the same result faster.
+// taa_gpu.comp give the same result faster. Where a number decides something it is `precise`, so
+// that C makes the same decision.
+//
+// From shared/view.glsl: fetch_full() and view_size() are of the rendered pixels, fetch_picture() of
+// the pixels that come out, which are more with upsampling (taau.comp, locks.comp); choice() and
+// setting() are the user's settings RT_*, as docs/realtime.md and `neph engines realtime` list them;
+// view_now and view_before are the cameras, relative to the one of this frame.
 //
 // Different from Unreal, beside what these files say at its place:
 // - Filter and blend are linear: only the box is taken in taa_space, and a history that it does not

@@ -33,8 +33,8 @@ bool fetch_history(vec2 place_px, out vec4 history)
     return is_valid;
 }
 
-const float STATIC_PX = 0.02; // motion per frame up to which a pixel is static; from twice this on it
-                              // moves
+// Motion per frame up to which a pixel is static; from twice this on it moves.
+const float STATIC_PX = 0.02;
 
 // History gain: a static pixel's history is multiplied with the light of this frame over that of
 // the frame before. The medium and what is behind it have gains of their own, and the pixel's mean
@@ -63,8 +63,9 @@ float find_change_share(float speed_px)
     return max(beyond(speed_px, STATIC_PX), light_change());
 }
 
-// No clamp where the share is known to be 0 before the kernel is compiled. Without the guard the
-// clamp may turn a NaN into a number, and is needed.
+// No clamp where the share is known to be 0 before the kernel is compiled: nothing moves, and
+// nothing has changed for many frames (is_unchanged()). Without the guard the clamp may turn a NaN
+// into a number, and is needed.
 bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_set(RT_TAA_CHANGE) &&
                     is_guarded();
 
@@ -127,7 +128,8 @@ vec3 blend(vec3 frame, vec3 history, float alpha)
     return weight == 1.0 ? frame : history + weight * (frame - history);
 }
 
-// RGB: the colour of a pixel, A: its age. `source`: the rendered pixel in the middle of its frame.
+// RGB: the colour of a pixel, A: its age. `source`: the rendered pixel in the middle of its frame,
+// which is the pixel itself but in upsampling. No sample: the history. No history: the frame.
 vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
 {
     vec2 before_px;

@@ -25,21 +25,21 @@ static void mix(uint32_t v[4])
     v[3] += v[1] * v[2];
 }
 
-static uint32_t pcg4d_first(uint32_t x, uint32_t y, uint32_t z, uint32_t w)
+void twin_pcg4d(uint32_t v[4])
 {
-    uint32_t v[4] = {x, y, z, w};
     for (int i = 0; i < 4; i++)
         v[i] = v[i] * 1664525u + 1013904223u;
     mix(v);
     for (int i = 0; i < 4; i++)
         v[i] ^= v[i] >> 16;
     mix(v);
-    return v[0];
 }
 
 static uint32_t white_word(uint32_t seed, uint32_t x, uint32_t y, uint32_t frame, uint32_t channel)
 {
-    return pcg4d_first(x, y, frame, seed + channel * steps[0]) | 0x100u;
+    uint32_t v[4] = {x, y, frame, seed + channel * steps[0]};
+    twin_pcg4d(v);
+    return v[0] | 0x100u;
 }
 
 static uint32_t interleaved_word(uint32_t x, uint32_t y, uint32_t frame, uint32_t channel)

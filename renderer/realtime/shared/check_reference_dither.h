@@ -12,6 +12,9 @@ struct twin_dither {
     const uint32_t *noise_ranks; /* borrowed; neph_rt_noise_ranks(), for the blue ones */
 };
 
+/* pcg4d() of renderer/shaders/random.glsl, in place. */
+void twin_pcg4d(uint32_t v[4]);
+
 /* `kind`: RT_DITHER_*; "none" is 0.5. For any pixel. */
 float twin_dither(const struct twin_dither *dither, int kind, int x_px, int y_px, uint32_t frame,
                   uint32_t channel);

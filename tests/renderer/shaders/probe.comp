@@ -53,7 +53,8 @@ vec4 answer(Probe p)
         return vec4(absorbed_fraction(p.a.x));
     case PROBE_PHASE:
         return vec4(phase_per_sr(p.kind, p.a.x, p.b.xyz, p.c.xyz),
-                    phase_versine(p.kind, abs(p.a.x), p.a.y), phase_mean_cosine(p.kind, p.a.x), 0.0);
+                    phase_versine(p.kind, abs(p.a.x), p.a.y),
+                    phase_mean_cosine(p.kind, p.a.x), 0.0);
     case PROBE_EXTINCTION:
         return vec4(fog_extinction_per_m(layer, p.b.x));
     case PROBE_FOG: {

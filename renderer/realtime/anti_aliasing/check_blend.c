@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The blend of anti-aliasing and its output in closed form: weights, ages, light that changes, media
+ * without motion vectors, exposure, rounding.
+ */
+#include "renderer/realtime/anti_aliasing/check_taa.h"
+
+static void run(struct test_passes *test, const char *pass)
+{
+    test_passes_run(test, pass);
+    test_take(test, RT_TAA_OUT);
+}
+
+/* 256x64 pixels of 1 m each at 128 m: numbers that float32 has exactly. */
+static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
+                      struct test_passes *test)
+{
+    const struct neph_settings settings = test_settings(settings_text);
+    test_passes_open(vulkan, &settings, (int[2]){256, 64}, (int[2]){0, 0}, 0, test);
+    test->view.has_history = 1;
+    test->view.now.half_width = test->view.before.half_width = 1.0f;
+    test->view.now.half_height = test->view.before.half_height = 0.25f;
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+}
+
+/* Weight of a frame with taa_alpha=0. */
+static double moving_weight(double speed_px)
+{
+    return 0.2 * fmin(speed_px / 20.0, 1.0);
+}
+
+/* --- the blend and the format --------------------------------------------------------------- */
+
+/* What weight a frame of 1 had over a history of 0 ... read off the output. */
+static double weight_of(double out, double frame, double history)
+{
+    return (out - history) / (frame - history);
+}
+
+/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below 1
+ * % is not averaged at all. Colours are known to some
+ * ulps, the weight to that over r. */
+static void test_the_contrast_law_takes_small_differences_whole(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 64, 2, 0, &test,
+              "taa_filter=off taa_box=none taa_hdr_weight=off target_format=float");
+    test.view.has_history = 1;
+    const float luma = 3.0f;
+    for (int x = 0; x < 64; x++) {
+        const double r = pow(10.0, -3.0 + 4.0 * x / 63.0);
+        const float above = (float)(luma * (1.0 + r)), below = (float)(luma * (1.0 - fmin(r, 0.9)));
+        for (int y = 0; y < 2; y++) {
+            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
+            twin_put_full(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
+            const float value = y ? below : above;
+            twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){value, value, value});
+        }
+    }
+    run(&test, "anti-aliasing");
+    for (int x = 0; x < 64; x++)
+        for (int y = 0; y < 2; y++) {
+            const double frame = pixel_value(&test, RT_COLOR, x, y, 0);
+            const double r = fabs(frame / luma - 1.0);
+            const double alpha = weight_of(pixel_value(&test, RT_TAA_OUT, x, y, 0), frame, luma);
+            neph_assert_close(alpha, fmax(0.04, fmin(1.0, 0.01 / r)), 0.0,
+                              8.0 * float_ulp * (1.0 + r) / r);
+        }
+    test_passes_close(&test);
+}
+
+/* From taa_alpha at rest to 0.2 at 20 pixels and beyond. */
+static void test_the_weight_grows_with_speed(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 target_format=float",
+              &test);
+    test_fill(&test, RT_COLOR, 1, 1, 1, 0);
+    for (int speed_px = 0; speed_px <= 60; speed_px += 5) {
+        /* 3 : 4 : 5 */
+        test.view.before.position_m[0] = 0.8f * (float)speed_px;
+        test.view.before.position_m[1] = 0.6f * (float)speed_px;
+        run(&test, "anti-aliasing");
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 128, 20, 0),
+                          0.04 + 0.16 * fmin(speed_px / 20.0, 1.0), 1e-6, 0.0);
+    }
+    test_passes_close(&test);
+}
+
+/* --- static pixels, and motion with the medium ---------------------------------------------- */
+
+/* After n frames the pixel is their mean, whatever they were: no box, no contrast law. */
+static void test_a_static_pixel_is_the_mean_of_its_frames(void **state)
+{
+    enum { FRAMES = 12, AGE_MAX = 8 };
+    static const float frames[FRAMES] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off target_format=float gradient=on taa_age_max=8",
+              &test);
+    double mean = 0.0;
+    for (int n = 0; n < FRAMES; n++) {
+        test.view.has_history = n > 0;
+        test_fill(&test, RT_COLOR, frames[n], frames[n], frames[n], 0);
+        run(&test, "anti-aliasing");
+        mean += (frames[n] - mean) / (n < AGE_MAX ? n + 1 : AGE_MAX + 1);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 1), mean, 0.0, 1e-5);
+        assert_true(pixel_value(&test, RT_TAA_OUT, 99, 33, 3) == (n < AGE_MAX ? n + 1 : AGE_MAX));
+        test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
+    }
+    test_passes_close(&test);
+}
+
+static void put_change(struct test_passes *test, int target, float gain, float residue)
+{
+    test_fill(test, target, gain, gain, gain, residue);
+}
+
+/* A change of the light, of the medium or behind it, and motion (in parts of 0.02 px) each bring
+ * back weight and box: at twice the limit wholly, at one and a half by half. The age begins anew by as much, and before it
+ * counts no more frames than are alike but for the limit. */
+static void test_change_and_motion_begin_a_new_mean(void **state)
+{
+    static const struct {
+        float medium, behind, motion;
+        double part, age; /* what of the 19 counts: 4 frames, 7 behind, times 0.2 over the change */
+    } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.1f, 0.0f, 0.0f, 0.0, 8.0},
+                 {0.2f, 0.0f, 0.0f, 0.0, 4.0},  {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
+                 {0.4f, 0.0f, 0.0f, 1.0, 2.0},  {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
+                 {0.1f, 0.1f, 0.0f, 0.0, 8.0},  {0.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
+                 {0.0f, 0.0f, 1.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.5f, 0.5, 19.0},
+                 {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_contrast=0 target_format=float taa_alpha=0.25 "
+              "gradient=on taa_age_max=64 taa_change=0.2",
+              &test);
+    test_fill(&test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(&test, RT_TAA_BEFORE, 1, 1, 1, 19);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        put_change(&test, RT_CHANGE, 1.0f, cases[i].medium);
+        put_change(&test, RT_CHANGE_BEHIND, 1.0f, cases[i].behind);
+        test.view.before.position_m[0] = 0.02f * cases[i].motion;
+        run(&test, "anti-aliasing");
+        const double part = cases[i].part, age = cases[i].age;
+        const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
+        /* the box of a flat frame is the frame; a motion is known to 1e-4 px of 0.02 */
+        const double error = cases[i].motion > 0.0f ? motion_error_px / 0.02 : 1e-5;
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          2.0 - (1.0 - alpha) * (1.0 - part), 0.0, error);
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3),
+                          (1.0 - part) * (age + 1.0) + part, 0.0, 20.0 * error);
+    }
+    test_passes_close(&test);
+}
+
+/* History at rest is multiplied with what the light of the pixel has been: that of the medium and
+ * that behind it by their shares. What moves is not. */
+static void test_history_takes_the_light_along(void **state)
+{
+    static const struct {
+        double share, medium, behind, motion, gain; /* of the pixel's light; motion / 0.02 px */
+    } cases[] = {{1.0, 0.98, 1.0, 0.0, 0.98},
+                 {0.0, 0.98, 1.0, 0.0, 1.0},
+                 {0.5, 0.98, 1.02, 0.0, 1.0 / (0.5 / 0.98 + 0.5 / 1.02)},
+                 {0.25, 1.05, 1.0, 0.0, 1.0 / (0.25 / 1.05 + 0.75)},
+                 {1.0, 0.98, 0.98, 1.5, 0.99},
+                 {1.0, 0.98, 0.98, 2.0, 1.0}};
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 target_format=float "
+              "taa_alpha=0 gradient=on taa_age_max=64 relight=0.1",
+              &test);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++) {
+            const float medium = (float)(2.0 * cases[i].share);
+            test_set(&test, RT_COLOR, e, (float[4]){2.0f, 2.0f, 2.0f});
+            test_set(&test, RT_VOLUME, e, (float[4]){medium, medium, medium, 0.5f});
+            test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 64.0f});
+        }
+        put_change(&test, RT_CHANGE, (float)cases[i].medium, 0.0f);
+        put_change(&test, RT_CHANGE_BEHIND, (float)cases[i].behind, 0.0f);
+        test.view.before.position_m[0] = (float)(0.02 * cases[i].motion);
+        run(&test, "anti-aliasing");
+        const double moved = fmax(cases[i].motion - 1.0, 0.0);
+        const double alpha = (1.0 - moved) / 65.0;
+        neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
+                          cases[i].gain + alpha * (2.0 - cases[i].gain), 0.0,
+                          moved > 0.0 ? motion_error_px / 0.02 : 1e-5);
+    }
+    test_passes_close(&test);
+}
+
+/* Without a gradient nobody knows whether something changes: nothing rests. */
+static void test_without_a_gradient_no_pixel_is_static(void **state)
+{
+    struct test_passes test;
+    open_wall(*state,
+              "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 target_format=float "
+              "taa_alpha=0.25 taa_age_max=64",
+              &test);
+    for (size_t e = 0; e < test_elements(&test, RT_COLOR); e++)
+        test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
+    run(&test, "anti-aliasing");
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 0), 0.75, 0.0, 1e-6);
+    test_passes_close(&test);
+}
+
+/* The wind blows by 8 pixels at 128 m, where clouds before a wall at 200 m are; those at half that
+ * distance move by twice as many. What goes with them is what they hide more than half of, and the
+ * sky; not what is before them, and nothing that does not change. */
+static void test_the_history_goes_with_the_medium(void **state)
+{
+    static const struct {
+        const char *words;
+        float through, distance_m, scene_m;
+        int motion_px;
+    } cases[] = {{"wind=on", 0.0f, 128.0f, 200.0f, 8},
+                 {"wind=on", 0.4f, 64.0f, 128.0f, 16},
+                 {"wind=on", 0.6f, 64.0f, 128.0f, 0},
+                 {"wind=on", 0.9f, 64.0f, NEPH_GPU_FAR_M, 16},
+                 {"wind=on", 1.0f, 128.0f, NEPH_GPU_FAR_M, 0},
+                 {"wind=off", 0.0f, 128.0f, 200.0f, 0},
+                 {"wind=on", 0.5f, 0.0f, NEPH_GPU_FAR_M, 0},
+                 {"wind=on", 0.0f, 128.0f, 64.0f, 0},
+                 {"gradient=on taa_age_max=1 taa_change=0.2", 0.0f, 64.0f, 128.0f, 0},
+                 {"gradient=on taa_age_max=1 taa_change=0.01", 0.0f, 64.0f, 128.0f, 16}};
+    uint64_t seed = 3;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char text[256];
+        snprintf(text, sizeof(text),
+                 "taa_filter=off taa_box=none taa_alpha=0 taa_contrast=0 taa_hdr_weight=off "
+                 "target_format=float taa_history=nearest taa_medium=on %s",
+                 cases[i].words);
+        struct test_passes test;
+        open_wall(*state, text, &test);
+        fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
+        put_change(&test, RT_CHANGE, 1.0f, 0.1f);
+        for (int y = 0; y < 64; y++)
+            for (int x = 0; x < 256; x++) {
+                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
+                /* along the ray, which is longer towards the sides */
+                const double across = (2.0 * (x + 0.5) / 256.0 - 1.0),
+                             up = (1.0 - 2.0 * (y + 0.5) / 64.0) * 0.25;
+                const double slant = sqrt(1.0 + across * across + up * up);
+                twin_put_full(&test.twin, RT_VOLUME, x, y,
+                              (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
+                twin_put_full(&test.twin, RT_VOLUME_DISTANCE, x, y,
+                              (float[4]){(float)(slant * (double)cases[i].distance_m)});
+            }
+        test.view.wind_m[0] = 8.0f;
+        run(&test, "anti-aliasing");
+        /* what is at rest is the mean of the frame, which is black, and one before */
+        const bool is_mean = i == 8;
+        const double weight = is_mean ? 0.5 : moving_weight(cases[i].motion_px);
+        for (int y = 0; y < 64; y++)
+            for (int x = 16; x < 256; x++)
+                for (int c = 0; c < 3; c++)
+                    neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, c),
+                                      (1.0 - weight) * pixel_value(&test, RT_TAA_BEFORE,
+                                                                   x - cases[i].motion_px, y, c),
+                                      1e-5, 0.0);
+        test_passes_close(&test);
+    }
+}
+
+/* With alpha = 1, of a history however bright; and 65504 is the end, with or without the guard. */
+static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
+{
+    static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
+    static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
+    for (int i = 0; i < 8; i++) {
+        struct test_passes test;
+        test_open(*state, 1, 1, 0, &test,
+                  "taa_filter=off taa_box=none taa_alpha=1 target_format=float %s", guards[i / 4]);
+        test.view.has_history = 1;
+        const float frame = frames[i % 4];
+        test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+        test_set(&test, RT_COLOR, 0, (float[4]){frame, frame, frame});
+        test_set(&test, RT_TAA_BEFORE, 0, (float[4]){6e4f, 6e4f, 6e4f});
+        run(&test, "anti-aliasing");
+        assert_true(pixel_value(&test, RT_TAA_OUT, 0, 0, 0) ==
+                    (double)(frame < 65504.0f ? frame : 65504.0f));
+        test_passes_close(&test);
+    }
+}
+
+/* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
+static void test_hdr_weights_hold_bright_samples_back(void **state)
+{
+    struct test_passes test;
+    test_open(*state, 1, 1, 0, &test,
+              "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 target_format=float");
+    test.view.has_history = 1;
+    test_set(&test, RT_DEPTH, 0, (float[4]){1.0f});
+    test_set(&test, RT_COLOR, 0, (float[4]){9.0f, 9.0f, 9.0f});
+    test_set(&test, RT_TAA_BEFORE, 0, (float[4]){1.0f, 1.0f, 1.0f});
+    run(&test, "anti-aliasing");
+    const double dark = 1.0 / 8.0, bright = 1.0 / 40.0;
+    neph_assert_close(pixel_value(&test, RT_TAA_OUT, 0, 0, 0),
+                      (1.0 * dark + 9.0 * bright) / (dark + bright), 1e-6, 0.0);
+    test_passes_close(&test);
+}
+
+/* Every output is one of the two halves around the exact value, the CPU reference's choice bit by bit, and
+ * the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288) each. */
+static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
+{
+    static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};
+    struct test_passes test;
+    test_open(vulkan, 64, 64, seed, &test, "taa_filter=off");
+    for (size_t v = 0; v < COUNT(values); v++) {
+        const float value = (float)values[v];
+        test.view.frame = (uint32_t)v;
+        test_fill(&test, RT_COLOR, value, value, value, 0);
+        test_passes_run(&test, "anti-aliasing");
+        twin_taa(&test.twin);
+        test_same_words(&test, RT_TAA_OUT, v);
+        const double step = fmax(ldexp(1.0, ilogb(values[v] > 0.0 ? values[v] : 1.0) - 10),
+                                 0x1p-24);
+        double sum = 0.0;
+        for (int i = 0; i < 3 * 64 * 64; i++) {
+            const double out = pixel_value(&test, RT_TAA_OUT, i / 3 % 64, i / 192, i % 3);
+            assert_true(fabs(out - (double)value) < step);
+            sum += out;
+        }
+        neph_assert_close(sum / (3 * 64 * 64), value, 0.0, 4.0 * 0.5 * step / sqrt(3 * 64 * 64));
+    }
+    test_passes_close(&test);
+}
+
+/* By floats, and by whole numbers as a GPU does: the same choice of each number. Below 2^-14 a GPU
+ * knows a value to 2^-37. */
+static void test_rounding_by_chance_is_right_on_average(void **state)
+{
+    for (uint64_t seed = 0; seed < 2; seed++)
+        try_rounding_by_chance(*state, seed);
+}
+
+/* --- in upsampling, too ----------------------------------------------------------------------- */
+
+static const struct {
+    const char *words, *pass;
+} passes[] = {{"taa=on", "anti-aliasing"}, {"taa=upsampling", "upsampling"}};
+
+/* 16x8 pixels at 128 m; everything but alpha is off. */
+static void open_plain(struct neph_vulkan *vulkan, int p, const char *words,
+                       struct test_passes *test)
+{
+    test_open(vulkan, 16, 8, 0, test,
+              "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 target_format=float "
+              "taa_alpha=0.125 %s %s",
+              passes[p].words, words);
+    test->view.has_history = 1;
+    test_fill(test, RT_DEPTH, 128, 0, 0, 0);
+    test_fill(test, RT_COLOR, 2, 2, 2, 0);
+    test_fill(test, RT_TAA_BEFORE, 1, 1, 1, 0);
+    test_fill(test, RT_VOLUME, 0, 0, 0, 1);
+}
+
+/* Where more than half of the light is of the medium the frame weighs a quarter, unless it weighs
+ * more anyhow. */
+static void test_media_are_responsive(void **state)
+{
+    static const struct {
+        const char *words;
+        float through;
+        double weight;
+    } cases[] = {{"taa_responsive=off", 0.1f, 0.125},
+                 {"taa_responsive=medium", 0.1f, 0.25},
+                 {"taa_responsive=medium", 0.49f, 0.25},
+                 {"taa_responsive=medium", 0.5f, 0.125},
+                 {"taa_responsive=medium taa_alpha=0.75", 0.1f, 0.75}};
+    for (int p = 0; p < 2; p++)
+        for (size_t i = 0; i < COUNT(cases); i++) {
+            struct test_passes test;
+            open_plain(*state, p, cases[i].words, &test);
+            test_fill(&test, RT_VOLUME, 0, 0, 0, cases[i].through);
+            run(&test, passes[p].pass);
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 1), 1.0 + cases[i].weight, 0.0,
+                              1e-6);
+            test_passes_close(&test);
+        }
+}
+
+/* Light of 2 and a history of 1 that was kept at half the exposure. Both are kept exposed; the
+ * history by the exposure of its own frame unless it is told. */
+static void test_history_follows_the_exposure(void **state)
+{
+    static const struct {
+        const char *words;
+        double kept;
+    } cases[] = {{"taa_pre_exposure=off", 0.875 * 0.5 + 0.125 * 16.0},
+                 {"taa_pre_exposure=on", 0.875 * 8.0 + 0.125 * 16.0}};
+    for (int p = 0; p < 2; p++)
+        for (int i = 0; i < 2; i++) {
+            struct test_passes test;
+            open_plain(*state, p, cases[i].words, &test);
+            test.view.exposure = 8.0f;
+            test.view.exposure_before = 0.5f;
+            test_fill(&test, RT_TAA_BEFORE, 0.5f, 0.5f, 0.5f, 0);
+            run(&test, passes[p].pass);
+            neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 2), cases[i].kept, 1e-6, 0.0);
+            test_passes_close(&test);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_contrast_law_takes_small_differences_whole),
+        cmocka_unit_test(test_the_weight_grows_with_speed),
+        cmocka_unit_test(test_a_static_pixel_is_the_mean_of_its_frames),
+        cmocka_unit_test(test_change_and_motion_begin_a_new_mean),
+        cmocka_unit_test(test_history_takes_the_light_along),
+        cmocka_unit_test(test_without_a_gradient_no_pixel_is_static),
+        cmocka_unit_test(test_the_history_goes_with_the_medium),
+        cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),
+        cmocka_unit_test(test_hdr_weights_hold_bright_samples_back),
+        cmocka_unit_test(test_rounding_by_chance_is_right_on_average),
+        cmocka_unit_test(test_media_are_responsive),
+        cmocka_unit_test(test_history_follows_the_exposure),
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
