@@ -145,10 +145,7 @@ static void test_the_upscale_reads_what_is_filtered(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_step_equals_the_twin),
-        cmocka_unit_test(test_noise_is_averaged_by_what_the_spline_says),
-        cmocka_unit_test(test_edges_stay),
-        cmocka_unit_test(test_the_upscale_reads_what_is_filtered),
+#include "cases/check_atrous.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

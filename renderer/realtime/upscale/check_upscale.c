@@ -516,19 +516,7 @@ static void test_depth_matters_with_contrast_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_upscale_equals_the_twin),
-        cmocka_unit_test(test_bad_history_equals_the_twin),
-        cmocka_unit_test(test_a_constant_stays_what_it_is),
-        cmocka_unit_test(test_bad_history_is_not_seen),
-        cmocka_unit_test(test_validity_keeps_a_nan_out),
-        cmocka_unit_test(test_the_place_of_a_pixel),
-        cmocka_unit_test(test_the_law_of_the_shift),
-        cmocka_unit_test(test_shared_shifts_stay_on_a_line),
-        cmocka_unit_test(test_a_view_rectangle_is_a_view),
-        cmocka_unit_test(test_edges_do_not_leak),
-        cmocka_unit_test(test_sloped_edges_hardly_leak),
-        cmocka_unit_test(test_ridges_are_not_sky),
-        cmocka_unit_test(test_depth_matters_with_contrast_alone),
+#include "cases/check_upscale.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }
