@@ -77,9 +77,9 @@ static double deviation(struct test_passes *test, int target, double mean)
     return sqrt(squares / count);
 }
 
-/* White noise of transmittance, whose luma is the same everywhere: a step leaves the root of the sum
- * of the squared weights, 70 / 256. That of 2304 texels is known to 1 / sqrt(2 2304), 1.5 %, which
- * is more since those nearby are alike: 5 %. */
+/* White noise of transmittance, whose luma is the same everywhere: a step leaves the root of the
+ * sum of the squared weights, 70 / 256. That of 2304 texels is known to 1 / sqrt(2 2304), 1.5 %,
+ * which is more since those nearby are alike: 5 %. */
 static void test_noise_is_averaged_by_what_the_spline_says(void **state)
 {
     uint64_t seed = 5;
