@@ -120,8 +120,8 @@ enum neph_status neph_batch_begin(const struct neph_vulkan *vulkan, struct neph_
                                   struct neph_diag *diag);
 
 /* Add a dispatch; its copy is left out. Waits for its kernel, and meanwhile sends what the batch
- * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: more work groups
- * than the device allows. */
+ * has. NEPH_ERR_INTERNAL, _ENGINE: the kernel cannot be made. NEPH_ERR_UNSUPPORTED: there are more
+ * work groups than the device allows. */
 enum neph_status neph_batch_dispatch(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      const struct neph_dispatch *dispatch, struct neph_diag *diag);
 
@@ -133,8 +133,8 @@ void neph_batch_barrier(struct neph_batch *batch);
  * when the device has no clock); borrowed until then; NULL: nobody wants it. */
 void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
-/* Send it on its way, unless something failed before. What its kernels read must stay as it is until
- * the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
+/* Send it on its way, unless something failed before. What its kernels read must stay as it is
+ * until the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
                                  struct neph_diag *diag);
 

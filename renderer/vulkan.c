@@ -109,7 +109,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
         return NEPH_ERR_UNAVAILABLE;
     }
 
-    /* Of core checks and those in shaders the layer wants one kind at a time. */
+    /* The layer warns of core checks beside checks in shaders. */
     const VkValidationFeatureDisableEXT no_checks[] = {
         VK_VALIDATION_FEATURE_DISABLE_CORE_CHECKS_EXT};
     const VkValidationFeatureEnableEXT checks[] = {

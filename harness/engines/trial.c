@@ -18,8 +18,8 @@ enum { FORMAT = 2, GRID_SIDE = 4 };
 enum { FOG, VOXELS };
 
 /* Tolerances lie between what a working renderer is off by and the least fault that is looked for.
- * Transmittance: all Blenders are off by at most 2.2e-4 (docs/blender.md); half or twice the density
- * is 0.22 off exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
+ * Transmittance: all Blenders are off by at most 2.2e-4 (docs/blender.md); half or twice the
+ * density is 0.22 off exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
 static const double transmittance_slack = 0.02;
 /* A place without a medium has exactly 1; this is the error above, five times. */
 static const double empty_transmittance = 0.999;

@@ -42,7 +42,8 @@ REALTIME = {
     "traced light": "grid_cloud_multiple -p ours -s lighting=traced",
     "octaves": "cloud_below -p ours -s lighting=octaves",
 }
-POST = ("-p unreal", "-s upscale=catmull_rom -s screen_percent=50", "-s tone=on -s sharpen=rcas", "-s tone=on -s fxaa=quality_12")
+POST = ("-p unreal", "-s upscale=catmull_rom -s screen_percent=50",
+        "-s tone=on -s sharpen=rcas", "-s tone=on -s fxaa=quality_12")
 
 
 class Layers(neph_case.NephCase):
