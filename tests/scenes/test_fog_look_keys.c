@@ -69,26 +69,6 @@ static void test_each_control_has_its_key(void **state)
     }
 }
 
-static void test_a_look_is_of_the_identity(void **state)
-{
-    static const char *const all[] = {
-        "",
-        "fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}",
-        "fog_look: {inscattering_w_per_m2_sr: [1, 2, 4]}",
-        "fog_look: {inscattering_w_per_m2_sr: [1, 2, 3], max_opacity: 0.5}",
-        "fog_look: {inscattering_w_per_m2_sr: [1, 2, 3], directional_exponent: 0.5}",
-    };
-    enum { COUNT_ALL = sizeof(all) / sizeof(all[0]) };
-    char hashes[COUNT_ALL][NEPH_HASH_HEX_SIZE];
-    for (int i = 0; i < COUNT_ALL; i++) {
-        struct neph_scene *scene = loaded(all[i]);
-        memcpy(hashes[i], scene->hash, sizeof(hashes[i]));
-        neph_scene_destroy(scene);
-        for (int j = 0; j < i; j++)
-            assert_string_not_equal(hashes[i], hashes[j]);
-    }
-}
-
 static void assert_refused(const char *media, const char *keys, const char *words)
 {
     struct neph_scene *scene = NULL;
@@ -175,7 +155,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_left_out_is_off),
         cmocka_unit_test(test_each_control_has_its_key),
-        cmocka_unit_test(test_a_look_is_of_the_identity),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_what_physics_has_for_a_look),
         cmocka_unit_test(test_what_a_look_does_not_know),

@@ -160,31 +160,13 @@ static void test_keys_are_read(void **state)
 /* A plain solid has the hash that it had before there were surfaces, taken then. */
 static void test_hashes(void **state)
 {
-    static const char *const keys[] = {
-        "",
-        ", metalness: 1",
-        ", metalness: 0.5",
-        ", metalness: 1, roughness: 0.5",
-        ", texture: {pattern: checker, cell_m: 1, albedo: [0, 0, 0]}",
-        ", texture: {pattern: checker, cell_m: 2, albedo: [0, 0, 0]}",
-        ", texture: {pattern: checker, cell_m: 1, albedo: [0, 0, 1]}",
-        ", texture: {pattern: noise, cell_m: 1, albedo: [0, 0, 0]}",
-        ", texture: {pattern: noise, cell_m: 1, albedo: [0, 0, 0], seed: 1}",
-    };
-    enum { COUNT = sizeof(keys) / sizeof(keys[0]) };
-    char hashes[COUNT][NEPH_HASH_HEX_SIZE];
-    for (int i = 0; i < COUNT; i++) {
-        struct neph_scene *scene = loaded("box", keys[i]);
-        memcpy(hashes[i], scene->hash, NEPH_HASH_HEX_SIZE);
-        neph_scene_destroy(scene);
-        for (int k = 0; k < i; k++)
-            assert_string_not_equal(hashes[i], hashes[k]);
-    }
-    assert_string_equal(hashes[0],
+    struct neph_scene *plain = loaded("box", "");
+    assert_string_equal(plain->hash,
                         "8de9fbb1bb88255579049bc4d252d4391f4d67b5ffecdd698e8461cbe35c82ec");
     struct neph_scene *same = loaded("box", ", metalness: 0");
-    assert_string_equal(same->hash, hashes[0]);
+    assert_string_equal(same->hash, plain->hash);
     neph_scene_destroy(same);
+    neph_scene_destroy(plain);
 }
 
 static void test_what_cannot_be_is_refused(void **state)
