@@ -133,8 +133,8 @@ void neph_batch_barrier(struct neph_batch *batch);
  * when the device has no clock); borrowed until then; NULL: nobody wants it. */
 void neph_batch_stamp(struct neph_batch *batch, double *seconds);
 
-/* Send it on its way, unless something failed before. What its kernels read must stay as it is until
- * the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
+/* Send it on its way, unless something failed before. What its kernels read must stay as it is
+ * until the batch is home. `what` names it in errors. NEPH_ERR_ENGINE: the device was lost. */
 enum neph_status neph_batch_send(struct neph_batch *batch, const char *what,
                                  struct neph_diag *diag);
 

@@ -213,8 +213,8 @@ def header(settings):
              "#define NEPH_GENERATED_REALTIME_SETTINGS_H", "", "#include <stdbool.h>", ""]
     for folder in folders:
         lines += [f"struct neph_rt_{folder}_settings {{", *fields_of(folder, rows), "};", ""]
-    lines += ["/* By the folder of a pass; `shared`: that several passes read. Those of the march are",
-              " * read into struct neph_march_params. */", "struct neph_rt_settings {"]
+    lines += ["/* By the folder of a pass; `shared`: that several passes read. Those of the march",
+              " * are read into struct neph_march_params. */", "struct neph_rt_settings {"]
     lines += [f"    struct neph_rt_{folder}_settings {folder};" for folder in folders]
     return "\n".join(lines + ["};", "", "#endif", ""])
 
@@ -296,10 +296,10 @@ def capacity(settings):
 def page(settings):
     """docs/settings.md"""
     lines = ["# The settings of `realtime`", "",
-             "Written by `renderer/settings.py . --docs` from the files `settings.toml`: each pass has one",
-             "in its folder, and `shared` what several passes read. The engines `march*` have the settings",
-             "of the march; where not all of them have one, it names those that do: `traced` is",
-             "`march_traced`, `diffused` is `march_diffused`.", ""]
+             "Written by `renderer/settings.py . --docs` from the files `settings.toml`: each pass",
+             "has one in its folder, and `shared` those that several passes read. The engines",
+             "`march*` have the settings of the march; where not all of them have one, it names",
+             "those that do: `traced` is `march_traced`, `diffused` is `march_diffused`.", ""]
     for folder in [""] + sorted({setting.folder for setting in settings} - {""}):
         rows = [s for s in settings if s.folder == folder and s.kind != "pipeline"]
         if not rows:

@@ -25,7 +25,7 @@
  * test that fails does not get there. */
 #define OWNED(kind) __attribute__((cleanup(test_end_##kind)))
 
-/* Of malloc() and its kin. */
+/* A kind: what malloc() and its kin gave. */
 static inline void test_end_memory(void *pointer)
 {
     free(*(void **)pointer);

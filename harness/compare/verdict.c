@@ -69,7 +69,7 @@ static struct summary summarize(const struct neph_measurements *list, const char
     return made;
 }
 
-/* Of several frames the one in which a number is worst; NULL: there are not several. */
+/* The frame in which a number is worst; NULL: there are not several frames. */
 static const struct neph_measurement *worst_frame(const struct neph_measurements *list,
                                                   const struct neph_measurement *number)
 {
@@ -223,7 +223,7 @@ static int print_findings(const struct neph_compared *compared, const char *mask
     return lines;
 }
 
-/* Of frames one by one; how many lines. */
+/* The error of frames one by one. Returns the number of lines. */
 static int print_error(const struct neph_compared *compared, const char *mask)
 {
     const struct neph_measurements *list = &compared->numbers;

@@ -24,6 +24,8 @@ static const char *const filters[] = {"off",         "nearest", "bilinear", "dir
 static const char *const targets[] = {"float32", "float16", "unorm10", NULL};
 static const char *const blooms[] = {"off", "conserving", "additive", NULL};
 
+_Static_assert(POST_SETTING_COUNT <= NEPH_OPTIONS_MAX, "LONGEST_OTHER of renderer/settings.py");
+
 const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
     [POST_AUTO_EXPOSURE] = CHOICE("auto_exposure", 0, switches,
                                   "the eye adapts to the frames: what it is adapted to is shown as "

@@ -25,7 +25,7 @@ struct neph_rt_shader {
     size_t code_bytes;
     int column;   /* texels, one below the other, that a thread writes; 0: one */
     int block[2]; /* texels that a work group writes together; {0}: texels are independent */
-    /* Of a variant: it runs where all of these hold; ends early with {0}, which never does. */
+    /* A variant runs where all of these hold; ends early with {0}, which never does. */
     struct neph_rt_condition needs[NEPH_RT_NEEDS_MAX];
     const struct neph_rt_pass *absorbs; /* a pass whose targets a variant writes, too; or NULL */
 };

@@ -25,7 +25,7 @@
  *        branch that compares history with the half-resolution texel's own depth, 10 %, and takes
  *        the nearest of the eight rays around instead. The other branch, where compute shaders are
  *        to be had, traces each tile to its nearest and to its farthest depth and keeps two layers;
- *        its rules (2000 m between scenes, 1000 m between the nearest depths of a tile) are not here.
+ *        its rules (2000 m between scenes, 1000 m between nearest depths of a tile) are not here.
  *        Guesses: the noises of shift and ray; no acceptance of noisy taps (Unreal's 20); history
  *        is compared with the depth map of the frame before and not with the depth of the ray that
  *        it came from.

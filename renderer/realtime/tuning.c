@@ -3,6 +3,9 @@
 
 #include "renderer/realtime/shared/names.h"
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_RT_DEVICE_KINDS == 2, "a new kind");
+
 static const struct neph_rt_tuning tunings[NEPH_RT_DEVICE_KINDS] = {
     [NEPH_RT_CPU] = {.composition = RT_COMPOSITION_UPSCALE,
                      .has_air_kernels = true,

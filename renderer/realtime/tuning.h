@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the pipeline does on one kind of device and not on the other. Frames keep their bits, but for
- * freely rounded values. Shaders that differ between devices: `variants` in passes.h.
+ * What the pipeline does on one kind of device and not on the other. Frames keep their bits, but
+ * for freely rounded values. Shaders that differ between devices: `variants` in passes.h.
  */
 #ifndef NEPH_RENDERER_REALTIME_TUNING_H
 #define NEPH_RENDERER_REALTIME_TUNING_H

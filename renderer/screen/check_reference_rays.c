@@ -9,6 +9,9 @@
 
 #include <math.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* ---- a ray ----------------------------------------------------------------------------------- */
 
 struct ray {

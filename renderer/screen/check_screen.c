@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The passes of the screen against their references in double precision, pixel by pixel: occlusion by
- * all methods and its blur, indirect light, reflections, their means and smoothing, the picture; at
- * full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd
+ * The passes of the screen against their references in double precision, pixel by pixel: occlusion
+ * by all methods and its blur, indirect light, reflections, their means and smoothing, the picture;
+ * at full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd
  * size.
  */
 #include "renderer/screen/check_screen.h"
@@ -421,8 +421,8 @@ static void look_into_mirror(const struct both *both, int p, struct found *found
     found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
 }
 
-/* By the reference, which is the device's ray: nearly all that the picture can show is found, within a
- * fraction of a pixel. */
+/* By the reference, which is the device's ray: nearly all that the picture can show is found,
+ * within a fraction of a pixel. */
 static void test_a_mirror_finds_what_is_shown(void **state)
 {
     struct both both;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Ambient occlusion of the screen against closed forms: a plane, the foot of a wall that goes on
- * for ever, that of a block. Methods that claim no integral are compared with their CPU reference in
- * check_screen.c.
+ * for ever, that of a block. Methods that claim no integral are compared with their CPU reference
+ * in check_screen.c.
  */
 #include "renderer/screen/check_screen.h"
 

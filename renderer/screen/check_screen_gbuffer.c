@@ -41,7 +41,7 @@ static void set_room(struct test_scene *test)
     last_solid(test)->surface.roughness = 0.2; /* a mirror would throw light on the others */
 }
 
-/* ---- the reference -------------------------------------------------------------------------------- */
+/* ---- the reference --------------------------------------------------------------------------- */
 
 /* Targets of a picture. */
 struct buffers {

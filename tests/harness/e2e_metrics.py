@@ -507,7 +507,8 @@ class Metrics(neph_case.NephCase):
                           f"cd/m2, dark surround", done.stdout)
             self.assertRegex(
                 done.stdout,
-                rf"flicker: seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz \(period 7 frames\)")
+                rf"flicker: seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz "
+                r"\(period 7 frames\)")
 
     def test_a_blinking_fence_is_cyclic_at_edges(self):
         noise = self.noise(1e-5)

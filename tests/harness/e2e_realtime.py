@@ -253,8 +253,8 @@ class Realtime(neph_case.NephCase):
         self.assertEqual(done.stderr.splitlines(), [
             "warning: engine realtime: setting taa_rest_px is gone and ignored: it was 0.02 in "
             "every preset",
-            "warning: engine realtime: setting taa_format is gone and ignored: target_format is the "
-            "format of all images"])
+            "warning: engine realtime: setting taa_format is gone and ignored: target_format is "
+            "the format of all images"])
 
     def test_the_list_of_settings_can_be_read(self):
         lines = self.neph("engines", "realtime").stdout.splitlines()

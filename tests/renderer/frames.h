@@ -86,7 +86,7 @@ static inline struct neph_march *test_march_open(struct neph_vulkan *vulkan,
     return march;
 }
 
-/* Of a tracer that ends with its samples. */
+/* A tracer that ends with its samples. */
 static inline struct neph_tracer_params test_samples(int width_px, int height_px, uint64_t seed,
                                                      int samples)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Clouds that repeat without end: frames of them against those of many copies. (The step cloud of
- * I3RC against a Monte Carlo that shares next to nothing with the tracer is a check of neph physics.)
+ * I3RC against a Monte Carlo that shares next to nothing with the tracer is a check of neph
+ * physics.)
  */
 #include "tests/renderer/frames.h"
 

@@ -201,7 +201,7 @@ static void test_the_tracer_is_the_exact_transport(void **state)
     }
 }
 
-/* Of all orders, light of sun and sky among it. */
+/* All orders, light of sun and sky among it. */
 static void test_of_all_orders_it_is_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();

@@ -171,7 +171,7 @@ static void test_variants_equal_readable_shaders(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_variants_equal_readable_shaders),
+#include "cases/test_realtime_variants.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -185,7 +185,7 @@ static void test_one_order_is_exact_in_the_limit(void **state)
 
 /* --- all orders ------------------------------------------------------------------------------- */
 
-/* Air of 100 m on a large black ball, whose solid is the caller's, and all orders of a sun's light. */
+/* Air of 100 m on a large black ball, whose solid is the caller's, and all orders of sunlight. */
 static struct neph_scene thin_air(double radius_m, double depth, double albedo,
                                   struct neph_phase phase, double sun_cosine,
                                   struct neph_solid *ground)

@@ -157,8 +157,8 @@ struct texel {
     double light, weight;
 };
 
-/* A picture by itself: what texels have in the end, and the paths that are under way then (may be NULL). Both
- * for free(). */
+/* A picture by itself: what texels have in the end, and the paths that are under way then (may be
+ * NULL). Both for free(). */
 static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
                                           const struct neph_scene *scene,
                                           const struct neph_march_params *params,

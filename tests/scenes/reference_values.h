@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Exact transport to 50 digits (mpmath): reference_values.json, which reference_values.py writes and
- * the build makes C.
- */
+ * Exact transport to 50 digits (mpmath): reference_values.json, which reference_values.py writes
+ * and the build makes C. */
 #ifndef NEPH_TESTS_SCENES_REFERENCE_VALUES_H
 #define NEPH_TESTS_SCENES_REFERENCE_VALUES_H
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The blend of anti-aliasing and its output in closed form: weights, ages, light that changes, media
- * without motion vectors, exposure, rounding.
- */
+ * The blend of anti-aliasing and its output in closed form: weights, ages, light that changes,
+ * media without motion vectors, exposure, rounding. */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
 static void run(struct test_passes *test, const char *pass)
@@ -118,8 +117,8 @@ static void put_change(struct test_passes *test, int target, float gain, float r
 }
 
 /* A change of the light, of the medium or behind it, and motion (in parts of 0.02 px) each bring
- * back weight and box: at twice the limit wholly, at one and a half by half. The age begins anew by as much, and before it
- * counts no more frames than are alike but for the limit. */
+ * back weight and box: at twice the limit wholly, at one and a half by half. The age begins anew by
+ * as much, and before it counts no more frames than are alike but for the limit. */
 static void test_change_and_motion_begin_a_new_mean(void **state)
 {
     static const struct {
@@ -303,8 +302,9 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
     test_passes_close(&test);
 }
 
-/* Every output is one of the two halves around the exact value, the CPU reference's choice bit by bit, and
- * the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288) each. */
+/* Every output is one of the two halves around the exact value, the CPU reference's choice bit by
+ * bit, and the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288)
+ * each. */
 static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
 {
     static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame of temporal anti-aliasing against its CPU reference, with bad numbers, and closed forms of
- * its neighbourhood, motion and clamp; and the jitter that goes before it. The blend: check_blend.c.
- * Many frames: check_film.c.
- */
+ * One frame of temporal anti-aliasing against its CPU reference, with bad numbers, and closed forms
+ * of its neighbourhood, motion and clamp; and the jitter that goes before it. The blend:
+ * check_blend.c. Many frames: check_film.c. */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
 #include "renderer/realtime/jitter.h"
@@ -62,7 +61,7 @@ static void run(struct test_passes *test)
     test_take(test, RT_TAA_OUT);
 }
 
-/* --- against the CPU reference ---------------------------------------------------------------------- */
+/* --- against the CPU reference ---------------------------------------------------------------- */
 
 static void test_the_pass_equals_the_cpu_reference(void **state)
 {
@@ -92,8 +91,8 @@ static void test_the_pass_equals_the_cpu_reference(void **state)
 }
 
 /* In all settings, with numbers that no renderer should make in both pictures. What comes out is a
- * colour, and the CPU reference's. Where it differs from the CPU reference's, the brightest held number, 65504,
- * sets the scale. */
+ * colour, and the CPU reference's. Where it differs from the CPU reference's, the brightest held
+ * number, 65504, sets the scale. */
 static void test_the_guard_keeps_bad_numbers_out(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f, -1e30f, 0.0f};

@@ -81,8 +81,8 @@ vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
 }
 
 // How many pixels a point `depth_m` deep has moved since the frame before, when it stood `from_m`
-// off from where it is now, as seen by the camera; false when it was behind that camera. Lengths are
-// divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
+// off from where it is now, as seen by the camera; false when it was behind that camera. Lengths
+// are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
 // difference of two projections, exactly 0 for a static camera. All depths of an orthographic frame
 // move alike, since its camera never turns (scenes/load_motion.c).
 bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)

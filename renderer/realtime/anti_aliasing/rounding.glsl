@@ -9,7 +9,8 @@
 #include "renderer/shaders/random.glsl"
 
 const uint HALF_MAX_BITS = 0x477fe000u;  // of 65504
-const uint LEAST_NORMAL_EXPONENT = 113u; // of 2^-14; smaller halves lie as far apart as from there on
+// The exponent of 2^-14; smaller halves lie as far apart as from there on.
+const uint LEAST_NORMAL_EXPONENT = 113u;
 
 float round_by_chance(float value, uint bits)
 {

@@ -19,10 +19,10 @@
 // taa_gpu.comp give the same result faster. Where a number decides something it is `precise`, so
 // that C makes the same decision.
 //
-// From shared/view.glsl: fetch_full() and view_size() are of the rendered pixels, fetch_picture() of
-// the pixels that come out, which are more with upsampling (taau.comp, locks.comp); choice() and
-// setting() are the user's settings RT_*, as docs/realtime.md and `neph engines realtime` list them;
-// view_now and view_before are the cameras, relative to the one of this frame.
+// From shared/view.glsl: fetch_full() and view_size() are of the rendered pixels, fetch_picture()
+// of the pixels that come out, which are more with upsampling (taau.comp, locks.comp); choice() and
+// setting() are the user's settings RT_*, as docs/realtime.md and `neph engines realtime` list
+// them; view_now and view_before are the cameras, relative to the one of this frame.
 //
 // Different from Unreal, beside what these files say at its place:
 // - Filter and blend are linear: only the box is taken in taa_space, and a history that it does not
@@ -33,8 +33,8 @@
 // - taa_responsive has no stencil: it acts where media hide what is behind them.
 // Off in presets that follow Unreal: with taa_age_max a static pixel in the same light is the mean
 // of its frames; with taa_medium its history is read where the medium was.
-// Left out: the anti-ghosting flag of movers, depth of field, and the unfiltered frame that is mixed
-// in where a bilinear history blurs.
+// Left out: the anti-ghosting flag of movers, depth of field, and the unfiltered frame that is
+// mixed in where a bilinear history blurs.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 

@@ -89,8 +89,8 @@ float frame_weight(float luma, float history_luma, float speed_px)
 }
 
 // In how many frames the light changes by taa_change: a mean of more would lag behind. The gradient
-// compares rays through media after four frames, and what is behind them after as many as the jitter
-// has places.
+// compares rays through media after four frames, and what is behind them after as many as the
+// jitter has places.
 float frames_alike()
 {
     float limit = setting(RT_TAA_CHANGE);

@@ -77,9 +77,9 @@ static double deviation(struct test_passes *test, int target, double mean)
     return sqrt(squares / count);
 }
 
-/* White noise of transmittance, whose luma is the same everywhere: a step leaves the root of the sum of the squared weights,
- * 70 / 256. That of 2304 texels is known to 1 / sqrt(2 2304), 1.5 %, which is more since those
- * nearby are alike: 5 %. */
+/* White noise of transmittance, whose luma is the same everywhere: a step leaves the root of the
+ * sum of the squared weights, 70 / 256. That of 2304 texels is known to 1 / sqrt(2 2304), 1.5 %,
+ * which is more since those nearby are alike: 5 %. */
 static void test_noise_is_averaged_by_what_the_spline_says(void **state)
 {
     uint64_t seed = 5;
@@ -145,10 +145,7 @@ static void test_the_upscale_reads_what_is_filtered(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_step_equals_the_twin),
-        cmocka_unit_test(test_noise_is_averaged_by_what_the_spline_says),
-        cmocka_unit_test(test_edges_stay),
-        cmocka_unit_test(test_the_upscale_reads_what_is_filtered),
+#include "cases/check_atrous.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

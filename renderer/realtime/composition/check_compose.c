@@ -193,11 +193,7 @@ static void test_the_upscale_composes_as_the_pass_does(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_compose_equals_the_twin),
-        cmocka_unit_test(test_identities),
-        cmocka_unit_test(test_the_rest_of_the_buffer_is_left_alone),
-        cmocka_unit_test(test_the_anti_aliasing_composes_as_the_pass_does),
-        cmocka_unit_test(test_the_upscale_composes_as_the_pass_does),
+#include "cases/check_compose.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -101,10 +101,7 @@ static void test_a_tile_has_two_near_and_two_far(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_half_comes_back),
-        cmocka_unit_test(test_halves_round_to_nearest_even),
-        cmocka_unit_test(test_min_max_equals_the_twin),
-        cmocka_unit_test(test_a_tile_has_two_near_and_two_far),
+#include "cases/check_depth_map.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

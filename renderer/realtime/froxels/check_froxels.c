@@ -442,16 +442,7 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_passes_are_their_twins),
-        cmocka_unit_test(test_each_froxel_has_its_light),
-        cmocka_unit_test(test_shafts_of_a_fence),
-        cmocka_unit_test(test_lamps),
-        cmocka_unit_test(test_peaks_of_lamps_are_of_pixels),
-        cmocka_unit_test(test_no_light_leaks_through_a_wall),
-        cmocka_unit_test(test_the_seam_is_not_seen),
-        cmocka_unit_test(test_jitter_and_history),
-        cmocka_unit_test(test_history_follows_the_world),
-        cmocka_unit_test(test_refusals),
+#include "cases/check_froxels.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the temporal gradient (gradient.comp, change.comp) says of the surroundings of a tile.
+// The change around a tile, as the temporal gradient has it (gradient.comp, change.comp).
 #ifndef NEPH_REALTIME_CHANGE_GLSL
 #define NEPH_REALTIME_CHANGE_GLSL
 
@@ -14,7 +14,7 @@ struct Change {
 // Nothing has changed for so long that this is known (renderer/realtime/stillness.h).
 bool is_unchanged() { return choice(RT_STEADY) >= RT_STEADY_KNOWN; }
 
-// And of the picture's parts nobody asks for more than the next picture does.
+// Only the next frame reads this one (renderer/realtime/unread.h).
 bool is_unread() { return choice(RT_STEADY) == RT_STEADY_UNREAD; }
 
 Change change_of(int target, ivec2 tile)

@@ -446,18 +446,7 @@ static void test_the_second_generation_rests_and_follows(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_passes_equal_their_twins),
-        cmocka_unit_test(test_tiles_repeat_by_turns),
-        cmocka_unit_test(test_it_needs_the_split),
-        cmocka_unit_test(test_what_flashes_with_a_period),
-        cmocka_unit_test(test_flashes_of_other_periods),
-        cmocka_unit_test(test_a_sun_that_jumps),
-        cmocka_unit_test(test_light_is_told_from_noise),
-        cmocka_unit_test(test_slow_light_is_a_gain),
-        cmocka_unit_test(test_light_that_flashes_unseen_is_a_change),
-        cmocka_unit_test(test_the_override_rests_after_a_jump),
-        cmocka_unit_test(test_what_a_solid_uncovers_has_changed),
-        cmocka_unit_test(test_the_second_generation_rests_and_follows),
+#include "cases/check_gradient.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

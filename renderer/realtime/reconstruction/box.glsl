@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The neighbourhood clamp of a history of colour and transmittance, in a colour space. Transmittance
-// is the same in all of them.
+// The neighbourhood clamp of a history of colour and transmittance, in a colour space.
+// Transmittance is the same in all of them.
 #ifndef NEPH_REALTIME_BOX_GLSL
 #define NEPH_REALTIME_BOX_GLSL
 

@@ -693,23 +693,7 @@ static void test_a_view_is_what_it_is_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_history_is_where_geometry_says),
-        cmocka_unit_test(test_parallel_history_is_where_geometry_says),
-        cmocka_unit_test(test_what_does_not_move),
-        cmocka_unit_test(test_the_filter_is_exact_on_lines),
-        cmocka_unit_test(test_void_taps_have_no_weight),
-        cmocka_unit_test(test_cuts_and_first_frames),
-        cmocka_unit_test(test_the_screen_ends),
-        cmocka_unit_test(test_what_was_hidden_is_rejected),
-        cmocka_unit_test(test_a_steady_scene_is_not_rejected),
-        cmocka_unit_test(test_four_frames_make_a_whole),
-        cmocka_unit_test(test_no_density_is_exactly_nothing),
-        cmocka_unit_test(test_a_bad_ray_is_not_used),
-        cmocka_unit_test(test_without_any_ray),
-        cmocka_unit_test(test_garbage_is_no_history),
-        cmocka_unit_test(test_ages_average_rays),
-        cmocka_unit_test(test_ages_have_limits),
-        cmocka_unit_test(test_a_view_is_what_it_is_alone),
+#include "cases/check_history.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

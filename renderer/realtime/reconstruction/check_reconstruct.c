@@ -651,17 +651,7 @@ static void test_where_gathered_depths_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chosen_rays_are_the_twin_s),
-        cmocka_unit_test(test_boxes_hold_the_twin_s_rays),
-        cmocka_unit_test(test_values_are_the_twin_s),
-        cmocka_unit_test(test_far_ridges_take_the_sky_s_light),
-        cmocka_unit_test(test_a_box_of_one_ray_erases_history),
-        cmocka_unit_test(test_variance_box),
-        cmocka_unit_test(test_spaces_keep_light_sound),
-        cmocka_unit_test(test_no_corner_of_the_box_is_a_firefly),
-        cmocka_unit_test(test_spaces_leave_what_is_in_the_box),
-        cmocka_unit_test(test_the_last_cut_tiles),
-        cmocka_unit_test(test_where_gathered_depths_drift),
+#include "cases/check_reconstruct.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

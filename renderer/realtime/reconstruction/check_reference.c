@@ -24,7 +24,7 @@ struct ray {
 struct history {
     double value[4];
     float age;
-    bool is_void, is_rejected;
+    bool is_invalid, is_rejected;
     double motion_px;
 };
 
@@ -342,7 +342,7 @@ static struct history history_at(const struct twin *twin, int x, int y)
     twin_fetch_half(twin, RT_HISTORY_STATE_BEFORE, x, y, state);
     const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
     struct history history = {.age = has_age ? state[0] : 0.0f};
-    history.is_void = choice(twin, RT_VALIDITY) != 0 && !(has_age && twin_is_sound(value));
+    history.is_invalid = choice(twin, RT_VALIDITY) != 0 && !(has_age && twin_is_sound(value));
     for (int c = 0; c < 4; c++)
         history.value[c] = value[c];
     return history;
@@ -353,16 +353,16 @@ static struct history history_about(const struct twin *twin, const double place_
     const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
     const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
     double sum[4] = {0}, total = 0.0, heaviest = 0.0;
-    struct history history = {.is_void = true};
+    struct history history = {.is_invalid = true};
     struct box range = {{INFINITY, INFINITY, INFINITY, INFINITY},
                         {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
     for (int i = 0; i < 4; i++) {
         const double x = place[0] - base[0], y = place[1] - base[1];
         const double weight = (i % 2 ? x : 1.0 - x) * (i / 2 ? y : 1.0 - y);
         const struct history tap = history_at(twin, base[0] + i % 2, base[1] + i / 2);
-        if (weight == 0.0 || tap.is_void)
+        if (weight == 0.0 || tap.is_invalid)
             continue;
-        history.is_void = false;
+        history.is_invalid = false;
         total += weight;
         for (int c = 0; c < 4; c++)
             sum[c] += weight * tap.value[c];
@@ -371,7 +371,7 @@ static struct history history_about(const struct twin *twin, const double place_
         heaviest = fmax(heaviest, weight);
         extend(&range, tap.value);
     }
-    for (int c = 0; c < 4 && !history.is_void; c++)
+    for (int c = 0; c < 4 && !history.is_invalid; c++)
         history.value[c] = held(sum[c] / total, range.low[c], range.high[c]);
     return history;
 }
@@ -446,7 +446,7 @@ static struct history history_of(const struct twin *twin, int x, int y, float de
                                  float distance_m)
 {
     const struct neph_gpu_view *view = twin->view;
-    const struct history none = {.is_void = true};
+    const struct history none = {.is_invalid = true};
     const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
     double place_px[2], before_px[2];
     for (int axis = 0; axis < 2; axis++)
@@ -458,7 +458,7 @@ static struct history history_of(const struct twin *twin, int x, int y, float de
     if (!find_before(twin, place_px, known_distance_m(distance_m), before_px))
         return none;
     if (setting(twin, RT_REJECT_DEPTH) > 0.0f && !is_same_scene(twin, place_px, before_px, depth_m))
-        return (struct history){.is_void = true, .is_rejected = true};
+        return (struct history){.is_invalid = true, .is_rejected = true};
     struct history history = history_about(twin, before_px);
     history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
     return history;
@@ -484,7 +484,7 @@ static double change_at_ray(const struct twin *twin, const struct ray *ray)
     twin_fetch_tile(twin, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
     const float depth_m = marched_depth_m(twin, ray, at);
     const struct history then = history_of(twin, at[0], at[1], depth_m, distance[0]);
-    if (then.is_void)
+    if (then.is_invalid)
         return 1.0;
     const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
     const double before = luminance(then.value), most = fmax(now, before);
@@ -632,7 +632,7 @@ static void reconstruct(const struct twin *twin, int x, int y)
     const bool is_fresh = rays[0].is_usable && (int)tile[0] == twin_slot_of(twin->view, x, y);
     struct history history = history_of(twin, x, y, depth[0], distance[0]);
     double part = 1.0;
-    if (!history.is_void) {
+    if (!history.is_invalid) {
         relight(twin, x, y, history.motion_px, history.value);
         double clamped[4];
         memcpy(clamped, history.value, sizeof(clamped));
@@ -646,17 +646,17 @@ static void reconstruct(const struct twin *twin, int x, int y)
     }
 
     const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
-    double age = history.is_void ? 1.0 : history.age, value[4], own[4];
+    double age = history.is_invalid ? 1.0 : history.age, value[4], own[4];
     for (int c = 0; c < 4; c++)
         own[c] = is_fresh ? rays[0].value[c] : nearest->value[c];
     memcpy(value, own, sizeof(value));
-    if (history.is_void && !is_fresh) {
+    if (history.is_invalid && !is_fresh) {
         const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
         fallback(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
-    } else if (is_fresh && !history.is_void) {
+    } else if (is_fresh && !history.is_invalid) {
         age = fmin(age + 1.0, 255.0);
         blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);
-    } else if (!history.is_void) {
+    } else if (!history.is_invalid) {
         if (age_max > 0.0 && part < 1.0)
             age = fmax(part * fmin(age, age_max), 1.0);
         for (int c = 0; c < 4; c++)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Reprojection: where in the frame before was what a half-resolution texel shows now, and what did
-// it look like? Where the scene behind it has changed (disocclusion) its history is void.
+// Reprojection: the place in the frame before of the medium that a half-resolution texel shows, and
+// the history there. Where the scene behind it has changed (disocclusion) history is invalid.
 #ifndef NEPH_REALTIME_HISTORY_GLSL
 #define NEPH_REALTIME_HISTORY_GLSL
 
@@ -11,8 +11,8 @@
 struct History {
     vec4 value;
     float age; // in rays
-    bool is_void;
-    bool is_rejected; // void because the scene behind it has changed
+    bool is_invalid;
+    bool is_rejected; // invalid because the scene behind it has changed
     float motion_px; // since the frame before
 };
 
@@ -36,8 +36,8 @@ History history_at(ivec2 half_pixel)
     vec4 value = fetch_half(RT_HISTORY_BEFORE, half_pixel);
     float age = fetch_half(RT_HISTORY_STATE_BEFORE, half_pixel).x;
     bool has_age = is_finite(age) && age > 0.0;
-    bool is_void = checks_validity() && !(has_age && is_sound(value));
-    return History(value, has_age ? age : 0.0, is_void, false, 0.0);
+    bool is_invalid = checks_validity() && !(has_age && is_sound(value));
+    return History(value, has_age ? age : 0.0, is_invalid, false, 0.0);
 }
 
 struct Mean {
@@ -49,9 +49,9 @@ struct Mean {
 
 void add(History tap, float weight, inout Mean mean)
 {
-    if (tap.is_void || weight == 0.0)
+    if (tap.is_invalid || weight == 0.0)
         return;
-    mean.history.is_void = false;
+    mean.history.is_invalid = false;
     mean.sum += weight * tap.value;
     mean.weights += weight;
     if (weight > mean.heaviest) {
@@ -61,10 +61,10 @@ void add(History tap, float weight, inout Mean mean)
     extend(mean.range, tap.value);
 }
 
-// The bilinear mean of the taps that are not void, with the age of the heaviest; void if all are.
-// It is held in the range of the taps: equal ones come out exactly. All four are fetched before the
+// The bilinear mean of the valid taps, with the age of the heaviest; invalid without any. It is
+// clamped to the range of the taps: equal ones come out exactly. All four are fetched before the
 // first is added: a GPU would wait for one tap after the other behind a branch, and a loop of
-// lavapipe's carries all of the mean through memory.
+// lavapipe carries the whole mean through memory.
 History history_about(vec2 place_px)
 {
     if (is_static())
@@ -80,7 +80,7 @@ History history_about(vec2 place_px)
     [[unroll]] for (int i = 0; i < 4; i++)
         add(taps[i], weights_x[i & 1] * weights_y[i >> 1], mean);
     History history = mean.history;
-    if (!history.is_void)
+    if (!history.is_invalid)
         history.value = clamp_to(mean.range, mean.sum / mean.weights);
     return history;
 }
@@ -93,18 +93,19 @@ float known_distance_m(float distance_m)
     return is_finite(distance_m) && distance_m > 0.0 ? min(distance_m, FAR_M) : FAR_M;
 }
 
-// A frame's rays go through places shifted by its jitter. The article's reprojection knows, by
-// Unreal's matrices, which have the jitter in them; others leave it out.
+// A frame's rays go through places shifted by its jitter. The article's reprojection has it, by
+// Unreal's matrices; others leave it out.
 vec2 ray_jitter_px(vec2 of_frame_px)
 {
     bool is_followed = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
     return is_followed ? of_frame_px : vec2(0.0);
 }
 
-// Where the medium was seen that now is `distance_m` away; false if nowhere. The motion is added to
-// the place, because both projections of a resting camera are rounded the same way (if no product
-// is fused into one of them alone): the history of a still image must not creep. In parallel rays
-// of a camera that does not turn the distance changes no place and would only cost digits.
+// The place in the frame before of the medium that now is `distance_m` away; false if it was not on
+// the screen. The motion is added to the place, because both projections of a static camera are
+// rounded the same way (if no product is fused into only one of them): history must not creep. In
+// parallel rays of a camera that does not turn the distance changes no place and would only cost
+// digits.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     before_px = place_px;
@@ -132,11 +133,11 @@ bool is_same_depth(float expected_m, float before_m)
 
 const float MOVED_PX = 0.125; // history is of another texel, in part
 
-// Whether the scene behind that history had the depth that this texel's scene had there and then.
-// One of 3x3 texels is enough (reject_around): in the depth map nearest and farthest take turns
-// from one texel to the next, so that the very one may be of the other kind wherever the image
-// moves by an odd number of them. The sky is a depth of its own, at sky_m; it has no eye depth that
-// would turn with the camera.
+// Whether the scene behind the history had the depth that this texel's scene had in the frame
+// before. One of 3x3 texels is enough (reject_around): in the depth map nearest and farthest take
+// turns from one texel to the next, so the texel itself may be of the other kind where the image
+// moves by an odd number of texels. The sky has a depth of its own, sky_m, which does not turn with
+// the camera.
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
@@ -155,7 +156,7 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
                       distance(before_px, place_px) >= MOVED_PX);
     int count = is_around ? 9 : 1;
     for (int i = 0; i < count; i++) {
-        int tap = (i + 4) % 9; // the very one first: it is enough nearly everywhere
+        int tap = (i + 4) % 9; // the middle one first: it is enough nearly everywhere
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;
         if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
             return true;

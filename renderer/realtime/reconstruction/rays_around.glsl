@@ -79,7 +79,7 @@ Ray load_ray(ivec2 tile, int i)
     return ray;
 }
 
-// Of the nine rays, from wherever a shader has them.
+// One of the nine rays, from wherever a shader has them.
 Ray ray_at(int i);
 vec4 ray_value(int i);
 

@@ -17,9 +17,8 @@
 //     R x | x x | x x
 //     x x | x R | x R
 //
-// What the settings keep of the article's faults:
+// Faults of the article that settings keep:
 // - box_centre = off: the tile's own ray is left out of the clamping box.
-// - a box of one ray erases the history.
 // - edge_tiles = dropped: neighbours end one tile early in sizes that are no multiple of 4.
 // - gather = normalised: the depths of six neighbours are found by normalised coordinates, which in
 //   such sizes come to the next tile after two thirds of the image.
@@ -27,15 +26,16 @@
 //   between ray_depth_max_m and sky_m on geometry takes the sky's clouds.
 // - reproject_depth = tile, reproject_measure = eye: the distance of the tile's ray stands for that
 //   of the texel's cloud, and for an eye depth.
-// - wind = off, validity = off: history does not follow the wind, and nothing is ever void.
-// The article's weight of 0.5 for a fresh ray stands behind its return and is never reached. The
-// sky's depth is sky_m here with `far` = infinite too: the article says 20 km at this place.
+// - wind = off, validity = off: history does not follow the wind, and nothing is ever invalid.
+// A box of one ray erases the history, in the article and here. The article's weight of 0.5 for a
+// fresh ray stands behind its return and is never reached. The sky's depth is sky_m here with `far`
+// = infinite too: the article says 20 km at this place.
 //
-// Void is what validity = on does not use: rays that are not finite or negative, history of age 0,
-// history that is not sound; disocclusion (reject_depth) is in history.glsl. Off the screen, behind
-// the camera and after a cut (cut_reset) there is no history with validity = off either; in the
-// first frame there is then what the memory holds. The age counts the rays that went into a texel;
-// one that borrowed its first value from a neighbour's ray is 1 old.
+// Invalid, and not used with validity = on: rays that are not finite or negative, history of age 0
+// or with such values. History is rejected where the scene behind it has changed (reject_depth).
+// Off the screen, behind the camera and after a cut (cut_reset) there is no history with validity =
+// off either; the first frame then takes whatever the memory holds. The age counts the rays that
+// went into a texel; a texel that borrowed its first value from a neighbour's ray is 1 old.
 #extension GL_GOOGLE_include_directive : require
 
 #include "reconstruct.glsl"

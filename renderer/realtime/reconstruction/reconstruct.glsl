@@ -32,7 +32,7 @@ float change_at_ray(ivec2 tile, int ray)
     float then_luminance = luminance(then.value.rgb);
     float most = max(now_luminance, then_luminance);
     float change = most > 0.0 ? abs(now_luminance - then_luminance) / most : 0.0;
-    return then.is_void ? 1.0 : max(change, abs(now.a - then.value.a));
+    return then.is_invalid ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
 // The temporal gradient has it without noise (realtime/gradient/gradient.comp).
@@ -229,13 +229,13 @@ void reconstruct(ivec2 half_pixel)
     }
     float distance_m = medium_distance_m(texel);
     History history = history_of(half_pixel, texel.depth_m, distance_m);
-    float part = history.is_void ? 1.0 : adapt_history(texel, history);
-    float age = history.is_void ? 1.0 : history.age;
+    float part = history.is_invalid ? 1.0 : adapt_history(texel, history);
+    float age = history.is_invalid ? 1.0 : history.age;
     vec4 value = ray_value(texel.is_fresh ? 0 : texel.nearest);
-    if (texel.is_fresh && !history.is_void) {
+    if (texel.is_fresh && !history.is_invalid) {
         age = IS_DARK ? AGE_MAX : min(history.age + 1.0, AGE_MAX);
         value = blend_fresh(history.value, value, IS_DARK ? 1.0 : fresh_weight(age, part));
-    } else if (!history.is_void) {
+    } else if (!history.is_invalid) {
         if (is_set(RT_HISTORY_AGE_MAX) && part < 1.0)
             age = max(part * min(age, setting(RT_HISTORY_AGE_MAX)), 1.0);
         value = blend(value, history.value, setting(RT_HISTORY_WEIGHT));

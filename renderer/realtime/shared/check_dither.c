@@ -316,16 +316,7 @@ static void test_the_shader_is_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_interleaved_gradient_values),
-        cmocka_unit_test(test_interleaved_is_the_published_formula),
-        cmocka_unit_test(test_interleaved_windows_cover_the_circle),
-        cmocka_unit_test(test_white_values),
-        cmocka_unit_test(test_white_is_white),
-        cmocka_unit_test(test_blue_goes_on_by_irrationals),
-        cmocka_unit_test(test_spatiotemporal_is_the_full_mask),
-        cmocka_unit_test(test_values_stay_within_the_unit_interval),
-        cmocka_unit_test(test_channels_cover_the_square),
-        cmocka_unit_test(test_the_shader_is_the_same),
+#include "cases/check_dither.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

@@ -9,7 +9,7 @@
 
 struct twin_dither {
     uint32_t seed;               /* of the white one */
-    const uint32_t *noise_ranks; /* borrowed; neph_rt_noise_ranks(), for the blue ones */
+    const uint32_t *noise_ranks; /* borrowed; of neph_blue_noise_load() for blue kinds */
 };
 
 /* pcg4d() of renderer/shaders/random.glsl, in place. */

@@ -12,8 +12,9 @@
 layout(constant_id = RT_SPECIALISED_CONSTANT) const bool SPECIALISED = false;
 
 // A hexadecimal digit for each number of the view, eight to a constant, the lowest first: the
-// choice, or whether the number is other than 0; of taa_jitter_length itself, up to 15. DIGITS_OF(s) is the constant of a number whose index is one: known before any function is
-// inlined, so that what it rules out never is.
+// choice, or whether the number is other than 0; of taa_jitter_length itself, up to 15.
+// DIGITS_OF(s) is the constant of a number whose index is one: known before any function is
+// inlined, so that excluded code never is.
 #include "settings/realtime_digits.glsl"
 #define known_choice(s) int(DIGITS_OF(s) >> (4 * ((s) & 7)) & 15u)
 

@@ -459,14 +459,7 @@ static void test_coverage_equals_the_python_program(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tile_index_equals_the_twin),
-        cmocka_unit_test(test_every_slot_has_a_turn_in_four_frames),
-        cmocka_unit_test(test_which_orders_see_near_and_far),
-        cmocka_unit_test(test_infinite_sky_starves_three_slots),
-        cmocka_unit_test(test_stored_depths),
-        cmocka_unit_test(test_a_view_decides_alone),
-        cmocka_unit_test(test_normalised_coordinates_leave_the_view),
-        cmocka_unit_test(test_coverage_equals_the_python_program),
+#include "cases/check_tile_index.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

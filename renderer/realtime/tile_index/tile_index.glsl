@@ -35,7 +35,7 @@ bool covers(float ray_m, float depth_m)
     return are_finite && difference_m < allowed_m;
 }
 
-// Of the four colours of 2x2 tiles, in the order in which they choose.
+// The colour of a tile, one of four of 2x2 tiles, in the order in which they choose.
 uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
 
 // Depth of a neighbour's ray as it is compared [m], by the slot that the neighbour has so far, from

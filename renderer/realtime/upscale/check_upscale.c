@@ -13,20 +13,10 @@ static size_t pixel_count(const struct test_passes *test)
     return (size_t)test->view.size_px[0] * test->view.size_px[1];
 }
 
-static void upscale_device(struct test_passes *test)
+static void run_upscale(struct test_passes *test)
 {
     test_passes_run(test, "upscale");
-}
-
-/* What the device made of a target takes the place of what the twin has. */
-static void take_from_device(struct test_passes *test, int target)
-{
-    test_take(test, target);
-}
-
-static void get_volume(const struct test_passes *test, int x, int y, float volume[4])
-{
-    twin_fetch_full(&test->twin, RT_VOLUME, x, y, volume);
+    test_take(test, RT_VOLUME);
 }
 
 /* ---- against the twin ---------------------------------------------------------------------- */
@@ -108,7 +98,7 @@ static void compare(struct neph_vulkan *vulkan, const char *assignments, const i
     for (int axis = 0; axis < 2; axis++)
         test.view.jitter_px[axis] = (float)(test_uniform(seed) - 0.5);
     fill(&test, seed, bad);
-    upscale_device(&test);
+    test_passes_run(&test, "upscale");
     twin_upscale(&test.twin);
     assert_same_volumes(&test, assignments, start);
     test_same_words(&test, RT_VOLUME_DISTANCE, start);
@@ -181,7 +171,7 @@ static void test_a_constant_stays_what_it_is(void **state)
                                  (float)test_uniform(&seed)};
         for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++)
             test_set(&test, RT_HISTORY, i, volume);
-        upscale_device(&test);
+        test_passes_run(&test, "upscale");
         for (size_t y = 0; y < test.view.size_px[1]; y++)
             for (size_t x = 0; x < test.view.size_px[0]; x++)
                 test_set(&test, RT_VOLUME, y * test.view.targets[RT_VOLUME].width + x, volume);
@@ -205,12 +195,11 @@ static void test_bad_history_is_not_seen(void **state)
         for (int y = 0; y < (int)test.view.half_size_px[1]; y++)
             for (int x = sound_columns; x < (int)test.view.half_size_px[0]; x++)
                 twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){0, 100});
-        upscale_device(&test);
-        take_from_device(&test, RT_VOLUME);
+        run_upscale(&test);
         for (int y = 0; y < sizes_px[3][1]; y++)
             for (int x = 0; x < sizes_px[3][0]; x++) {
                 float volume[4];
-                get_volume(&test, x, y, volume);
+                twin_fetch_full(&test.twin, RT_VOLUME, x, y, volume);
                 assert_true(twin_is_sound(volume));
                 /* The largest shift is 4 texels, and the left taps are up to one away. */
                 if (x >= 2 * (sound_columns + 5))
@@ -231,8 +220,7 @@ static void test_validity_keeps_a_nan_out(void **state)
         test_passes_open(*state, &settings, sizes_px[3], (int[2]){0, 0}, seed, &test);
         fill(&test, &seed, 0);
         twin_put_half(&test.twin, RT_HISTORY, 12, 7, (float[4]){NAN, NAN, NAN, NAN});
-        upscale_device(&test);
-        take_from_device(&test, RT_VOLUME);
+        run_upscale(&test);
         int bad = 0;
         for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
             float volume[4];
@@ -267,7 +255,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, float
 static void shift_at(const struct test_passes *test, int x, int y, double shift[2])
 {
     float volume[4];
-    get_volume(test, x, y, volume);
+    twin_fetch_full(&test->twin, RT_VOLUME, x, y, volume);
     shift[0] = (double)volume[0] - (0.5 * x - 0.25);
     shift[1] = (double)volume[1] - (0.5 * y - 0.25);
 }
@@ -292,8 +280,7 @@ static void test_the_place_of_a_pixel(void **state)
         open_ramp(*state, cases[k].assignments, 0.0f, 10.0f, &test);
         test.view.jitter_px[0] = 0.25f;
         test.view.jitter_px[1] = -0.375f;
-        upscale_device(&test);
-        take_from_device(&test, RT_VOLUME);
+        run_upscale(&test);
         for (int y = MARGIN; y < sizes_px[3][1] - MARGIN; y++)
             for (int x = MARGIN; x < sizes_px[3][0] - MARGIN; x++) {
                 double shift[2];
@@ -325,8 +312,7 @@ static void test_the_law_of_the_shift(void **state)
                       is_constant ? "upscale_dither=white upscale_law=constant"
                                   : "upscale_dither=white upscale_law=opacity",
                       cases[k].transmittance, cases[k].distance_m, &test);
-            upscale_device(&test);
-            take_from_device(&test, RT_VOLUME);
+            run_upscale(&test);
             double least = 0.0, most = 0.0;
             for (int y = MARGIN; y < sizes_px[3][1] - MARGIN; y++)
                 for (int x = MARGIN; x < sizes_px[3][0] - MARGIN; x++) {
@@ -355,8 +341,7 @@ static void test_shared_shifts_stay_on_a_line(void **state)
         double farthest = 0.0, diagonal = 0.0;
         for (uint32_t frame = 0; frame <= 16; frame++) {
             test.view.frame = frame;
-            upscale_device(&test);
-            take_from_device(&test, RT_VOLUME);
+            run_upscale(&test);
             for (int y = MARGIN; y < sizes_px[3][1] - MARGIN; y++)
                 for (int x = MARGIN; x < sizes_px[3][0] - MARGIN; x++) {
                     double shift[2], *start = first[y][x];
@@ -403,12 +388,11 @@ static void test_a_view_rectangle_is_a_view(void **state)
                               (float[4]){random_radiance(&seed), 1, 2, 0.5f});
                 twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){1, 100});
             }
-        upscale_device(&test);
-        take_from_device(&test, RT_VOLUME);
+        run_upscale(&test);
         volumes[k] = malloc(pixel_count(&test) * 4 * sizeof(float));
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++)
-                get_volume(&test, x, y, volumes[k] + 4 * (y * size_px[0] + x));
+                twin_fetch_full(&test.twin, RT_VOLUME, x, y, volumes[k] + 4 * (y * size_px[0] + x));
         test_passes_close(&test);
     }
     assert_memory_equal(volumes[0], volumes[1],
@@ -452,14 +436,13 @@ static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, 
 {
     struct test_passes test;
     open_edge(vulkan, assignments, line, depths_m, &test);
-    upscale_device(&test);
-    take_from_device(&test, RT_VOLUME);
+    run_upscale(&test);
     int leaking = 0;
     for (int y = 0; y < sizes_px[3][1]; y++)
         for (int x = 0; x < sizes_px[3][0]; x++) {
             float depth[4], volume[4];
             twin_fetch_full(&test.twin, RT_DEPTH, x, y, depth);
-            get_volume(&test, x, y, volume);
+            twin_fetch_full(&test.twin, RT_VOLUME, x, y, volume);
             leaking += volume[0] != (depth[0] == depths_m[0] ? near_value : far_value);
         }
     const double part = leaking / (double)pixel_count(&test);
@@ -533,19 +516,7 @@ static void test_depth_matters_with_contrast_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_upscale_equals_the_twin),
-        cmocka_unit_test(test_bad_history_equals_the_twin),
-        cmocka_unit_test(test_a_constant_stays_what_it_is),
-        cmocka_unit_test(test_bad_history_is_not_seen),
-        cmocka_unit_test(test_validity_keeps_a_nan_out),
-        cmocka_unit_test(test_the_place_of_a_pixel),
-        cmocka_unit_test(test_the_law_of_the_shift),
-        cmocka_unit_test(test_shared_shifts_stay_on_a_line),
-        cmocka_unit_test(test_a_view_rectangle_is_a_view),
-        cmocka_unit_test(test_edges_do_not_leak),
-        cmocka_unit_test(test_sloped_edges_hardly_leak),
-        cmocka_unit_test(test_ridges_are_not_sky),
-        cmocka_unit_test(test_depth_matters_with_contrast_alone),
+#include "cases/check_upscale.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

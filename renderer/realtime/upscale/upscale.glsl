@@ -258,7 +258,7 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
     return regardless || is_nearest ? 1.0 : 0.0;
 }
 
-// Of the taps, by weights that add up to `total`, which is above 0.
+// The mean of the taps by weights that add up to `total`, which is above 0.
 vec4 weighted_mean(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total);
 
 vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
