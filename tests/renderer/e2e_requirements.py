@@ -27,6 +27,8 @@ CAPABILITIES = {
     1: (),  # Shader
     11: ("shaderInt64",),
     46: (),  # SampledBuffer
+    47: (),  # ImageBuffer
+    49: ("shaderStorageImageExtendedFormats",),
     61: ("subgroupSupportedOperations", "subgroupSupportedStages"),  # GroupNonUniform
     62: ("subgroupSupportedOperations",),  # GroupNonUniformVote
     5304: (),  # UniformTexelBufferArrayDynamicIndexing, which pack_shader.py removes
