@@ -138,6 +138,9 @@ class Benchmark(NephCase):
         self.assertEqual((engine["preset"], engine["changes"], engine["steady_from"]),
                          ("ours", "", 0))
         self.assertNotIn("gradient", [p["pass"] for p in engine["passes"]])
+        gains = {p["pass"]: p["variant_gain"] for p in engine["passes"]}
+        self.assertGreater(gains["anti-aliasing"], 0.0)
+        self.assertIsNone(gains["march"])
 
     def test_who_cannot_does_not_stop_the_others(self):
         found, told = self.measured("slab_multiple_thin", "-e", "realtime,march,tracer", "--size",
