@@ -26,6 +26,7 @@ static const struct {
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_READBACK] = {VK_BUFFER_USAGE_TRANSFER_DST_BIT,

@@ -29,6 +29,12 @@ VkDescriptorType neph_kernel_binding_type(const struct neph_kernel_params *param
                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
+VkDescriptorType neph_kernel_texel_type(const struct neph_kernel_params *params)
+{
+    return params->has_texel_images ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
+                                    : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+}
+
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
     VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 2];
@@ -51,7 +57,7 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     if (kernel->params.texels_count > 0)
         bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
             .binding = NEPH_GPU_TEXELS_BINDING,
-            .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+            .descriptorType = neph_kernel_texel_type(&kernel->params),
             .descriptorCount = (uint32_t)kernel->params.texels_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };

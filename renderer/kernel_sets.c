@@ -39,7 +39,7 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
         sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                                      (uint32_t)kernel->params.image_count};
     if (kernel->params.texels_count > 0)
-        sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+        sizes[size_count++] = (VkDescriptorPoolSize){neph_kernel_texel_type(&kernel->params),
                                                      (uint32_t)kernel->params.texels_count};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
@@ -94,7 +94,7 @@ static void write_texels(const struct neph_kernel *kernel, const struct neph_ker
         .dstSet = set,
         .dstBinding = NEPH_GPU_TEXELS_BINDING,
         .descriptorCount = (uint32_t)count,
-        .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+        .descriptorType = neph_kernel_texel_type(&kernel->params),
         .pTexelBufferView = bound->texels + kernel->params.texels_first,
     };
     if (count > 0)

@@ -46,6 +46,8 @@ static const struct neph_requirement rows[] = {
      NULL},
     {"shaderInt64", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED_OF_CPU, FACT(features.shaderInt64), 1,
      "two words of a buffer that a CPU writes at once", NULL},
+    {"shaderStorageImageExtendedFormats", NEPH_REQUIREMENT_FEATURE, NEPH_REQUIRED_OF_CPU,
+     FACT(features.shaderStorageImageExtendedFormats), 1, "pairs of voxels as texels", NULL},
     {"maxPerStageDescriptorSampledImages", NEPH_REQUIREMENT_LEAST, NEPH_REQUIRED_OF_CPU,
      FACT(limits.maxPerStageDescriptorSampledImages), RT_TARGET_COUNT,
      "the targets of realtime once more, as texels", NULL},

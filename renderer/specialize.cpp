@@ -9,6 +9,7 @@ extern "C" {
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string>
 #include <unordered_map>
@@ -63,19 +64,28 @@ Values values_of(const uint32_t *constants, int count)
     return values;
 }
 
-/* Only a CPU's kernels have whole numbers of 64 bits, but all kernels of a shader that has them for
- * a CPU declare the capability, which a GPU may lack. It goes where no type of 64 bits is left.
- * (SPIRV-Tools can do this since 2023.4: --trim-capabilities.) */
-void remove_idle_int64(std::vector<uint32_t> *words)
+/* What only a CPU's kernels of a shader use, whole numbers of 64 bits and texels, all of its kernels
+ * declare, and a GPU may lack. A capability goes where no type is left that needs it. (SPIRV-Tools
+ * can do this since 2023.4: --trim-capabilities.) */
+constexpr uint32_t op_capability = 17, op_type_int = 21, op_type_image = 25, dim_buffer = 5;
+const struct {
+    uint32_t capability, type, operand, value;
+} idle_capabilities[] = {
+    {11, op_type_int, 2, 64},           /* Int64 */
+    {47, op_type_image, 3, dim_buffer}, /* ImageBuffer */
+    {49, op_type_image, 3, dim_buffer}, /* StorageImageExtendedFormats */
+};
+
+void remove_idle(std::vector<uint32_t> *words, size_t row)
 {
-    constexpr uint32_t op_capability = 17, op_type_int = 21, int64 = 11;
     constexpr size_t header_words = 5;
+    const auto &idle = idle_capabilities[row];
     size_t at_capability = 0;
     for (size_t at = header_words; at < words->size(); at += (*words)[at] >> 16) {
         const uint32_t operation = (*words)[at] & 0xffff;
-        if (operation == op_capability && (*words)[at + 1] == int64)
+        if (operation == op_capability && (*words)[at + 1] == idle.capability)
             at_capability = at;
-        if (operation == op_type_int && (*words)[at + 2] == 64)
+        if (operation == idle.type && (*words)[at + idle.operand] == idle.value)
             return;
     }
     const auto first = words->begin() + static_cast<std::ptrdiff_t>(at_capability);
@@ -105,7 +115,7 @@ std::string optimize(const uint32_t *words, size_t word_count, const Values &val
 std::string version()
 {
     std::string text = spvSoftwareVersionDetailsString();
-    text += " without idle Int64";
+    text += " without idle capabilities";
     for (const std::string &pass : passes)
         text += " " + pass;
     return text;
@@ -124,7 +134,8 @@ try {
     if (!refusal.empty())
         return neph_fail(diag, NEPH_ERR_INTERNAL, "SPIRV-Tools refuses to specialise it: %s",
                          refusal.c_str());
-    remove_idle_int64(&optimized);
+    for (size_t row = 0; row < std::size(idle_capabilities); row++)
+        remove_idle(&optimized, row);
     const size_t bytes = optimized.size() * sizeof(uint32_t);
     *specialized = static_cast<uint32_t *>(std::malloc(bytes));
     if (!*specialized)

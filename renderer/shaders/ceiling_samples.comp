@@ -41,12 +41,12 @@ layout(constant_id = 2) const bool PAIRS = false;
 
 #define SEES_GRID_TEXELS
 #include "constants.h"
-layout(binding = NEPH_GPU_TEXELS_BINDING) uniform usamplerBuffer grid_pairs[1];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
 {
     if (PAIRS)
-        return uintBitsToFloat(texelFetch(grid_pairs[0], int(at)).xy);
+        return uintBitsToFloat(imageLoad(grid_pairs[0], int(at)).xy);
     return vec2(grid_values[at], grid_values[at + 1]);
 }
 

@@ -16,12 +16,12 @@ layout(std430, binding = 2) readonly buffer GridValues {
 
 #ifdef SEES_GRID_TEXELS
 // Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
-layout(binding = NEPH_GPU_TEXELS_BINDING) uniform usamplerBuffer grid_pairs[1];
+layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
 {
     if ((TRAITS & NEPH_GPU_PAIRS) != 0u)
-        return uintBitsToFloat(texelFetch(grid_pairs[0], int(at)).xy);
+        return uintBitsToFloat(imageLoad(grid_pairs[0], int(at)).xy);
     return vec2(grid_values[at], grid_values[at + 1]);
 }
 #endif
