@@ -64,9 +64,9 @@ Values values_of(const uint32_t *constants, int count)
     return values;
 }
 
-/* What only a CPU's kernels of a shader use, whole numbers of 64 bits and texels, all of its kernels
- * declare, and a GPU may lack. A capability goes where no type is left that needs it. (SPIRV-Tools
- * can do this since 2023.4: --trim-capabilities.) */
+/* What only a CPU's kernels of a shader use, whole numbers of 64 bits and texels, all of its
+ * kernels declare, and a GPU may lack. A capability goes where no type is left that needs it.
+ * (SPIRV-Tools can do this since 2023.4: --trim-capabilities.) */
 constexpr uint32_t op_capability = 17, op_type_int = 21, op_type_image = 25, dim_buffer = 5;
 const struct {
     uint32_t capability, type, operand, value;

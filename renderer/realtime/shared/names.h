@@ -129,35 +129,35 @@
 // The table of targets, rows for a C array or a GLSL one: resolution; the
 // format with target_format=half; with float.
 #define RT_TARGETS                                                                                 \
-    {RT_FULL, RT_R32F, RT_R32F},                     /* RT_DEPTH */                      \
-        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_BEHIND */                     \
-        {RT_HALF, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH */                 \
-        {RT_HALF, RT_R32F, RT_R32F},                 /* RT_HALF_DEPTH_BEFORE */          \
-        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                    \
-        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */             \
-        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */              \
-        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */       \
-        {RT_QUARTER, RT_RG16F, RT_RG32F},     /* RT_TILE */                       \
-        {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                        \
-        {RT_QUARTER, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */               \
-        {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                     \
-        {RT_FULL, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */            \
-        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_COLOR */                      \
-        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_OUT */                    \
-        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F},   /* RT_TAA_BEFORE */                 \
-        {RT_FULL, RT_R32F, RT_R32F},                 /* RT_STEADY_DEPTH */               \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_SHARPENED */                  \
-        {RT_FULL, RT_RGBA32F, RT_RGBA32F},           /* RT_MOVED */                      \
-        {RT_FROXEL, RT_RGBA32F, RT_RGBA32F},         /* RT_FROXELS */                    \
-        {RT_HALF, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_RAY */                   \
-        {RT_FULL, RT_RGBA16F, RT_RGBA16F},           /* RT_KEPT_BEHIND */                \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_NOW */                   \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_THEN */                  \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_NOW */            \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_LOOK_BEHIND_THEN */           \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE */                     \
-        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F},        /* RT_CHANGE_BEHIND */              \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE */                  \
-        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F},        /* RT_TAA_STATE_BEFORE */
+    {RT_FULL, RT_R32F, RT_R32F},              /* RT_DEPTH */                                       \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_BEHIND */                                      \
+        {RT_HALF, RT_R32F, RT_R32F},          /* RT_HALF_DEPTH */                                  \
+        {RT_HALF, RT_R32F, RT_R32F},          /* RT_HALF_DEPTH_BEFORE */                           \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                                     \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */                              \
+        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */                               \
+        {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */                        \
+        {RT_QUARTER, RT_RG16F, RT_RG32F},     /* RT_TILE */                                        \
+        {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                                         \
+        {RT_QUARTER, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */                                \
+        {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                                      \
+        {RT_FULL, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */                             \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_COLOR */                                       \
+        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_OUT */                                     \
+        {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_BEFORE */                                  \
+        {RT_FULL, RT_R32F, RT_R32F},          /* RT_STEADY_DEPTH */                                \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_SHARPENED */                                   \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_MOVED */                                       \
+        {RT_FROXEL, RT_RGBA32F, RT_RGBA32F},  /* RT_FROXELS */                                     \
+        {RT_HALF, RT_RGBA16F, RT_RGBA16F},    /* RT_KEPT_RAY */                                    \
+        {RT_FULL, RT_RGBA16F, RT_RGBA16F},    /* RT_KEPT_BEHIND */                                 \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_NOW */                                    \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_THEN */                                   \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_BEHIND_NOW */                             \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_LOOK_BEHIND_THEN */                            \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_CHANGE */                                      \
+        {RT_QUARTER, RT_RGBA32F, RT_RGBA32F}, /* RT_CHANGE_BEHIND */                               \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_TAA_STATE */                                   \
+        {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_TAA_STATE_BEFORE */
 
 #endif
