@@ -22,15 +22,35 @@ static const struct headline {
 };
 enum { HEADLINE_COUNT = sizeof(headlines) / sizeof(headlines[0]) };
 
-static const char *const better_when_larger[] = {"pu_psnr", "ssim_mean", "ssim_p5", "ms_ssim",
-                                                 "residual_change_psnr"};
+enum { SMALLER_IS_BETTER = 1, LARGER_IS_BETTER = -1 };
 
-static bool is_better_when_larger(const struct neph_metric *metric)
+/* The metrics that have a direction, by how their names begin. Of the others, such as a gain that
+ * should be 1, it is only said which value is higher. */
+static const struct direction {
+    const char *begin;
+    int sign;
+} directions[] = {
+    {"bias", SMALLER_IS_BETTER},       {"rel_", SMALLER_IS_BETTER},
+    {"mae", SMALLER_IS_BETTER},        {"rmse", SMALLER_IS_BETTER},
+    {"max_", SMALLER_IS_BETTER},       {"p50", SMALLER_IS_BETTER},
+    {"p95", SMALLER_IS_BETTER},        {"p99", SMALLER_IS_BETTER},
+    {"stops_", SMALLER_IS_BETTER},     {"flip_", SMALLER_IS_BETTER},
+    {"seen_c", SMALLER_IS_BETTER},     {"seen_s", SMALLER_IS_BETTER},
+    {"std_", SMALLER_IS_BETTER},       {"a4_", SMALLER_IS_BETTER},
+    {"a2_", SMALLER_IS_BETTER},        {"block_a4_", SMALLER_IS_BETTER},
+    {"cyclic_", SMALLER_IS_BETTER},    {"restless_", SMALLER_IS_BETTER},
+    {"half_life_", SMALLER_IS_BETTER}, {"residual_change_rms", SMALLER_IS_BETTER},
+    {"pu_psnr", LARGER_IS_BETTER},     {"residual_change_psnr", LARGER_IS_BETTER},
+    {"ssim_", LARGER_IS_BETTER},       {"ms_ssim", LARGER_IS_BETTER},
+};
+
+/* 0: it has none. */
+static int find_direction(const struct neph_metric *metric)
 {
-    for (size_t i = 0; i < sizeof(better_when_larger) / sizeof(better_when_larger[0]); i++)
-        if (strcmp(better_when_larger[i], metric->name) == 0)
-            return true;
-    return false;
+    for (size_t i = 0; i < sizeof(directions) / sizeof(directions[0]); i++)
+        if (strncmp(directions[i].begin, metric->name, strlen(directions[i].begin)) == 0)
+            return directions[i].sign;
+    return 0;
 }
 
 /* ---- a number over its frames ---------------------------------------------------------------- */
@@ -43,7 +63,8 @@ struct summary {
 
 static bool is_worse(const struct neph_measurement *a, const struct neph_measurement *b)
 {
-    return is_better_when_larger(a->metric) ? a->value < b->value : fabs(a->value) > fabs(b->value);
+    return find_direction(a->metric) == LARGER_IS_BETTER ? a->value < b->value
+                                                         : fabs(a->value) > fabs(b->value);
 }
 
 static struct summary summarize(const struct neph_measurements *list, const char *quantity,
@@ -93,8 +114,8 @@ static void print_summary(const struct summary *summary)
     const char *unit = strcmp(number->unit, "1") == 0 ? "" : number->unit;
     printf("%s %.4g%s%s", number->metric->name, summary->mean, *unit ? " " : "", unit);
     if (summary->frame_count > 0)
-        printf(" in the mean of %d frames, worst %.4g in frame %d", summary->frame_count,
-               number->value, number->frame);
+        printf(" in the mean of %d frames, %s %.4g in frame %d", summary->frame_count,
+               find_direction(number->metric) ? "worst" : "largest", number->value, number->frame);
     else if (neph_interval_is_bounded(number->interval))
         printf(" (95 %%: %.3g to %.3g)", number->low, number->high);
 }
@@ -150,18 +171,21 @@ static const struct neph_difference *main_difference(const struct neph_differenc
     return find_difference(list, "radiance", NULL, mask);
 }
 
-/* Better, worse, or not told apart. A number that may be of either sign is better nearer to 0. */
+/* Better, worse, or not told apart; of a metric without a direction higher or lower. A number that
+ * may be of either sign is better nearer to 0. */
 static const char *word_for(const struct neph_difference *difference)
 {
-    const struct neph_metric *metric = difference->number->metric;
+    const int direction = find_direction(difference->number->metric);
     const double other = difference->first - difference->value;
     if (difference->value == 0.0)
         return "equal";
     if (difference->interval == NEPH_INTERVAL_NONE ||
         (difference->low <= 0.0 && difference->high >= 0.0))
         return "not told apart";
-    const bool is_lower = fabs(difference->first) < fabs(other);
-    return is_lower != is_better_when_larger(metric) ? "better" : "worse";
+    if (direction == 0)
+        return difference->value > 0.0 ? "higher" : "lower";
+    const bool is_smaller = fabs(difference->first) < fabs(other);
+    return is_smaller == (direction == SMALLER_IS_BETTER) ? "better" : "worse";
 }
 
 static void print_difference(const struct neph_difference *difference)

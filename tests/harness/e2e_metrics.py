@@ -188,6 +188,10 @@ class Metrics(neph_case.NephCase):
                                  "-q").stdout
                 self.assertRegex(text, rf"^{word}: {metric} [0-9.]+.*, of --versus [0-9.]+ "
                                        r"\(difference .*, p < 0.001\)$")
+        # No direction: a gain of the shift is neither good nor bad.
+        text = self.neph("compare", reference, weak, "--versus", strong, "-m", "shift_gain",
+                         "-q").stdout
+        self.assertRegex(text, "^(higher|lower|equal|not told apart): shift_gain ")
         text = self.neph("compare", reference, weak, "--versus", weak, "-m", "mae", "-q").stdout
         self.assertRegex(text, "^equal: mae ")
 
