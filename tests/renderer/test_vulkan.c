@@ -160,7 +160,8 @@ static void test_validation_hears_a_mistake(void **state)
         vulkan->api.vkDestroyBuffer(vulkan->device, buffer, NULL);
     struct neph_diag diag = {0};
     assert_int_equal(neph_vulkan_check(vulkan, &diag), NEPH_ERR_INTERNAL);
-    assert_non_null(strstr(diag.message, "VUID-VkBufferCreateInfo-usage"));
+    /* of "usage" in layers of 2023, of "None" in later ones */
+    assert_non_null(strstr(diag.message, "VUID-VkBufferCreateInfo-"));
     neph_vulkan_destroy(vulkan);
 }
 
