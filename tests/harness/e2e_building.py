@@ -142,7 +142,9 @@ class Matrix(unittest.TestCase):
 
     def test_a_file_of_something_else_is_not_overwritten(self):
         self.output.parent.mkdir()
-        for text in ("no JSON", "[]"):
+        earlier = '{"rows": [{"release": "good", "results": [], "versions": {}, ' \
+                  '"report": {"engines": {"cycles": "3.4"}}}]}'
+        for text in ("no JSON", "[]", earlier):
             self.output.write_text(text)
             with self.assertRaises(SystemExit) as stopped:
                 self.run_matrix("good")
