@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/findings.h"
+#include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 
@@ -18,6 +19,9 @@ typedef enum neph_status neph_map_taker(void *context, const struct neph_map *ma
 
 struct neph_comparison {
     struct neph_sequence reference; /* one frame for all, or as many as the test has */
+    bool without_reference;         /* `reference` is a frame of a test: it gives masks and a
+                                       constant that no metric of change depends on; only such
+                                       metrics are kept (harness/compare/alone.h) */
     struct neph_sequence second;    /* the reference by another seed; empty: there is none */
     struct neph_sequence test;
     const struct neph_image *const *test_images; /* those of its frames that are in memory, by their
@@ -42,6 +46,7 @@ struct neph_comparison {
     bool by_position;        /* numbers of frames need not agree */
     bool frozen_is_fine;     /* frames equal to the one before are no reason to fail */
     bool plain;              /* numbers without intervals, which cost as much again */
+    bool with_movement;      /* also a series of how much each frame moves */
     bool quiet;              /* no progress */
 };
 
@@ -62,6 +67,7 @@ struct neph_compared {
     bool interrupted;                 /* by Ctrl-C: what is there is of the frames before */
     struct neph_measurements numbers; /* by frame, and then of all frames; owned */
     struct neph_findings findings;    /* owned */
+    struct neph_movement movement;    /* empty unless it was asked for; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
     const char **maps; /* names of files; owned */
