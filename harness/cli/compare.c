@@ -97,8 +97,8 @@ static const struct neph_cli_option options[] = {
     {"negative-ok", 0, NULL,
      "Values below 0 are no reason to stop: a filter with negative lobes made them", NEPH_CLI_FLAG,
      AT(negative_is_fine), .group = JUDGING},
-    {"all", 0, NULL, "The table of all numbers and findings in place of the ten lines",
-     NEPH_CLI_FLAG, AT(all), .group = WRITING},
+    {"all", 0, NULL, "The table of all numbers and findings behind the first line", NEPH_CLI_FLAG,
+     AT(all), .group = WRITING},
     {.name = "json", .group = WRITING},
     {"csv", 0, "FILE", "Results as CSV; '-': on stdout, in place of the table", NEPH_CLI_FILE,
      AT(csv), .group = WRITING},
@@ -432,16 +432,16 @@ static void print_people(const struct request *request, const struct neph_sides 
         .other = sides->other_name,
         .note = find_note(sides, &arena),
         .lines_used = limit_count(request),
-        .is_brief = request->shared.quiet,
+        .is_brief = request->shared.quiet || request->all,
         .shows_metrics = request->metrics.count > 0,
     };
-    if (request->all && form.note)
-        printf("%s\n", form.note);
-    if (request->all)
+    neph_verdict(compared, &form, stdout);
+    if (request->all && !request->shared.quiet) {
+        if (form.note)
+            printf("%s\n", form.note);
         neph_comparison_print(compared, request->rings || request->mask,
                               request->metrics.count > 0);
-    else
-        neph_verdict(compared, &form, stdout);
+    }
     neph_arena_finish(&arena);
 }
 

@@ -95,13 +95,15 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
 
 /* As an object of
  *   "version"       of neph
- *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}
+ *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}; the reference
+ *                   is null where there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
- *   "versus"        only when there is one: harness/compare/versus.h */
+ *   "movement"      only where it was asked for: {"frames", "cycles"} of harness/compare/movement.h
+ *   "versus", "versus_movement"  only when there is another test: harness/compare/versus.h */
 json_t *neph_compared_json(const struct neph_compared *compared);
 
 /* Print what came of a comparison on stdout. `details`: masks of which there are many too. `all`:
