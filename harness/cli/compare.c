@@ -5,12 +5,10 @@
  */
 #include "harness/cli/cli.h"
 
+#include "base/clock.h"
 #include "harness/cli/compare_sides.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/comparison.h"
-#include "harness/compare/frame.h"
-#include "harness/compare/frame_labels.h"
-#include "harness/compare/frame_size.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
 #include "metrics/extractors/extractors.h"
@@ -543,16 +541,49 @@ static void print_limits(const struct request *request, const struct neph_compar
     }
 }
 
+/* ---- JUnit ----------------------------------------------------------------------------------- */
+
+static const char *junit_group(const struct request *request, struct neph_junit *junit)
+{
+    const struct neph_cli_shared *shared = &request->shared;
+    return neph_arena_format(&junit->arena, "%s %s", junit->name,
+                             shared->operand_count > 0 ? shared->operands[shared->operand_count - 1]
+                                                       : "");
+}
+
+/* A test case for each limit: of what was measured, or of nothing, where `why` says why. */
+static void add_limits(const struct request *request, const struct neph_measurements *measured,
+                       const struct neph_diag *why, struct neph_junit *junit)
+{
+    for (int i = 0; i < limit_count(request); i++) {
+        struct neph_limit limit;
+        if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
+            neph_limit_add_case(measured, &limit, junit_group(request, junit), why->message, junit);
+    }
+}
+
+/* Also a case for the run where it fails for another reason than a limit, such as frozen frames, or
+ * has no limits. */
+static void add_run(const struct request *request, enum neph_status status,
+                    const struct neph_diag *why, struct neph_junit *junit)
+{
+    if (status || limit_count(request) == 0)
+        neph_junit_add(junit, junit_group(request, junit), "measured",
+                       status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED, status ? why->message : "");
+}
+
 /* Limits hold of all numbers, and are spoken of after those that are shown. */
 static enum neph_status tell(const struct request *request,
                              const struct neph_comparison *comparison,
                              const struct neph_sides *sides, enum neph_status status,
-                             struct neph_compared *compared, struct neph_diag *diag)
+                             struct neph_compared *compared, struct neph_junit *junit,
+                             struct neph_diag *diag)
 {
     struct neph_diag late = {.line = 0};
     const enum neph_status checked = check_all(request, compared, &late);
     if (is_for_people(request))
         print_limits(request, compared);
+    add_limits(request, &compared->numbers, diag, junit);
     select_wanted(request, compared);
     if (sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
         const enum neph_status versus = add_versus(request, comparison, sides, compared,
@@ -561,87 +592,42 @@ static enum neph_status tell(const struct request *request,
     }
     const enum neph_status printed = print_all(request, sides, compared, status ? NULL : diag);
     status = status ? status : printed;
+    add_run(request, status, diag, junit);
     if (status || !checked)
         return status;
     *diag = late;
     return checked;
 }
 
-/* ---- JUnit ----------------------------------------------------------------------------------- */
-
-/* Where nothing was measured, or frames are frozen, `status` and `why` say so; every limit then
- * fails, or the run does. */
-static enum neph_status write_junit(const struct request *request,
-                                    const struct neph_comparison *comparison,
-                                    const struct neph_compared *compared, enum neph_status status,
-                                    const struct neph_diag *why, struct neph_diag *diag)
-{
-    const char *verb = request->temporal ? "neph flicker" : "neph compare";
-    struct neph_junit junit = {.name = verb};
-    const char *group = neph_arena_format(&junit.arena, "%s %s", verb, comparison->test.paths[0]);
-    for (int i = 0; i < limit_count(request); i++) {
-        struct neph_limit limit;
-        if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
-            neph_limit_add_case(compared->asked ? &compared->numbers : NULL, &limit, group,
-                                why->message, &junit);
-    }
-    if (limit_count(request) == 0 || (status && compared->asked))
-        neph_junit_add(&junit, group, "measured", status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED,
-                       status ? why->message : "");
-    const enum neph_status written = neph_junit_write(&junit, request->junit, diag);
-    neph_junit_finish(&junit);
-    return written;
-}
-
 /* ---- all of it ------------------------------------------------------------------------------- */
-
-/* What would end the run after the first test has been measured. */
-static enum neph_status check_before(const struct neph_comparison *comparison,
-                                     const struct neph_sides *sides, struct neph_diag *diag)
-{
-    const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
-                                                     &comparison->test, &sides->other};
-    struct neph_image *test = NULL, *other = NULL;
-    const int first = comparison->warm_up_frames;
-    enum neph_status status = neph_frame_sizes_check(sequences, 4, diag);
-    if (status || first >= comparison->test.count || sides->other.count == 0)
-        return status;
-    const char *path = sides->other.paths[first];
-    status = neph_frame_read(comparison->test.paths[first], comparison->layer,
-                             comparison->negative_allowed, &test, diag);
-    if (!status)
-        status = neph_frame_read(path, comparison->layer, comparison->negative_allowed, &other,
-                                 diag);
-    if (!status)
-        status = neph_frame_check_pair(test, other, diag);
-    if (!status &&
-        !neph_image_attribute(test, "encoding") != !neph_image_attribute(other, "encoding"))
-        status = neph_fail(diag, NEPH_ERR_INPUT,
-                           "of '%s' and '%s' one is a picture for a display, one linear data: they "
-                           "have no common scale",
-                           comparison->test.paths[first], path);
-    neph_image_destroy(test);
-    neph_image_destroy(other);
-    return status;
-}
 
 static enum neph_status measure(const struct request *request,
                                 const struct neph_comparison *comparison,
-                                const struct neph_sides *sides, struct neph_diag *diag)
+                                const struct neph_sides *sides, struct neph_junit *junit,
+                                struct neph_diag *diag)
 {
     struct neph_compared compared = {0};
-    enum neph_status status = check_before(comparison, sides, diag);
+    enum neph_status status = neph_sides_check(sides, comparison, diag);
     if (!status)
         status = neph_comparison_run(comparison, sides->other.count > 0, &compared, diag);
     if (compared.asked)
-        status = tell(request, comparison, sides, status, &compared, diag);
-    if (request->junit) {
-        const enum neph_status written = write_junit(request, comparison, &compared, status, diag,
-                                                     status ? NULL : diag);
-        status = status ? status : written;
-    }
+        status = tell(request, comparison, sides, status, &compared, junit, diag);
     neph_compared_finish(&compared);
     return status;
+}
+
+/* Nothing is written for a command line that makes no sense. */
+static enum neph_status write_junit(const struct request *request, enum neph_status status,
+                                    struct neph_junit *junit, struct neph_diag *diag)
+{
+    if (!request->junit || status == NEPH_ERR_USAGE)
+        return status;
+    if (junit->count == 0) { /* it did not come to measuring */
+        add_limits(request, NULL, diag, junit);
+        add_run(request, limit_count(request) == 0 ? status : NEPH_OK, diag, junit);
+    }
+    const enum neph_status written = neph_junit_write(junit, request->junit, status ? NULL : diag);
+    return status ? status : written;
 }
 
 static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal, int argc,
@@ -650,7 +636,9 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     struct request request = {.temporal = temporal};
     struct neph_comparison comparison = {.choice_count = 0};
     struct neph_sides sides = {.without_reference = false};
+    struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
+    const double start_s = neph_wall_s();
     const struct neph_side_words words = {
         .references = request.references.list,
         .reference_count = request.references.count,
@@ -664,7 +652,10 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
     if (!status)
         status = prepare(&request, &sides, &comparison, diag);
     if (!status)
-        status = measure(&request, &comparison, &sides, diag);
+        status = measure(&request, &comparison, &sides, &junit, diag);
+    junit.seconds = neph_wall_s() - start_s;
+    status = write_junit(&request, status, &junit, diag);
+    neph_junit_finish(&junit);
     neph_comparison_finish(&comparison);
     neph_sides_finish(&sides);
     return status;

@@ -3,6 +3,9 @@
 
 #include "base/files.h"
 #include "base/text.h"
+#include "harness/compare/frame.h"
+#include "harness/compare/frame_labels.h"
+#include "harness/compare/frame_size.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -217,6 +220,35 @@ enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_u
     if (!status && sides->without_reference)
         status = put_still(sides, warm_up_frames, diag);
     return status ? status : neph_arena_check(&sides->arena, diag);
+}
+
+enum neph_status neph_sides_check(const struct neph_sides *sides,
+                                  const struct neph_comparison *comparison, struct neph_diag *diag)
+{
+    const struct neph_sequence *const sequences[] = {&comparison->reference, &comparison->second,
+                                                     &comparison->test, &sides->other};
+    struct neph_image *test = NULL, *other = NULL;
+    const int first = comparison->warm_up_frames;
+    enum neph_status status = neph_frame_sizes_check(sequences, 4, diag);
+    if (status || first >= comparison->test.count || sides->other.count == 0)
+        return status;
+    const char *path = sides->other.paths[first];
+    status = neph_frame_read(comparison->test.paths[first], comparison->layer,
+                             comparison->negative_allowed, &test, diag);
+    if (!status)
+        status = neph_frame_read(path, comparison->layer, comparison->negative_allowed, &other,
+                                 diag);
+    if (!status)
+        status = neph_frame_check_pair(test, other, diag);
+    if (!status &&
+        !neph_image_attribute(test, "encoding") != !neph_image_attribute(other, "encoding"))
+        status = neph_fail(diag, NEPH_ERR_INPUT,
+                           "of '%s' and '%s' one is a picture for a display, one linear data: they "
+                           "have no common scale",
+                           comparison->test.paths[first], path);
+    neph_image_destroy(test);
+    neph_image_destroy(other);
+    return status;
 }
 
 void neph_sides_finish(struct neph_sides *sides)

@@ -7,7 +7,7 @@
 #define NEPH_HARNESS_CLI_COMPARE_SIDES_H
 
 #include "base/arena.h"
-#include "harness/compare/sequence.h"
+#include "harness/compare/comparison.h"
 
 struct neph_side_words {
     const char *const *references; /* of -r */
@@ -30,12 +30,18 @@ struct neph_sides {
 };
 
 /* Of `-r REFERENCE A B`, and of `flicker A B` without a reference, A is the other test: before and
- * after. Two operands that a shell made of one pattern are one test. `test_first`: how many frames
- * are left out at the start. NEPH_ERR_USAGE: the words do not say what to compare, or give another
+ * after. Two operands that a shell made of one pattern are one test. `warm_up_frames`: left
+ * out at the start. NEPH_ERR_USAGE: the words do not say what to compare, or give another
  * test twice; NEPH_ERR_INPUT: both tests are not of as many frames, or of other numbers; errors of
  * neph_sequence_find() and neph_sequence_split(). */
 enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_up_frames,
                                  struct neph_sides *sides, struct neph_diag *diag);
+
+/* Refuse before any work what would end it later: frames of several sizes, and tests of which one is
+ * linear data and one a picture. `comparison` has the reference and the test. NEPH_ERR_INPUT; errors
+ * of neph_frame_read(). */
+enum neph_status neph_sides_check(const struct neph_sides *sides,
+                                  const struct neph_comparison *comparison, struct neph_diag *diag);
 
 void neph_sides_finish(struct neph_sides *sides);
 

@@ -400,10 +400,10 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     const struct neph_map *map = &extractor->maps[index];
     struct neph_image *image = NULL;
     enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
-    if (!status)
-        status = asked->take_map
-                     ? asked->take_map(asked->map_context, map, quantity, frame, image, diag)
-                     : write_map_files(work, map, quantity, frame, image, diag);
+    if (!status && asked->take_map)
+        status = asked->take_map(asked->map_context, map, quantity, frame, image, diag);
+    if (!status && asked->maps_directory)
+        status = write_map_files(work, map, quantity, frame, image, diag);
     neph_image_destroy(image);
     return status;
 }

@@ -39,7 +39,7 @@ struct neph_comparison {
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
     bool detail_masks;     /* also the rings at depth edges */
     const char *maps_directory; /* for the maps of the extractors; or NULL */
-    neph_map_taker *take_map;   /* gets them in place of the folder; NULL: nobody does */
+    neph_map_taker *take_map;   /* gets them, too; or NULL */
     void *map_context;
     int warm_up_frames;      /* at the start of the sequences: read by nobody */
     size_t negative_allowed; /* values below 0 that a frame may hold */

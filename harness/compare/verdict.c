@@ -294,7 +294,8 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
         lines += print_left_out(compared, out);
     }
     if (compared->has_versus)
-        neph_verdict_pair_numbers(compared, mask, form->test, form->other, lines_max - lines, out);
+        neph_verdict_pair_numbers(compared, mask, form->test, form->other, form->shows_metrics,
+                                  lines_max - lines, out);
     else
         print_numbers(compared, mask, lines_max - lines, form->shows_metrics, out);
     if (!form->is_brief)

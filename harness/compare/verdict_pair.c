@@ -196,17 +196,25 @@ static void write_number(const struct neph_differences *versus,
     fprintf(out, ", %s: %s\n", judged.word, number->metric->help);
 }
 
+static bool is_headline(const struct neph_measurement *number, int headline)
+{
+    return strcmp(number->metric->name, neph_headlines[headline].metric) == 0 &&
+           strcmp(number->quantity->name, neph_headlines[headline].quantity) == 0;
+}
+
 int neph_verdict_pair_numbers(const struct neph_compared *compared, const char *mask,
-                              const char *test, const char *other, int lines_max, FILE *out)
+                              const char *test, const char *other, bool shows_metrics,
+                              int lines_max, FILE *out)
 {
     const struct neph_differences *versus = &compared->versus;
     int lines = 0;
-    for (int h = 0; h < NEPH_HEADLINES; h++)
+    for (int h = 0; h <= NEPH_HEADLINES; h++)
         for (int i = 0; i < versus->count && lines < lines_max; i++) {
             const struct neph_measurement *number = versus->list[i].number;
-            if (strcmp(number->mask, mask) != 0 ||
-                strcmp(number->metric->name, neph_headlines[h].metric) != 0 ||
-                strcmp(number->quantity->name, neph_headlines[h].quantity) != 0)
+            bool is_shown = h < NEPH_HEADLINES ? is_headline(number, h) : shows_metrics;
+            for (int k = 0; k < NEPH_HEADLINES && h == NEPH_HEADLINES; k++)
+                is_shown &= !is_headline(number, k);
+            if (!is_shown || strcmp(number->mask, mask) != 0)
                 continue;
             write_number(versus, &versus->list[i], test, other, out);
             lines++;

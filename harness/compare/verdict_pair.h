@@ -31,8 +31,10 @@ struct neph_judged_difference neph_judge_difference(const struct neph_difference
 bool neph_verdict_pair(const struct neph_compared *compared, const char *mask, const char *test,
                        const char *other, FILE *out);
 
-/* Write a line for each headline, with both values and their difference; returns how many. */
+/* Write a line for each headline, and with `shows_metrics` for each other number, with both values
+ * and their difference; returns how many. */
 int neph_verdict_pair_numbers(const struct neph_compared *compared, const char *mask,
-                              const char *test, const char *other, int lines_max, FILE *out);
+                              const char *test, const char *other, bool shows_metrics,
+                              int lines_max, FILE *out);
 
 #endif
