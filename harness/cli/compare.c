@@ -389,7 +389,8 @@ static void print_people(const struct work *work, const struct neph_verdict_form
 {
     const struct request *request = work->request;
     const struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
-    neph_verdict(compared, form, stdout);
+    if (compared->numbers.count > 0)
+        neph_verdict(compared, form, stdout);
     if (!request->all || request->shared.quiet)
         return;
     if (form->note)
