@@ -69,8 +69,8 @@ static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 static void check(const void *request_, const struct argp_state *state)
 {
     const struct neph_light_request *request = request_;
-    const bool has_sweep = request->suns.argument || request->g.argument ||
-                           request->albedo.argument || request->density.argument;
+    const bool has_sweep = request->suns.count || request->g.count || request->albedo.count ||
+                           request->density.count;
     const char *suite = request->suite ? request->suite : "test";
     if (request->fit && request->shared.operand_count == 0 && strncmp(suite, "test", 4) == 0)
         argp_error(state, "the suite %s is what a fit is judged by: --fit has --suite tuning",
@@ -161,8 +161,8 @@ static enum neph_status offer_models(struct neph_cli_list *models, struct neph_d
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct neph_light_request *request = request_;
-    enum neph_status status = request->models.argument ? NEPH_OK
-                                                       : offer_models(&request->models, diag);
+    enum neph_status status = request->models.count ? NEPH_OK
+                                                    : offer_models(&request->models, diag);
     request->only_cell = -1;
     if (status)
         return status;

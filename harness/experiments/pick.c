@@ -107,7 +107,7 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const double *budget = request->choice.budget;
     const int scenes = request->shared.operand_count;
-    if (request->presets.argument) {
+    if (request->presets.count) {
         if (request->seed >= 0)
             argp_error(state, "--seed is of one scene; --presets have --seeds");
         if (request->suite && scenes > 0)
@@ -167,7 +167,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     request->scenes = request->shared.operands;
     request->scene_count = request->shared.operand_count;
-    if (!request->presets.argument)
+    if (!request->presets.count)
         return NEPH_OK;
     const int least = request->least ? neph_choice_find(request->least) : NEPH_CHOICE_WORK;
     if (least < 0)
@@ -193,7 +193,7 @@ static void finish(void *request_)
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
-    if (!request->presets.argument || index >= request->scene_count)
+    if (!request->presets.count || index >= request->scene_count)
         return false;
     request->scenes += index;
     request->scene_count = 1;
@@ -404,7 +404,7 @@ static enum neph_status pick_preset(struct request *request, const struct neph_e
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
-    return ((struct request *)request)->presets.argument
+    return ((struct request *)request)->presets.count
                ? pick_preset(request, run, publication, diag)
                : pick_configuration(request, run, publication, diag);
 }

@@ -117,7 +117,6 @@ static const struct neph_cli_option options[] = {
      "samples, or is reported as not fitting (default: 300; quick: 30)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
-    {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
     {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
     {.name = "quiet"},
