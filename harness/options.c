@@ -15,7 +15,7 @@
 #include <sys/types.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_CLI_KIND_COUNT == 12, "a new kind");
+_Static_assert(NEPH_CLI_KIND_COUNT == 13, "a new kind");
 
 enum {
     ROWS_MAX = 48,
@@ -25,31 +25,68 @@ enum {
     KEY_USAGE = 0x2000,
 };
 
+/* Options that two verbs or more have, so that each has one letter, one form of its argument and,
+ * unless a verb has words of its own, one help: docs/flags.md. Rows without a kind have no place of
+ * their own: the row of the verb says where it is. */
 static const struct neph_cli_option shared_options[] = {
     {"blender", 0, "PATH",
      "Blender of engine cycles in place of NEPH_BLENDER: a program, or the folder of an unpacked "
      "archive; further ones, behind colons, are further engines",
      NEPH_CLI_WORD, .at = offsetof(struct neph_cli_shared, blender)},
+    {"by-position", 0, NULL,
+     .help = "Frames belong together by their place in the sequence, whatever their numbers"},
+    {"chain", 0, "FILE", .help = "Picture chain in place of the scene's; off: none"},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
     {"engine", 'e', "NAME[,NAME]", "Engine; `neph engines` lists them", NEPH_CLI_ONE,
      .at = offsetof(struct neph_cli_shared, engine)},
+    {"error", 0, "E", .help = "Relative RMSE of radiance against the truth"},
+    {"exposure", 0, "EV", .help = "Display value = 2^EV times radiance"},
+    {"fps", 0, "HZ", .help = "Frame rate of the display (default: what the frames say, else 60)"},
+    {"frames", 0, "N", .help = "Frames of the sequence"},
     {"jobs", 'j', "N", "Processes that render at the same time; results do not depend on it",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_cli_shared, jobs), .minimum = 1, .maximum = 256},
     {"json", 0, NULL, "Results as JSON on stdout", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, json)},
+    {"layer", 0, "NAME",
+     .help = "Radiance, depth and masks are the channels NAME.R and so on (Blender: "
+             "ViewLayer.Combined)"},
+    {"list", 0, NULL, .help = "Print what there is to choose from, and do nothing else"},
     {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, markdown)},
+    {"model", 0, "NAME[,NAME]", .help = "Models to compare with the truth"},
+    {"only", 0, "NAME[,NAME]", .help = "Only these parts"},
     {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
      .at = offsetof(struct neph_cli_shared, output)},
+    {"page-limit", 0, "MB", .help = "The most that the page may take"},
+    {"ppd", 0, "N",
+     .help =
+         "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
+         "wide; a desk monitor has 40)"},
+    {"preset", 'p', "NAME[,NAME]", .help = "Preset: a set of settings by name, before any --set"},
     {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, quiet)},
-    {"set", 's', "KEY=VALUE", "A setting of the engine; may be given several times", NEPH_CLI_WORDS,
-     .at = offsetof(struct neph_cli_shared, settings)},
+    {"reference", 'r', "FILES", .help = "Frames that the others are compared with"},
+    {"repeat", 0, "N", .help = "How often the same work is timed"},
+    {"resolution", 0, "N", .help = "Nodes along the longest side of a voxel grid"},
+    {"retime", 0, NULL, .help = "Time again what DIR/times.json has times of"},
+    {"samples", 0, "N", .help = "Samples a pixel of the truth"},
+    {"seed", 0, "S", .help = "The first seed"},
+    {"seeds", 0, "N", .help = "How many seeds, from the first on"},
+    {"set", 's', "[ENGINE:]KEY=VALUE", "A setting of the engine; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_cli_shared, settings)},
     {"size", 0, "WxH", "Size in pixels", NEPH_CLI_SIZE,
      .at = offsetof(struct neph_cli_shared, size)},
+    {"stats", 0, NULL, .help = "What each frame has cost"},
+    {"steps", 0, "N", .help = "Steps of every view ray"},
+    {"suite", 0, "NAME", .help = "A set of scenes or tests by name"},
+    {"takes", 0, "NAME[,NAME]", .help = "What is rendered of a scene"},
+    {"tier", 0, "NAME", .help = "quick or full"},
     {"time-limit", 0, "S", "Seconds per child process", NEPH_CLI_INTEGER,
      .at = offsetof(struct neph_cli_shared, time_limit_s), .minimum = 1, .maximum = 1000000},
+    {"untimed", 0, NULL, .help = "No times: evaluations of density in place of them"},
+    {"warm-up", 0, "N", .help = "Frames before the first that is measured"},
+    {"white", 0, "CD_PER_M2", .help = "Luminance of the display value 1 (default: 100)"},
     {.name = NULL},
 };
 
@@ -187,17 +224,21 @@ static void take_list(const struct neph_cli_option *row, const char *argument, v
     while (rest) {
         if (list->count == most)
             argp_error(state, "--%s has more than %d names", row->name, most);
-        list->words[list->count++] = strsep(&rest, ",");
+        const char *word = strsep(&rest, ",");
+        for (int i = 0; i < list->count; i++)
+            if (strcmp(list->words[i], word) == 0)
+                argp_error(state, "--%s: '%s' is twice in the list", row->name, word);
+        list->words[list->count++] = word;
     }
 }
 
 static take_function *const take[] = {
-    [NEPH_CLI_FLAG] = take_flag,   [NEPH_CLI_WORD] = take_word,
-    [NEPH_CLI_FILE] = take_file,   [NEPH_CLI_OUTPUT] = take_output,
-    [NEPH_CLI_WORDS] = take_words, [NEPH_CLI_INTEGER] = take_integer,
-    [NEPH_CLI_REAL] = take_real,   [NEPH_CLI_SIZE] = take_size,
-    [NEPH_CLI_LIST] = take_list,   [NEPH_CLI_NUMBERS] = take_list,
-    [NEPH_CLI_ONE] = take_one,
+    [NEPH_CLI_FLAG] = take_flag,    [NEPH_CLI_WORD] = take_word,
+    [NEPH_CLI_FILE] = take_file,    [NEPH_CLI_OUTPUT] = take_output,
+    [NEPH_CLI_WORDS] = take_words,  [NEPH_CLI_INTEGER] = take_integer,
+    [NEPH_CLI_REAL] = take_real,    [NEPH_CLI_SIZE] = take_size,
+    [NEPH_CLI_NAMES] = take_list,   [NEPH_CLI_LIST] = take_list,
+    [NEPH_CLI_NUMBERS] = take_list, [NEPH_CLI_ONE] = take_one,
 };
 
 /* ---- the table ------------------------------------------------------------------------------- */
@@ -234,7 +275,7 @@ static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
             *(int *)place = -1;
         if (row.kind == NEPH_CLI_REAL)
             *(double *)place = NAN;
-        if (row.otherwise && !is_list(&row))
+        if (row.otherwise && !is_list(&row) && row.kind != NEPH_CLI_NAMES)
             take[row.kind](&row, row.otherwise, place, NULL);
     }
 }
@@ -472,7 +513,7 @@ static enum neph_status read_numbers(const char *name, struct neph_cli_list *lis
     return NEPH_OK;
 }
 
-/* What stands for a list that is not given; words given twice; numbers. */
+/* What stands for a list that is not given; numbers. */
 static enum neph_status split_list(const struct neph_cli_option *row, struct neph_cli_list *list,
                                    struct neph_diag *diag)
 {
@@ -484,11 +525,6 @@ static enum neph_status split_list(const struct neph_cli_option *row, struct nep
                      ? neph_cli_split(list->text, row->name, most, list->words, &list->count, diag)
                      : neph_fail_memory(diag);
     }
-    for (int i = 0; i < list->count && !status; i++)
-        for (int j = 0; j < i && !status; j++)
-            if (strcmp(list->words[i], list->words[j]) == 0)
-                status = neph_fail(diag, NEPH_ERR_USAGE, "--%s: '%s' is there twice", row->name,
-                                   list->words[i]);
     if (!status && row->kind == NEPH_CLI_NUMBERS)
         status = read_numbers(row->name, list, diag);
     return status;

@@ -47,10 +47,11 @@ enum neph_cli_kind {
     NEPH_CLI_INTEGER, /* int; -1 */
     NEPH_CLI_REAL,    /* double; NaN. Any, when minimum and maximum are 0 */
     NEPH_CLI_SIZE,    /* struct neph_cli_size; 0 x 0 */
-    NEPH_CLI_ONE,  /* const char *; NULL. One name: a second one, by comma or by another option of
+    NEPH_CLI_ONE,   /* const char *; NULL. One name: a second one, by comma or by another option of
                         the name, is refused */
-    NEPH_CLI_LIST, /* struct neph_cli_list, of at most `maximum` words; empty. What stands for a
-                        list that is not given is there after neph_cli_split_lists() */
+    NEPH_CLI_NAMES, /* struct neph_cli_list, of at most `maximum` different words; empty */
+    NEPH_CLI_LIST,  /* the same; `otherwise` and `presets` are its words after
+                         neph_cli_split_lists() when none was given */
     NEPH_CLI_NUMBERS, /* the same, each word a finite number */
     NEPH_CLI_KIND_COUNT,
 };
@@ -113,7 +114,7 @@ bool neph_cli_only_operand(struct neph_cli_shared *shared, int index);
 enum neph_status neph_cli_check_range(const char *option, int value, int minimum, int maximum,
                                       struct neph_diag *diag);
 
-/* Complete the lists of a request. NEPH_ERR_USAGE: a word is twice in a list, or a number is none.
+/* Complete the lists of a request. NEPH_ERR_USAGE: a word is no number.
  * To be freed in any case. */
 enum neph_status neph_cli_split_lists(const struct neph_cli_syntax *syntax, void *request,
                                       struct neph_diag *diag);
