@@ -25,7 +25,7 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {.name = "size", .otherwise = "64x36"},
+    {.name = "size", .otherwise = "192x108"},
     {.name = "set", .help = "Another setting of the engine; may be given several times"},
     {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
     {.name = "time-limit", .otherwise = "3600"},
