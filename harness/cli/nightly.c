@@ -9,6 +9,7 @@
 #include "harness/night/output.h"
 #include "harness/night/page.h"
 #include "harness/night/send.h"
+#include "harness/old_options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -220,6 +221,7 @@ static enum neph_status run(const struct request *request, struct neph_night_par
                             const char *const *words, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    neph_old_output_warn(params->output);
     enum neph_status status = neph_store_open(neph_path_in(params->output, "store").text, &store,
                                               diag);
     if (!status)

@@ -190,6 +190,14 @@ class OldForms(neph_case.NephCase):
                   said="not several")
         self.assertTrue((self.folder / "out/validate/store").is_dir())
 
+    def test_a_store_of_before_is_named_once(self):
+        words = ("validate", "absorbing_slab", "-e", "exact", "--no-charts", "--size", "8x8", "-q")
+        self.neph(*words, "-o", "out")
+        self.neph(*words, said="-o out uses again")
+        self.assertNotIn("uses again", self.neph(*words).stderr)
+        again = self.json(*words, "-o", "out")
+        self.assertEqual([frame["reused"] for frame in again["scenes"][0]["frames"]], [True])
+
     def test_a_setting_with_and_without_its_engine(self):
         words = ("render", "height_fog_level", "--size", "8x8", "-q", "-s")
         for setting in "march:steps=5", "steps=5":
