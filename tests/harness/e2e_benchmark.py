@@ -83,8 +83,8 @@ class Benchmark(NephCase):
                 self.assertTrue(errors[-1][1] > time["rmse"] ** 2 or not worse)
 
     def test_the_table_says_what_it_found(self):
-        done = self.benchmark("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle", "--size",
-                              "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
+        done = self.benchmark("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle",
+                              "--size", "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):

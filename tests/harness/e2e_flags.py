@@ -191,12 +191,14 @@ class OldForms(neph_case.NephCase):
         self.assertTrue((self.folder / "out/validate/store").is_dir())
 
     def test_a_store_of_before_is_named_once(self):
-        words = ("validate", "absorbing_slab", "-e", "exact", "--no-charts", "--size", "8x8", "-q")
+        words = ("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", "--size", "8x8",
+                 "-q")
         self.neph(*words, "-o", "out")
         self.neph(*words, said="-o out uses again")
         self.assertNotIn("uses again", self.neph(*words).stderr)
         again = self.json(*words, "-o", "out")
-        self.assertEqual([frame["reused"] for frame in again["scenes"][0]["frames"]], [True])
+        self.assertEqual([frame["reused"] for frame in again["scenes"][0]["frames"]],
+                         [True, True])
 
     def test_a_setting_with_and_without_its_engine(self):
         words = ("render", "height_fog_level", "--size", "8x8", "-q", "-s")

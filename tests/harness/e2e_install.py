@@ -69,7 +69,7 @@ class Install(unittest.TestCase):
     def test_the_manual_has_every_verb_and_option(self):
         path = self.prefix / "share/man/man1/neph.1"
         text = path.read_text().replace("\\-", "-")
-        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "-p, --preset=NAME[,NAME]"),
+        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "--seeds=N"),
                              ("VALIDATE", "--budget=S"), ("FLICKER", "-r, --reference=FILES"),
                              ("COMPARE", "--fail-above=[QUANTITY:]METRIC[@MASK]=LIMIT")):
             self.assertIn(f"\n.SH NEPH {verb}\n", text)

@@ -10,8 +10,8 @@ TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
 
 
 class StudySky(StudyCase):
-    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64", "--elevations",
-             "30")
+    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64",
+             "--elevations", "30")
 
     def test_cells_files_and_reuse(self):
         models = (f"sky+{TABLES},sky+multiple=closure+{TABLES},march,"
