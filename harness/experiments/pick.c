@@ -155,8 +155,8 @@ static const struct neph_cli_syntax syntax = {
            "Examples:\n"
            "  neph pick height_fog_level --error 0.01\n"
            "  neph pick cloud_below --error 0.3 --flicker 2 --size 160x90\n"
-           "  neph pick voxel_grid --error 0.25 --ms 50 -o out\n"
-           "  neph render voxel_grid --config out/pick.json --frames 48\n"
+           "  neph pick voxel_grid --error 0.25 --ms 50\n"
+           "  neph render voxel_grid --config out/pick/pick.json --frames 48\n"
            "  neph pick --suite tuning --preset ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
            "--least flicker --size 96x54",
 };
