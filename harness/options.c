@@ -18,6 +18,8 @@ _Static_assert(NEPH_CLI_KIND_COUNT == 12, "a new kind");
 enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
 
 static const struct neph_cli_option shared_options[] = {
+    {"all", 0, NULL, "All numbers in place of the answer in ten lines", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_shared, all)},
     {"blender", 0, "PATH",
      "Blender of engine cycles in place of NEPH_BLENDER: a program, or the folder of an unpacked "
      "archive; further ones, behind colons, are further engines",
@@ -34,7 +36,7 @@ static const struct neph_cli_option shared_options[] = {
      .at = offsetof(struct neph_cli_shared, markdown)},
     {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
      .at = offsetof(struct neph_cli_shared, output)},
-    {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
+    {"quiet", 'q', NULL, "No progress; of an answer in ten lines only the first", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, quiet)},
     {"set", 's', "KEY=VALUE", "A setting of the engine; may be given several times", NEPH_CLI_WORDS,
      .at = offsetof(struct neph_cli_shared, settings)},
