@@ -27,12 +27,11 @@ enum { SEEDS_MAX = 16 };
 struct request {
     struct neph_cli_shared shared;
     struct neph_sweep_params params; /* with its seed, the first of `seeds` */
-    const char *plan_name, *only;
+    const char *plan_name;
+    struct neph_cli_list only;
     double error; /* of the answer */
     int seeds;    /* -1: one sweep */
     struct neph_sweep_plan plan;
-    char *only_text; /* that the words of `only_words` are in */
-    const char *only_words[NEPH_SWEEP_SERIES_MAX + 1];
 };
 
 #define AT(member) .at = offsetof(struct request, member)
@@ -41,10 +40,11 @@ static const struct neph_cli_option options[] = {
      "The series to render: a YAML file, or the name of a plan of scenes/studies; steps has four "
      "series, sweep all engines, presets and lights",
      NEPH_CLI_WORD, AT(plan_name), "steps"},
-    {"only", 0, "NAME[,NAME]", "Only these series of the plan", NEPH_CLI_WORD, AT(only)},
+    {"only", 0, NULL, "Only these series of the plan", NEPH_CLI_NAMES, AT(only),
+     .maximum = NEPH_SWEEP_SERIES_MAX},
     {"error", 0, "E", "The answer names the cheapest series with at most this relative RMSE",
      NEPH_CLI_REAL, AT(error), "0.01", 1e-6, 1e6},
-    {"against", 0, "NAME",
+    {"baseline", 0, "NAME",
      "The series that others are compared with at equal error and at equal time (default: the "
      "first)",
      NEPH_CLI_WORD, AT(params.against)},
@@ -52,13 +52,13 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, AT(params.untimed)},
     {"retime", 0, NULL, "Measure the times in DIR/times.json again", NEPH_CLI_FLAG,
      AT(params.retimes)},
-    {"seed", 0, "S", "The first seed", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
+    {"seed", 0, NULL, "The first seed", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
     {"seeds", 0, "N",
      "Run N sweeps with seeds from --seed on, each with its own store, DIR/seed_K, and compare "
      "their fronts",
      NEPH_CLI_INTEGER, AT(seeds), .minimum = 2, .maximum = SEEDS_MAX},
     {.name = "size", .help = "Pixels, in place of the plan's"},
-    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out/sweep"},
     {.name = "all", .help = "The table of all points, the fronts and the comparison of series"},
     {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each point"},
@@ -102,7 +102,6 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     struct request *request = request_;
     struct neph_cli_shared *shared = &request->shared;
     struct neph_sweep_params *params = &request->params;
-    int count = 0;
     bool is_there = !params->against;
     enum neph_status status = neph_sweep_plan_load(request->plan_name, &request->plan, diag);
     if (status)
@@ -110,22 +109,19 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     for (int s = 0; s < request->plan.series_count; s++)
         is_there |= params->against && strcmp(request->plan.series[s].name, params->against) == 0;
     if (!is_there)
-        return neph_fail(diag, NEPH_ERR_USAGE, "--against: the plan has no series '%s'",
+        return neph_fail(diag, NEPH_ERR_USAGE, "--baseline: the plan has no series '%s'",
                          params->against);
-    if (request->only && !(request->only_text = strdup(request->only)))
-        return neph_fail_memory(diag);
     if (shared->size.width_px > 0) {
         request->plan.width_px = shared->size.width_px;
         request->plan.height_px = shared->size.height_px;
     }
     params->plan = &request->plan;
     params->scene = shared->operands[0];
-    params->only = request->only ? request->only_words : NULL;
+    params->only = request->only.count > 0 ? request->only.words : NULL;
     params->time_limit_s = shared->time_limit_s;
     params->quiet = shared->quiet;
     params->jobs = shared->jobs;
-    return neph_cli_split(request->only_text, "series", NEPH_SWEEP_SERIES_MAX, request->only_words,
-                          &count, diag);
+    return NEPH_OK;
 }
 
 /* ---- one sweep in a folder ------------------------------------------------------------------- */
@@ -370,7 +366,6 @@ static void finish(void *request_)
 {
     struct request *request = request_;
     neph_sweep_plan_finish(&request->plan);
-    free(request->only_text);
 }
 
 static const char *const files[] = {"sweep/index.html", "sweep.json", "stability.json", "store",
