@@ -162,10 +162,11 @@ static void answer_not_found(const struct neph_sweep *sweep, double error,
     if (steps) {
         const struct neph_sweep_point *finest = neph_sweep_finest(sweep, steps->series);
         neph_answer_add(answer,
-                        "%s: %s for %.3g %% of error of the steps: off by %s from what %s give, "
-                        "%s; its model of light is off the truth by %s, which no steps remove",
+                        "%s: %s for %.3g %% of error against its own %s steps: %s%s, %s; its "
+                        "lighting model is %s off the truth",
                         steps->series->name, setting_words(steps, setting), 100.0 * error,
-                        error_words(&steps->to_finest, off), finest->label + strlen("steps="),
+                        finest->label + strlen("steps="), error_words(&steps->to_finest, off),
+                        steps->to_finest.high > error ? ", not told apart from that error" : "",
                         cost_words(steps, cost, price),
                         error_words(&finest->numbers[NEPH_SWEEP_ERROR], of_model));
     }
@@ -237,12 +238,11 @@ static void answer_missing(const struct neph_sweep *sweep, struct neph_answer *a
 static void answer_truth(const struct neph_sweep *sweep, double error, struct neph_answer *answer)
 {
     if (sweep->floor > 0.0)
-        neph_answer_add(answer, "truth: %s, noise %.3g %%%s; %d x %d pixels, %s", sweep->truth,
-                        100.0 * sweep->floor,
-                        2.0 * sweep->floor > error
-                            ? ", too much to tell that error: take more truth_samples"
-                            : "",
-                        sweep->plan->width_px, sweep->plan->height_px, neph_sweep_device(sweep));
+        neph_answer_add(
+            answer, "truth: %s with a noise of %.3g %%%s; %d x %d pixels, %s", sweep->truth,
+            100.0 * sweep->floor,
+            2.0 * sweep->floor > error ? ", too much for that error: a plan has truth_samples" : "",
+            sweep->plan->width_px, sweep->plan->height_px, neph_sweep_device(sweep));
     else
         neph_answer_add(answer, "truth: %s, without noise; %d x %d pixels, %s", sweep->truth,
                         sweep->plan->width_px, sweep->plan->height_px, neph_sweep_device(sweep));
