@@ -13,6 +13,7 @@
 #include "harness/physics/results.h"
 #include "harness/report/attribution.h"
 #include "harness/report/charts.h"
+#include "harness/report/error_parts.h"
 #include "harness/report/over_time.h"
 #include "harness/run/job.h"
 #include "harness/study/study.h"
@@ -49,8 +50,9 @@ struct neph_frame_result {
     const char *path;               /* of the frame in the store; NULL unless rendered */
     const char *second_path;        /* by a second seed; NULL: none */
     const struct neph_study *study; /* that chose its step; NULL: none */
-    const struct neph_bakes_summary *bakes;              /* of the grids that it saw; NULL: none */
-    struct neph_measurements measurements;               /* owned */
+    const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
+    struct neph_measurements measurements;  /* owned */
+    struct neph_error_parts error_parts;    /* against the truth; all 0 of the truth itself */
     const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
 };
 

@@ -3,6 +3,8 @@
 
 #include "harness/host.h"
 #include "harness/report/page.h"
+#include "harness/report/ranking.h"
+#include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -130,7 +132,10 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "screen",
                   validation->has_screen ? json_string("screen/index.html") : json_null());
+    neph_json_set(&json, "ranking", neph_ranking_json(validation));
     neph_json_set(&json, "difference_colours", neph_page_difference_colours());
+    neph_json_set(&json, "difference_beyond",
+                  neph_page_colours_beyond(neph_display_difference_legend()));
     neph_json_set(&json, "metrics", metrics_json());
     return json;
 }
