@@ -103,7 +103,7 @@ static struct place find_mask(const struct neph_ranked *ranked, const char *mask
 /* The smallest part of the picture that holds most of the error. */
 static struct place find_place(const struct neph_ranked *ranked)
 {
-    static const char *const masks[][2] = {{"depth_edge", "within 2 px of edges in depth"},
+    static const char *const masks[][2] = {{"depth_edge", "within 2\u00a0px of edges in depth"},
                                            {"thin", "at thin objects"},
                                            {"sun", "around the sun"},
                                            {"cloud", "in the cloud"},
@@ -115,7 +115,7 @@ static struct place find_place(const struct neph_ranked *ranked)
     struct place best = {0.0, 1.0, NULL};
     if (strcmp(ranked->number->quantity->name, "radiance") == 0 && isfinite(parts->edge_share))
         best = (struct place){parts->edge_share, parts->edge_pixel_share,
-                              "within 2 px of edges of brightness"};
+                              "within 2\u00a0px of edges of brightness"};
     for (size_t i = 0; i < sizeof(masks) / sizeof(masks[0]); i++) {
         const struct place place = find_mask(ranked, masks[i][0], masks[i][1]);
         if (is_concentrated(&place) &&
@@ -125,13 +125,22 @@ static struct place find_place(const struct neph_ranked *ranked)
     return best;
 }
 
+/* A share in words: what is rounded is not called all. */
+static const char *percent(double share, struct neph_arena *arena)
+{
+    if (share > 0.995 && share < 1.0)
+        return "over 99\u00a0%";
+    return neph_arena_format(arena, "%.0f\u00a0%%", 100.0 * fmin(share, 1.0));
+}
+
 static const char *where(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const struct place place = find_place(ranked);
     if (!is_concentrated(&place))
-        return "The error is spread over the picture.";
-    return neph_arena_format(arena, "%.0f %% of the squared error lies %s, %.0f %% of the pixels.",
-                             100.0 * place.error_share, place.words, 100.0 * place.pixel_share);
+        return "Where: spread over the picture.";
+    return neph_arena_format(arena, "Where: %s of the squared error lies %s (%s of the pixels).",
+                             percent(place.error_share, arena), place.words,
+                             percent(place.pixel_share, arena));
 }
 
 /* ---- why ------------------------------------------------------------------------------------- */
@@ -152,17 +161,17 @@ static const char *find_part(const struct neph_ranked *ranked, struct neph_arena
     const bool is_radiance = strcmp(ranked->number->quantity->name, "radiance") == 0;
     if (is_radiance && parts->noise_share >= least_share)
         return neph_arena_format(arena,
-                                 "noise is %.0f %% of the squared error, and more samples lower it",
-                                 100.0 * fmin(parts->noise_share, 1.0));
+                                 "noise is %s of the squared error, and more samples lower it",
+                                 percent(parts->noise_share, arena));
     const double bias = defined_value(ranked, "rel_bias");
     if (is_radiance && parts->offset_share >= least_share && isfinite(bias))
         return neph_arena_format(
-            arena, "one offset of the whole picture, %+.2g %%, is %.0f %% of the squared error",
-            100.0 * bias, 100.0 * parts->offset_share);
+            arena, "one offset of the whole picture, %+.2g\u00a0%%, is %s of the squared error",
+            100.0 * bias, percent(parts->offset_share, arena));
     if (shift_share >= least_share)
         return neph_arena_format(arena,
-                                 "a shift by up to one pixel explains %.0f %% of the squared error",
-                                 100.0 * shift_share);
+                                 "a shift by up to one pixel explains %s of the squared error",
+                                 percent(shift_share, arena));
     return NULL;
 }
 
@@ -178,8 +187,8 @@ static const char *compare_with_model(const struct neph_ranked *ranked, struct n
             number->metric != ranked->number->metric)
             continue;
         return neph_arena_format(
-            arena, "%s, which marches the same light for every pixel, is off by %.2g %%: %s", model,
-            100.0 * number->value,
+            arena, "%s, which marches the same light for every pixel, is off by %.2g\u00a0%%: %s",
+            model, 100.0 * number->value,
             number->value < 0.5 * ranked->number->value
                 ? "the error comes from the reuse of pixels and of earlier frames"
                 : "most of the error comes from the march itself");
@@ -193,7 +202,8 @@ static const char *find_step(const struct neph_ranked *ranked, struct neph_arena
     const struct neph_study *study = frame->study;
     const double step_bias = study ? study->levels[study->chosen].bias : 0.0;
     if (fabs(step_bias) >= least_share * ranked->number->value)
-        return neph_arena_format(arena, "the step of its march makes %+.2g %%", 100.0 * step_bias);
+        return neph_arena_format(arena, "the step of its march makes %+.2g\u00a0%%",
+                                 100.0 * step_bias);
     if (frame->step_optical_depth > long_step)
         return neph_arena_format(
             arena,
@@ -217,10 +227,9 @@ static const char *why(const struct neph_ranked *ranked, struct neph_arena *aren
             all = all ? neph_arena_format(arena, "%s; %s", all, clauses[i]) : clauses[i];
     const char *bias = ranked->frame->engine->bias;
     if (!all && bias)
-        all = neph_arena_format(arena, "known bias of the engine: %s", bias);
-    return all ? neph_arena_format(arena, "Cause: %s.", all)
-               : "The cause was not found: it is neither noise, nor one offset, nor a "
-                 "displacement.";
+        return neph_arena_format(arena, "Why: not measured; known bias of the engine: %s.", bias);
+    return all ? neph_arena_format(arena, "Why: %s.", all)
+               : "Why: not found; it is neither noise, nor one offset, nor a displacement.";
 }
 
 const char *neph_ranked_cause(const struct neph_ranked *ranked, struct neph_arena *arena)
