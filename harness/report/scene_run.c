@@ -329,7 +329,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
 {
     result->name = neph_arena_text(run->arena, scene->name);
     result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
     result->viewing = NEPH_VIEWING_DEFAULTS;
     result->viewing.exposure_ev = scene->exposure_ev;
