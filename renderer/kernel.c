@@ -29,15 +29,9 @@ VkDescriptorType neph_kernel_binding_type(const struct neph_kernel_params *param
                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
-VkDescriptorType neph_kernel_texel_type(const struct neph_kernel_params *params)
-{
-    return params->has_texel_images ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
-                                    : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-}
-
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
-    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 2];
+    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 1 + NEPH_GPU_TEXEL_FORMATS];
     const int array = kernel->params.buffer_count, image_count = kernel->params.image_count;
     int binding_count = neph_kernel_binding_count(&kernel->params);
     for (int i = 0; i < binding_count; i++)
@@ -54,10 +48,10 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
             .descriptorCount = (uint32_t)image_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
-    if (kernel->params.texels_count > 0)
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS && kernel->params.texels_count > 0; f++)
         bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
-            .binding = NEPH_GPU_TEXELS_BINDING,
-            .descriptorType = neph_kernel_texel_type(&kernel->params),
+            .binding = (uint32_t)(NEPH_GPU_TEXELS_BINDING + f),
+            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
             .descriptorCount = (uint32_t)kernel->params.texels_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };

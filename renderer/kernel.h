@@ -26,8 +26,7 @@ struct neph_kernel_params {
     int array_count;        /* more of them, an array at binding buffer_count; 0: none */
     int image_count;        /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
     int texels_first;       /* the first buffer that a kernel of a CPU sees as texels, too .. */
-    int texels_count;       /* .. and how many, an array at NEPH_GPU_TEXELS_BINDING; 0: none */
-    bool has_texel_images;  /* they are images of one format, faster on lavapipe; else of any */
+    int texels_count;       /* .. and how many, in each array of neph_buffer_see_texels() */
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
@@ -69,6 +68,5 @@ enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct nep
 int neph_kernel_buffer_count(const struct neph_kernel_params *params);
 int neph_kernel_binding_count(const struct neph_kernel_params *params);
 VkDescriptorType neph_kernel_binding_type(const struct neph_kernel_params *params, int binding);
-VkDescriptorType neph_kernel_texel_type(const struct neph_kernel_params *params);
 
 #endif

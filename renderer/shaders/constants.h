@@ -16,8 +16,11 @@
 
 // Where kernels that sample images find them, an array of one for each medium.
 #define NEPH_GPU_IMAGES_BINDING 31
-// And where those of a CPU find texels, an array of one for each buffer that is seen as such.
-#define NEPH_GPU_TEXELS_BINDING 30
+// And where kernels of a CPU find texels of one word and of two (neph_buffer_see_texels()): an array
+// of one texel buffer for each buffer that is seen as such.
+#define NEPH_GPU_TEXELS_BINDING 29
+#define NEPH_GPU_TEXEL_PAIRS_BINDING 30
+#define NEPH_GPU_TEXEL_FORMATS 2
 
 // Bits of specialization constant 1, what is known of a scene beside its kinds of media.
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
