@@ -26,9 +26,10 @@ _Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
-    const char *engines, *preset, *chain;
-    double rung_s, error;    /* NaN: not given */
-    int frame_count, voxels; /* 0: not given */
+    const char *preset, *chain;
+    struct neph_cli_list engines;
+    double rung_s, error;   /* NaN: not given */
+    int repeat, resolution; /* -1: not given */
     bool without_ceilings;
     struct neph_scene *scene;
     struct both *both;
@@ -54,40 +55,39 @@ struct both {
 };
 
 static const struct neph_cli_option options[] = {
-    {"engines", 'e', "A,B",
+    {"engine", 0, NULL,
      "Engines; of those with noise the first is the one that the others are measured by (default: "
      "tracer and the Cycles of each Blender)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, engines)},
-    {"frames", 0, "N",
-     "How many pictures of march*, realtime and screen are timed, in 10 s at most (default: 200)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .minimum = 1,
+     NEPH_CLI_NAMES, .at = offsetof(struct request, engines)},
+    {"repeat", 0, NULL,
+     "How often a frame of march*, realtime and screen is timed, in 10 s at most (default: 200)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .minimum = 1,
      .maximum = NEPH_BENCHMARK_FRAMES_MAX},
-    {"preset", 'p', "NAME",
-     "Engines realtime and screen: a set of settings by name, before any --set", NEPH_CLI_WORD,
-     .at = offsetof(struct request, preset)},
-    {"chain", 0, "FILE",
+    {"preset", 0, NULL, "Engines realtime and screen: a set of settings by name, before any --set",
+     NEPH_CLI_ONE, .at = offsetof(struct request, preset)},
+    {"chain", 0, NULL,
      "Time this picture chain behind their pictures, in place of the scene's; off: none",
      NEPH_CLI_WORD, .at = offsetof(struct request, chain)},
-    {.name = "size", .otherwise = "96x54"},
+    {.name = "size", .otherwise = "192x108"},
     {"seconds", 0, "S",
      "About how long the last of four rungs takes, each half the one above it (default: 4)",
      NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .minimum = 0.01, .maximum = 10000},
-    {"error", 0, "E",
+    {"error", 0, NULL,
      "In place of --seconds: rungs of each engine up to this relative RMSE, from three times it on",
      NEPH_CLI_REAL, .at = offsetof(struct request, error), .minimum = 1e-4, .maximum = 1.0},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine; may be given several times"},
-    {"voxels", 0, "N",
+    {"resolution", 0, NULL,
      "First turn every medium but fog into a voxel grid of N nodes along its longest side, so that "
      "all engines render the same one",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, voxels), .minimum = NEPH_BAKE_RESOLUTION_MIN,
-     .maximum = NEPH_GRID_SIDE_MAX},
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, resolution),
+     .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
     {"no-ceilings", 0, NULL,
      "Do not measure what the device can do at most, which takes a GPU 15 s: no shares of it",
      NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
     {.name = "blender"},
-    {.name = "output", .help = "Folder for scratch files", .otherwise = "out"},
+    {.name = "output", .help = "Folder for scratch files", .otherwise = "out/benchmark"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -123,7 +123,7 @@ static const struct neph_cli_syntax syntax = {
         "stage.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
-        "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
+        "  neph benchmark gaussian_blob --resolution 64 --seconds 10\n"
         "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
@@ -297,31 +297,29 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
 }
 
 /* The tracer, and as many Blenders as there is room for. */
-static void list_default(char names[256])
+static int list_default(const char *names[NEPH_ENGINE_COUNT])
 {
-    int count, room = NEPH_BENCHMARK_ENGINES_MAX - 1;
+    int count, listed = 0;
     const struct neph_engine *const *engines = neph_engines(&count);
-    snprintf(names, 256, "tracer");
-    for (int i = 0; i < count; i++) {
-        const size_t length = strlen(names);
-        if (neph_engine_is(engines[i], "cycles") && room-- > 0)
-            snprintf(names + length, 256 - length, ",%s", engines[i]->name);
-    }
+    names[listed++] = "tracer";
+    for (int i = 0; i < count && listed < NEPH_BENCHMARK_ENGINES_MAX; i++)
+        if (neph_engine_is(engines[i], "cycles"))
+            names[listed++] = engines[i]->name;
+    return listed;
 }
 
 static enum neph_status fill_both(const struct request *request, struct neph_shared_device *device,
                                   struct neph_diag *diag)
 {
     struct both *both = request->both;
-    char names[256];
-    if (request->engines)
-        snprintf(names, sizeof(names), "%s", request->engines);
-    else
-        list_default(names);
-    char *rest = names;
+    const char *engines[NEPH_ENGINE_COUNT];
+    int count = request->engines.count;
+    if (count == 0)
+        count = list_default(engines);
+    const char *const *names = request->engines.count > 0 ? request->engines.words : engines;
     enum neph_status status = NEPH_OK;
-    for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))
-        status = add_engine(name, request, device, diag);
+    for (int i = 0; i < count && !status; i++)
+        status = add_engine(names[i], request, device, diag);
     if (!status && request->preset && !any_has_presets(both))
         status = neph_fail(diag, NEPH_ERR_USAGE, "preset '%s': none of the engines has presets",
                            request->preset);
@@ -596,8 +594,8 @@ static void warn_of_idle(const struct request *request, const struct both *both)
     if (both->noise.engine_count == 0 && !(isnan(request->error) && isnan(request->rung_s)))
         neph_progress_warn("--%s has no effect: none of the engines has noise",
                            isnan(request->error) ? "seconds" : "error");
-    if (both->frames.engine_count == 0 && request->frame_count > 0)
-        neph_progress_warn("--frames has no effect: none of the engines' pictures can be in "
+    if (both->frames.engine_count == 0 && request->repeat > 0)
+        neph_progress_warn("--repeat has no effect: none of the engines' pictures can be in "
                            "flight");
 }
 
@@ -612,8 +610,7 @@ static enum neph_status measure(const struct request *request, struct neph_diag 
     both->noise.aim = aim_of(request);
     if (both->frames.engine_count > 0)
         status = neph_benchmark_frames_run(
-            &both->frames, request->frame_count > 0 ? request->frame_count : usual_frame_count,
-            quiet, diag);
+            &both->frames, request->repeat > 0 ? request->repeat : usual_frame_count, quiet, diag);
     if (!status && both->noise.engine_count > 0)
         status = neph_benchmark_run(&both->noise, quiet, diag);
     return status;
@@ -638,8 +635,8 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
         return neph_fail_memory(diag);
     const enum neph_status status = neph_data_load_scene(request->shared.operands[0],
                                                          &request->scene, diag);
-    return status || request->voxels < 1 ? status
-                                         : to_voxels(request->scene, request->voxels, diag);
+    return status || request->resolution < 1 ? status
+                                             : to_voxels(request->scene, request->resolution, diag);
 }
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,

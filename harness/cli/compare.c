@@ -6,9 +6,11 @@
 #include "harness/cli/cli.h"
 
 #include "base/arena.h"
+#include "base/text.h"
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
+#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -20,9 +22,10 @@
 /* The shared settings are of extractors. */
 struct request {
     struct neph_cli_shared shared;
-    bool temporal;                               /* `neph flicker` */
-    struct neph_cli_words references;            /* of `neph flicker` */
-    struct neph_cli_words metrics, above, below; /* the latter two limits */
+    bool temporal;                    /* `neph flicker` */
+    struct neph_cli_words references; /* of `neph flicker` */
+    struct neph_cli_list metrics;
+    struct neph_cli_words above, below; /* limits */
     const char *mask, *csv, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
@@ -35,29 +38,26 @@ enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"metric", 'm', "NAME",
-     "An extractor, one of its metrics, or 'all'; may be given several times; `neph metrics` lists "
-     "them",
-     NEPH_CLI_WORDS, AT(metrics)},
+    {"metric", 'm', "NAME[,NAME]",
+     "Extractors, some of their metrics, or 'all'; `neph metrics` lists them", NEPH_CLI_NAMES,
+     AT(metrics)},
     {.name = "set",
-     .argument = "EXTRACTOR.KEY=VALUE",
-     .help = "A setting of an extractor, such as lag.step_frame=40"},
+     .argument = "EXTRACTOR:KEY=VALUE",
+     .help = "A setting of an extractor, such as lag:step_frame=40; may be given several times"},
     {"mask", 0, "NAME|FILE",
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
      "that is above 0.5 inside",
      NEPH_CLI_WORD, AT(mask)},
-    {"layer", 0, "NAME",
-     "Radiance, depth and masks are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, AT(layer)},
+    {"layer", .kind = NEPH_CLI_WORD, AT(layer)},
     {"rings", 0, NULL,
      "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
      "shows them with this)",
      NEPH_CLI_FLAG, AT(rings)},
-    {"second-reference", 0, "WORD",
+    {"second-reference", 0, "FILES",
      "The reference by another seed: takes the reference's own noise out of squared errors; or, "
-     "with lag.old=second, the same scene without its step",
+     "with lag:old=second, the same scene without its step",
      NEPH_CLI_WORD, AT(second)},
-    {"versus", 0, "WORD",
+    {"versus", 0, "FILES",
      "Another test of the same frames: each number's difference, test - other, paired frame by "
      "frame, or tile by tile where a sequence has one number, with intervals and corrected "
      "p-values",
@@ -67,17 +67,11 @@ static const struct neph_cli_option options[] = {
     {"by-position", 0, NULL,
      "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
      AT(by_position)},
-    {"fps", 0, "HZ",
-     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)",
-     NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
-    {"ppd", 0, "N",
-     "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
-     "wide; of flicker 60; a desk monitor has 40)",
-     NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
-    {"exposure", 0, "EV", "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
+    {"fps", .kind = NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
+    {"ppd", .kind = NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
+    {"exposure", 0, NULL, "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
      AT(exposure_ev), .group = VIEWING},
-    {"white", 0, "CD_PER_M2", "Luminance of the display value 1 (default: 100)", NEPH_CLI_REAL,
-     AT(white_cd_per_m2), .group = VIEWING},
+    {"white", .kind = NEPH_CLI_REAL, AT(white_cd_per_m2), .group = VIEWING},
     {"fail-above", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "Exit with 1 when |value| is above the limit, such as radiance:rel_rmse@all=0.01 (quantity "
      "and mask as here when left out); may be given several times",
@@ -106,7 +100,7 @@ static const struct neph_cli_option options[] = {
 #undef AT
 
 static const struct neph_cli_option flicker_options[] = {
-    {"reference", 'r', "WORD",
+    {"reference", 0, NULL,
      "The reference: one frame, or as many as the test has; may be given several times",
      NEPH_CLI_WORDS, .at = offsetof(struct request, references)},
     {.name = NULL},
@@ -166,8 +160,8 @@ static const struct neph_cli_syntax flicker_syntax = {
         "Examples:\n"
         "  neph flicker --reference still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker --reference 'full/*.exr' 'fast/*.exr' --mask depth_edge --maps out\n"
-        "  neph flicker --reference lights/ taa/ -s lag.step_frame=16 --metric lag\n"
-        "  neph flicker --reference sines/ taa/ --warm-up 64 -s follow.period_1=32 -m follow\n"
+        "  neph flicker --reference lights/ taa/ -s lag:step_frame=16 --metric lag\n"
+        "  neph flicker --reference sines/ taa/ --warm-up 64 -s follow:period_1=32 -m follow\n"
         "  neph flicker --reference ref.png 'game/*.png' --fps 30 --fail-above "
         "a4_p95@all=0.0157",
 };
@@ -217,32 +211,40 @@ static enum neph_status choose_word(struct neph_comparison *comparison, const ch
     return NEPH_OK;
 }
 
+/* Settings were written EXTRACTOR.KEY=VALUE. */
+static void warn_of_dot(const char *extractor, const char *key)
+{
+    char was[160], is[160];
+    neph_text_format(was, sizeof(was), "-s %s.%s", extractor, key);
+    neph_text_format(is, sizeof(is), "-s %s:%s", extractor, key);
+    neph_old_option_warn("neph", was, is);
+}
+
 static enum neph_status apply_setting(struct neph_comparison *comparison, const char *text,
                                       struct neph_diag *diag)
 {
     char name[64], owner[96];
-    const char *dot = strchr(text, '.'), *equals = strchr(text, '=');
-    if (!dot || !equals || dot > equals || (size_t)(dot - text) >= sizeof(name))
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR.KEY=VALUE", text);
-    snprintf(name, sizeof(name), "%.*s", (int)(dot - text), text);
+    const size_t length = strcspn(text, ".:=");
+    const char *key = text + length + 1;
+    if (text[length] == '\0' || text[length] == '=' || length >= sizeof(name))
+        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR:KEY=VALUE", text);
+    snprintf(name, sizeof(name), "%.*s", (int)length, text);
+    if (text[length] == '.')
+        warn_of_dot(name, key);
     const struct neph_extractor *extractor = neph_extractor_find(name);
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
     choose(comparison, extractor); /* who sets something wants it */
     snprintf(owner, sizeof(owner), "extractor %s", name);
-    return neph_options_set(extractor->options, owner, dot + 1,
+    return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);
 }
 
-/* What was given, over what is usual of single frames or of sequences. */
+/* What was given, over the defaults. */
 static struct neph_viewing viewing_of(const struct request *request)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    if (request->temporal) {
-        viewing.frame_rate_hz = 30.0;
-        viewing.pixels_per_degree = 60.0;
-    }
     const struct {
         double given, *value;
     } conditions[] = {
@@ -304,7 +306,7 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = choose_word(comparison, request->metrics.list[i], diag);
+        status = choose_word(comparison, request->metrics.words[i], diag);
     for (int i = 0; i < neph_extractor_count() && request->metrics.count == 0; i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (!extractor->costly && extractor->temporal == request->temporal)
@@ -323,7 +325,7 @@ static enum neph_status prepare(const struct request *request, struct neph_compa
         return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
     *comparison = (struct neph_comparison){
         .viewing = viewing_of(request),
-        .own_frame_rate = request->temporal && isnan(request->frame_rate_hz),
+        .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
         .mask = wanted_mask(request),
         .mask_file = names_mask_file(request) ? request->mask : NULL,
@@ -395,14 +397,15 @@ static bool is_wanted(const struct neph_measurement *number, const void *context
     neph_metric_find(metric, &owner);
     bool named = request->metrics.count == 0;
     for (int i = 0; i < request->metrics.count; i++) {
-        const char *word = request->metrics.list[i];
+        const char *word = request->metrics.words[i];
         named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
                  strcmp(word, metric) == 0;
     }
     for (int i = 0; i < request->shared.settings.count; i++) {
         const char *setting = request->shared.settings.list[i];
         const size_t length = strlen(owner->name);
-        named |= strncmp(setting, owner->name, length) == 0 && setting[length] == '.';
+        named |= strncmp(setting, owner->name, length) == 0 &&
+                 (setting[length] == '.' || setting[length] == ':');
     }
     return named;
 }
@@ -536,7 +539,7 @@ static enum neph_status check_all(const struct request *request,
     if (request->metrics.count == 0 && request->temporal)
         status = check_taken("flicker", compared, diag);
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = check_taken(request->metrics.list[i], compared, diag);
+        status = check_taken(request->metrics.words[i], compared, diag);
     for (int i = 0; i < limit_count(request) && !status; i++) {
         struct neph_limit limit;
         status = parse_limit(request, i, &limit, diag);

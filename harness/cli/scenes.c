@@ -47,7 +47,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(variant), .group = 1},
     {"at", 0, "FRAME", "Of the step or cut (default: the middle)", NEPH_CLI_INTEGER, AT(at),
      .minimum = 1, .maximum = NEPH_VARIANT_FRAMES_MAX - 1, .group = 1},
-    {"frames", 0, "N", "Of the sequence (default: the scene's own, or 128 of one)",
+    {"frames", 0, NULL, "Frames of the sequence (default: the scene's own, or 128 of one)",
      NEPH_CLI_INTEGER, AT(frames), .minimum = 2, .maximum = NEPH_VARIANT_FRAMES_MAX, .group = 1},
     {.name = NULL},
 };

@@ -21,41 +21,42 @@ _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
 
 struct request {
     struct neph_flicker_request flicker;
-    const char *preset, *only;
+    const char *preset;
+    struct neph_cli_list only;
     bool list;
     struct neph_ablation ablation; /* planned; a part borrows it */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME", "Preset whose parts are looked at; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(preset), "ours"},
+    {"preset", 0, NULL, "Preset whose parts are measured; PRESET+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(preset), "ours"},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others, for what is to be "
      "reported; air: near fog, lamps, shafts, cirrus and shadows of clouds (default, without a "
      "SCENE: tuning)",
      NEPH_CLI_WORD, AT(flicker.suite)},
-    {"only", 0, "PART,...", "These parts alone, in place of all that the preset has", NEPH_CLI_WORD,
-     AT(only)},
+    {"only", 0, NULL, "Only these parts, in place of all that the preset has", NEPH_CLI_NAMES,
+     AT(only), .maximum = NEPH_ABLATION_PARTS_MAX},
     {"list", 0, NULL, "What the parts are, who claims them, and their settings; renders nothing",
      NEPH_CLI_FLAG, AT(list)},
-    {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
+    {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      AT(flicker.seed_count), "2", 1, NEPH_STUDY_SEEDS_MAX},
-    {"frames", 0, "N",
+    {"frames", 0, NULL,
      "Frames that error and flicker are measured in, a multiple of 4; a scene that moves has as "
      "many as it has",
      NEPH_CLI_INTEGER, AT(flicker.frame_count), "32", 16, 4096},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "8", 1, 65536},
-    {"takes", 0, "A,B",
+    {"takes", 0, NULL,
      "What is rendered of a scene: flicker (as it is: error, flicker, cost), step (of the sun: "
      "half-life)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of ablation.json, ablation.csv, ablation.svg",
-     .otherwise = "out"},
+     .otherwise = "out/ablate"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {.name = "quiet"},
     {.name = NULL},
@@ -98,7 +99,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph ablate --list\n"
         "  neph ablate fence_backlit foliage --only override,box,gradients\n"
-        "  neph ablate --suite tuning -o tuning    # an hour on two cores\n"
+        "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
         "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
 };
 
@@ -577,16 +578,8 @@ enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
 
 static enum neph_status plan(struct request *request, struct neph_diag *diag)
 {
-    const char *only[NEPH_ABLATION_PARTS_MAX];
-    int only_count = 0;
-    char *words = request->only ? strdup(request->only) : NULL;
-    enum neph_status status = words || !request->only ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && words)
-        status = neph_cli_split(words, "parts", NEPH_ABLATION_PARTS_MAX, only, &only_count, diag);
-    if (!status)
-        status = neph_ablation_plan(request->preset, only, only_count, &request->ablation, diag);
-    free(words);
-    return status;
+    return neph_ablation_plan(request->preset, request->only.words, request->only.count,
+                              &request->ablation, diag);
 }
 
 /* Sine and cut have no measure. */

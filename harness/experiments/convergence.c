@@ -25,16 +25,16 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
+    {"preset", 0, NULL, "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
      AT(presets), .maximum = 16, .presets = neph_rt_presets, .uses = NEPH_RT_CONVERGENCE},
-    {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
+    {"frames", 0, NULL, "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
      FRAMES_MAX},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(steps), "32", 1, 4096},
-    {"seed", 0, "N", "Of the noise of frames", NEPH_CLI_INTEGER, AT(seed), "1", 1, 1 << 20},
+    {"seed", 0, NULL, "Seed of the noise of frames", NEPH_CLI_INTEGER, AT(seed), "1", 1, 1 << 20},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
     {.name = "csv", .help = "A line for each scene and preset"},
     {.name = "markdown", .help = "The table into a file, too"},
@@ -56,8 +56,8 @@ static const struct neph_cli_syntax syntax = {
         "over 16 rays a pixel; the final error is the mean of the last quarter of the frames. What "
         "is finished stays in DIR/store, and the same command goes on from there.\n\n"
         "Examples:\n"
-        "  neph study convergence fence_sky cloud_gaps --size 192x108\n"
-        "  neph study convergence ridge_far --presets ours,ours+taa_jitter_length=8 --frames 128",
+        "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
+        "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
 };
 
 /* Errors that the table shows, as far as there are so many frames. */

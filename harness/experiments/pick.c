@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --presets A,B
+ * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --preset A,B
  * [SCENE...]`: a preset out of several, over many scenes.
  */
 #include "base/path.h"
@@ -34,45 +34,45 @@ struct request {
 #define BUDGET(number) .at = offsetof(struct request, choice.budget[NEPH_CHOICE_##number])
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"error", 0, "E", "The most that the relative RMSE against the truth may be, such as 0.05",
+    {"error", 0, NULL, "The most that the relative RMSE against the truth may be, such as 0.05",
      NEPH_CLI_REAL, BUDGET(ERROR), .minimum = 1e-6, .maximum = 1e6},
     {"flicker", 0, "F", "The most that flicker may be seen, 1 being the eye's threshold",
      NEPH_CLI_REAL, BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
     {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL, BUDGET(TIME),
      .minimum = 1e-6, .maximum = 1e9},
-    {.name = "size", .otherwise = "320x180"},
-    {"seed", 0, "N", "Of all that is random (default: 1); --presets have --seeds", NEPH_CLI_INTEGER,
-     AT(seed), .minimum = 1, .maximum = 1000000},
-    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
+    {.name = "size", .otherwise = "192x108"},
+    {"seed", 0, NULL, "Seed of all that is random (default: 1); --preset has --seeds",
+     NEPH_CLI_INTEGER, AT(seed), .minimum = 1, .maximum = 1000000},
+    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out/pick"},
     {.name = "time-limit", .otherwise = "3600"},
     {.name = "jobs",
-     .help = "Processes that render at the same time; no result but the ms of --presets depends on "
+     .help = "Processes that render at the same time; no result but the ms of --preset depends on "
              "it",
      .otherwise = "1"},
     {.name = "json"},
     {.name = "quiet"},
-    {"presets", 0, "A,B,..",
+    {"preset", 0, NULL,
      "One of these presets over many scenes in place of a configuration of one; PRESET+KEY=VALUE "
      "changes one, and command is a renderer of your own",
      NEPH_CLI_LIST, AT(presets), .maximum = NEPH_STUDY_PRESETS_MAX, .group = 1},
-    {"suite", 0, "NAME", "With --presets: the scenes of a suite (default, without a SCENE: tuning)",
+    {"suite", 0, NULL, "With --preset: the scenes of a suite (default, without a SCENE: tuning)",
      NEPH_CLI_WORD, AT(suite), .group = 1},
     {"least", 0, "NUMBER",
-     "With --presets: what the choice has the least of, within what is given: flicker, half-life, "
+     "With --preset: what the choice has the least of, within what is given: flicker, half-life, "
      "lag, error, evaluations or ms (default: evaluations)",
      NEPH_CLI_WORD, AT(least), .group = 1},
-    {"half-life", 0, "N", "With --presets: the most frames to half of a step of the sun",
+    {"half-life", 0, "N", "With --preset: the most frames to half of a step of the sun",
      NEPH_CLI_REAL, BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
-    {"lag", 0, "N", "With --presets: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
+    {"lag", 0, "N", "With --preset: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
      BUDGET(LAG), .minimum = 1e-6, .maximum = 1e6, .group = 1},
-    {"evaluations", 0, "N", "With --presets: the most evaluations of density a pixel",
-     NEPH_CLI_REAL, BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
-    {"seeds", 0, "N", "With --presets: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
+    {"evaluations", 0, "N", "With --preset: the most evaluations of density a pixel", NEPH_CLI_REAL,
+     BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
+    {"seeds", 0, NULL, "With --preset: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
      AT(seeds), .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX, .group = 1},
-    {"frames", 0, "N",
-     "With --presets: frames that flicker is measured in, a multiple of 4 (default: 32)",
+    {"frames", 0, NULL,
+     "With --preset: frames that flicker is measured in, a multiple of 4 (default: 32)",
      NEPH_CLI_INTEGER, AT(frames), .minimum = 16, .maximum = 4096, .group = 1},
-    {"steps", 0, "N", "With --presets: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
+    {"steps", 0, NULL, "With --preset: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
      AT(steps), .minimum = 1, .maximum = 65536, .group = 1},
     {.name = NULL},
 };
@@ -107,9 +107,9 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const double *budget = request->choice.budget;
     const int scenes = request->shared.operand_count;
-    if (request->presets.argument) {
+    if (request->presets.count) {
         if (request->seed >= 0)
-            argp_error(state, "--seed is of one scene; --presets have --seeds");
+            argp_error(state, "--seed is of one scene; --preset has --seeds");
         if (request->suite && scenes > 0)
             argp_error(state, "a suite or scenes by name, not both");
         if (request->suite && strcmp(request->suite, "test") == 0)
@@ -123,11 +123,11 @@ static void check(const void *request_, const struct argp_state *state)
         return;
     }
     if (misplaced(request))
-        argp_error(state, "%s is of a choice out of --presets", misplaced(request));
+        argp_error(state, "%s is of a choice out of --preset", misplaced(request));
     if (scenes == 0)
         argp_error(state, "which scene? `neph scenes` lists the catalogue");
     if (scenes > 1)
-        argp_error(state, "one scene, or --presets over several");
+        argp_error(state, "one scene, or --preset over several");
     if (isnan(budget[NEPH_CHOICE_ERROR]) && isnan(budget[NEPH_CHOICE_FLICKER]))
         argp_error(state, "give --error, --flicker, or both: what is good enough?");
 }
@@ -147,7 +147,7 @@ static const struct neph_cli_syntax syntax = {
            "measured, too.\n\nDIR/pick.json is what `neph render --config` takes. With --ms, times "
            "are measured once and kept in DIR/times.json, so that the same command picks the same "
            "again. Exit code 1: nothing is good enough; the best is shown.\n\n"
-           "With --presets, each is rendered as it is, with a step of the sun and with a sun that "
+           "With --preset, each is rendered as it is, with a step of the sun and with a sun that "
            "swings, over all scenes; numbers are geometric means over scenes, errors and lags "
            "those of the shortcut against the march of its own model. Out of those that no other "
            "beats in all numbers at once, the choice is within what is given and has the least of "
@@ -157,7 +157,7 @@ static const struct neph_cli_syntax syntax = {
            "  neph pick cloud_below --error 0.3 --flicker 2 --size 160x90\n"
            "  neph pick voxel_grid --error 0.25 --ms 50 -o out\n"
            "  neph render voxel_grid --config out/pick.json --frames 48\n"
-           "  neph pick --suite tuning --presets ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
+           "  neph pick --suite tuning --preset ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
            "--least flicker --size 96x54",
 };
 
@@ -167,7 +167,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     request->scenes = request->shared.operands;
     request->scene_count = request->shared.operand_count;
-    if (!request->presets.argument)
+    if (!request->presets.count)
         return NEPH_OK;
     const int least = request->least ? neph_choice_find(request->least) : NEPH_CHOICE_WORK;
     if (least < 0)
@@ -193,7 +193,7 @@ static void finish(void *request_)
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
-    if (!request->presets.argument || index >= request->scene_count)
+    if (!request->presets.count || index >= request->scene_count)
         return false;
     request->scenes += index;
     request->scene_count = 1;
@@ -404,7 +404,7 @@ static enum neph_status pick_preset(struct request *request, const struct neph_e
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
-    return ((struct request *)request)->presets.argument
+    return ((struct request *)request)->presets.count
                ? pick_preset(request, run, publication, diag)
                : pick_configuration(request, run, publication, diag);
 }

@@ -33,21 +33,22 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 0, "NAME", "Of realtime, whose frames they are; NAME+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(preset), "ours"},
-    {"frames", 0, "N", "That are measured, a multiple of 4", NEPH_CLI_INTEGER, AT(frames), "32", 16,
-     1024},
-    {"warm-up", 0, "N", "Before them, a multiple of 4", NEPH_CLI_INTEGER, AT(warm_up), "32", 0,
-     1024},
-    {"fps", 0, "HZ", "Frames a second", NEPH_CLI_REAL, AT(rate_hz), "30", 1, 1000},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, AT(steps), "32", 1, 4096},
-    {"seed", 0, "N", "Of the noise of frames and grain", NEPH_CLI_INTEGER, AT(seed), "1", 1,
+    {"preset", 0, NULL, "Preset of realtime, which renders the frames; NAME+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(preset), "ours"},
+    {"frames", 0, NULL, "Frames that are measured, a multiple of 4", NEPH_CLI_INTEGER, AT(frames),
+     "32", 16, 1024},
+    {"warm-up", 0, NULL, "Frames before them, a multiple of 4", NEPH_CLI_INTEGER, AT(warm_up), "32",
+     0, 1024},
+    {"fps", 0, NULL, "Frames a second", NEPH_CLI_REAL, AT(rate_hz), "30", 1, 1000},
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "32", 1, 4096},
+    {"seed", 0, NULL, "Seed of the noise of frames and grain", NEPH_CLI_INTEGER, AT(seed), "1", 1,
      1 << 20},
-    {"chains", 0, "A,B", "Those with A or B in their names, and the curve alone (default: all)",
-     NEPH_CLI_LIST, AT(chains), .maximum = ROWS_MAX},
+    {"only", 0, NULL,
+     "Only chains with one of these texts in their name, and the curve by itself (default: all)",
+     NEPH_CLI_NAMES, AT(chains), .maximum = ROWS_MAX},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out/study"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {.name = "csv", .help = "A line for each chain and scene"},
     {.name = "markdown"},
@@ -84,7 +85,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study post fence_backlit voxel_grid --markdown post.md\n"
         "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
-        "  neph study post railings --chains whole,fxaa,sharpening --seed 2 --size 192x108",
+        "  neph study post railings --only whole,fxaa,sharpening --seed 2 --size 96x54",
 };
 
 /* ---- chains ---------------------------------------------------------------------------------- */
@@ -299,7 +300,7 @@ static enum neph_status choose_rows(struct study *study, struct neph_diag *diag)
     for (int i = 0; i < chains->count; i++)
         if (!is_known(chains->words[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "no chain has '%s' in its name", chains->words[i]);
-            neph_hint(diag, "`neph study post SCENE` without --chains has all of them");
+            neph_hint(diag, "`neph study post SCENE` without --only has all of them");
             return NEPH_ERR_USAGE;
         }
     for (int r = 0; neph_post_rows[r].name; r++)

@@ -18,17 +18,20 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME", "Of realtime, beside the march; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(params.preset), "ours"},
-    {"against", 0, "FILE", "scaling.json of another device: times of the same pictures there",
+    {"preset", 0, NULL, "Preset of realtime, beside the march; PRESET+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(params.preset), "ours"},
+    {"other-device", 0, "FILE", "scaling.json of another device: times of the same pictures there",
      NEPH_CLI_WORD, AT(against)},
     {"untimed", 0, NULL, "No times: evaluations of density alone", NEPH_CLI_FLAG,
      AT(params.untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
      AT(params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
-    {.name = "size", .help = "Of the largest picture", .otherwise = "320x180"},
-    {.name = "output", .help = "Folder of the store and of scaling.json", .otherwise = "out"},
+    {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
+     1000000},
+    {.name = "size", .help = "Of the largest picture", .otherwise = "192x108"},
+    {.name = "output",
+     .help = "Folder of the store and of scaling.json",
+     .otherwise = "out/scaling"},
     {.name = "jobs", .otherwise = "1"},
     {.name = "json"},
     {.name = "quiet"},
@@ -40,7 +43,7 @@ static void check(const void *request_, const struct argp_state *state)
 {
     const struct request *request = request_;
     if (request->against && request->shared.json)
-        argp_error(state, "--against is of the table, not of --json");
+        argp_error(state, "--other-device is of the table, not of --json");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -58,7 +61,8 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph scaling cloud_below --untimed\n"
         "  neph scaling voxel_grid -o here\n"
-        "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --against here/scaling.json",
+        "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --other-device "
+        "here/scaling.json",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)

@@ -17,25 +17,25 @@
 
 #define AT(member) .at = offsetof(struct neph_screen_request, member)
 static const struct neph_cli_option options[] = {
-    {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
+    {"model", 0, NULL, "Screens to compare with the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_LIST, AT(models), "screen", .between = ",screen+preset=",
      .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY, .maximum = NEPH_LIGHT_MODELS_MAX},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      AT(radius_m), "1", 1e-3, 1e6},
-    {.name = "size", .otherwise = "96x54"},
-    {"samples", 0, "N", "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
+    {.name = "size", .otherwise = "192x108"},
+    {"samples", 0, NULL, "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
      1 << 24},
     {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER, AT(rays), "64", 1,
      1 << 16},
     {"cycles", 0, "N",
      "Hold them against Cycles' passes, too, with N samples a pixel; 0: it is not asked",
      NEPH_CLI_INTEGER, AT(cycles_samples), "0", 0, 1 << 16},
-    {"frames", 0, "N",
+    {"frames", 0, NULL,
      "Pictures, over which error and flicker of the whole are measured, at least 16; a scene that "
      "moves has as many as it has; 0: none",
      NEPH_CLI_INTEGER, AT(frame_count), "0", 0, 1024},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out/study"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {.name = "markdown"},
     {.name = "quiet"},
@@ -67,10 +67,10 @@ static const struct neph_cli_syntax syntax = {
         "DIR/screen/index.html shows which pixels no screen can know, and why.\n\n"
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
-        "  neph study screen surface_corner --models screen,screen+preset=ours --radius 2\n"
-        "  neph study screen surface_room --models screen+preset=ours,screen+preset=fast\n"
+        "  neph study screen surface_corner --model screen,screen+preset=ours --radius 2\n"
+        "  neph study screen surface_room --model screen+preset=ours,screen+preset=fast\n"
         "  neph study screen --cycles 256\n"
-        "  neph study screen surface_ground --frames 32 --models "
+        "  neph study screen surface_ground --frames 32 --model "
         "screen,screen+gi=off,screen+ssr=off",
 };
 

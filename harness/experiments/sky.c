@@ -46,25 +46,25 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"models", 0, "A,B", "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
+    {"model", 0, NULL, "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
      "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
      "tables leave, without noise",
      NEPH_CLI_WORD, AT(truth), "tracer"},
-    {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
+    {"elevations", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
      "90,60,30,15,10,5,2,0,-1,-2", .maximum = LIST_MAX},
     {"altitudes", 0, "A,B", "Altitudes of the camera [m]", NEPH_CLI_NUMBERS, AT(altitudes),
      "2,10000", .maximum = LIST_MAX},
     {.name = "size", .otherwise = "48x32"},
     {"tile", 0, "N", "Pixels along a side of a direction", NEPH_CLI_INTEGER, AT(tile_px), "4", 1,
      64},
-    {"steps", 0, "N", "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
+    {"steps", 0, NULL, "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
      AT(steps), "48", 2, 4096},
-    {"samples", 0, "N", "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER, AT(samples),
+    {"samples", 0, NULL, "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER, AT(samples),
      "4096", 2, 1 << 28},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
     {.name = "markdown"},
     {.name = "quiet"},
@@ -87,8 +87,8 @@ static const struct neph_cli_syntax syntax = {
         "command goes on from there.\n\n"
         "Examples:\n"
         "  neph study sky --markdown sky.md\n"
-        "  neph study sky --suns 10,5 --truth oracle --samples 1024\n"
-        "  neph study sky --models sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
+        "  neph study sky --elevations 10,5 --truth oracle --samples 1024\n"
+        "  neph study sky --model sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)

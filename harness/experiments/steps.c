@@ -25,10 +25,10 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {.name = "size", .otherwise = "64x36"},
+    {.name = "size", .otherwise = "192x108"},
     {.name = "set", .help = "Another setting of the engine; may be given several times"},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
-    {.name = "time-limit", .otherwise = "300"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
+    {.name = "time-limit", .otherwise = "3600"},
     {"renew", 0, NULL,
      "Make the studies that come with neph (scenes/studies) where they are missing or of another "
      "version; of the whole catalogue, or of the scene given alone",
@@ -36,6 +36,7 @@ static const struct neph_cli_option options[] = {
     {.name = "blender"},
     {.name = "jobs", .otherwise = "1"},
     {.name = "json"},
+    {.name = "quiet"},
     {.name = NULL},
 };
 

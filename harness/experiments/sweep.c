@@ -26,11 +26,10 @@ enum { SEEDS_MAX = 16 };
 struct request {
     struct neph_cli_shared shared;
     struct neph_sweep_params params; /* with its seed, the first of `seeds` */
-    const char *plan_name, *only;
+    const char *plan_name;
+    struct neph_cli_list only;
     int seeds; /* -1: one sweep */
     struct neph_sweep_plan plan;
-    char *only_text; /* that the words of `only_words` are in */
-    const char *only_words[NEPH_SWEEP_SERIES_MAX + 1];
 };
 
 #define AT(member) .at = offsetof(struct request, member)
@@ -38,8 +37,9 @@ static const struct neph_cli_option options[] = {
     {"plan", 0, "FILE",
      "What is swept: a YAML file, or the name of one that comes with neph (scenes/studies)",
      NEPH_CLI_WORD, AT(plan_name), "sweep"},
-    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD, AT(only)},
-    {"against", 0, "NAME",
+    {"only", 0, NULL, "Only these series of the plan", NEPH_CLI_NAMES, AT(only),
+     .maximum = NEPH_SWEEP_SERIES_MAX},
+    {"baseline", 0, "NAME",
      "The series that others are held against at equal error and in equal time (default: the "
      "first)",
      NEPH_CLI_WORD, AT(params.against)},
@@ -47,13 +47,14 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, AT(params.untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
      AT(params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
+    {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
+     1000000},
     {"seeds", 0, "N",
      "So many sweeps with seeds from --seed on, each in a store of its own, DIR/seed_K: do the "
      "fronts hold?",
      NEPH_CLI_INTEGER, AT(seeds), .minimum = 2, .maximum = SEEDS_MAX},
     {.name = "size", .help = "Pixels, in place of the plan's"},
-    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out/sweep"},
     {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
     {.name = "csv", .help = "A line for each point"},
     {.name = "jobs", .otherwise = "1"},
@@ -95,7 +96,6 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     struct request *request = request_;
     struct neph_cli_shared *shared = &request->shared;
     struct neph_sweep_params *params = &request->params;
-    int count = 0;
     bool is_there = !params->against;
     enum neph_status status = neph_sweep_plan_load(request->plan_name, &request->plan, diag);
     if (status)
@@ -103,22 +103,19 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     for (int s = 0; s < request->plan.series_count; s++)
         is_there |= params->against && strcmp(request->plan.series[s].name, params->against) == 0;
     if (!is_there)
-        return neph_fail(diag, NEPH_ERR_USAGE, "--against: the plan has no series '%s'",
+        return neph_fail(diag, NEPH_ERR_USAGE, "--baseline: the plan has no series '%s'",
                          params->against);
-    if (request->only && !(request->only_text = strdup(request->only)))
-        return neph_fail_memory(diag);
     if (shared->size.width_px > 0) {
         request->plan.width_px = shared->size.width_px;
         request->plan.height_px = shared->size.height_px;
     }
     params->plan = &request->plan;
     params->scene = shared->operands[0];
-    params->only = request->only ? request->only_words : NULL;
+    params->only = request->only.count > 0 ? request->only.words : NULL;
     params->time_limit_s = shared->time_limit_s;
     params->quiet = shared->quiet;
     params->jobs = shared->jobs;
-    return neph_cli_split(request->only_text, "series", NEPH_SWEEP_SERIES_MAX, request->only_words,
-                          &count, diag);
+    return NEPH_OK;
 }
 
 /* ---- one sweep in a folder ------------------------------------------------------------------- */
@@ -361,7 +358,6 @@ static void finish(void *request_)
 {
     struct request *request = request_;
     neph_sweep_plan_finish(&request->plan);
-    free(request->only_text);
 }
 
 const struct neph_experiment neph_experiment_sweep = {.syntax = &syntax,

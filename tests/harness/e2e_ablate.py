@@ -66,7 +66,7 @@ class Ablate(StudyCase):
         entries = self.stored()
         again, _ = self.ablate(*arguments)
         self.assertEqual((again, self.stored()), (text, entries))
-        study = self.json("study", "flicker", self.scenes[0], "--presets", "ours,ours+split=none",
+        study = self.json("study", "flicker", self.scenes[0], "--preset", "ours,ours+split=none",
                           "--takes", "flicker", *SIZE)
         for measure, metric, mask in (("error", "rel_rmse", "all"),
                                       ("edge_flicker", "seen_contrast", "depth_edge")):

@@ -99,7 +99,7 @@ class Pick(NephCase):
 
     def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
         def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "--presets", "fixed,ours", "--frames", "16",
+            return self.pick("gaussian_blob", "--preset", "fixed,ours", "--frames", "16",
                              *arguments, size="32x18", code=code)[0]
         found = pick("--least", "flicker", "--half-life", "8")
         self.assertEqual((found["preset"], found["found"]), ("ours", True))
@@ -118,7 +118,7 @@ class Pick(NephCase):
     @night.of_the_night
     def test_presets_over_scenes(self):
         def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "fence_sky", "--presets", "ours,fixed,ours+taa=off",
+            return self.pick("gaussian_blob", "fence_sky", "--preset", "ours,fixed,ours+taa=off",
                              "--frames", "16", "--jobs", "2", *arguments, size="48x27",
                              code=code)[0]
         found = pick("--least", "error")
@@ -169,10 +169,10 @@ class Pick(NephCase):
     def test_what_is_refused(self):
         self.check_refusals(
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),
-            (64, "--presets", ("voxel_grid", "--error", "1", "--suite", "tuning")),
-            (64, "what is reported", ("--presets", "ours", "--suite", "test")),
-            (64, "half-life", ("--presets", "ours", "--least", "x")),
-            (64, "at a time", ("--presets", "ours", "--ms", "9", "--jobs", "2")),
+            (64, "--preset", ("voxel_grid", "--error", "1", "--suite", "tuning")),
+            (64, "what is reported", ("--preset", "ours", "--suite", "test")),
+            (64, "half-life", ("--preset", "ours", "--least", "x")),
+            (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),
             (66, "", ("no_such_scene", "--error", "1")), before=("pick",))
 

@@ -53,7 +53,7 @@ class Study(StudyCase):
     def test_rest_and_motion_have_the_same_policy(self):
         """`off` is the march through centres: against these it has no error, against the reference
         it has."""
-        found = self.study(self.rest, self.moves, self.multiple, "--presets", "off,fixed",
+        found = self.study(self.rest, self.moves, self.multiple, "--preset", "off,fixed",
                            "--takes", "flicker", frames=20)
         rest, moves, multiple = found["scenes"]
         self.assertEqual([s["reference"] for s in (rest, moves)],
@@ -87,7 +87,7 @@ class Study(StudyCase):
         return kept
 
     def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
-        arguments = (self.rest, "--presets", "fixed,fixed+taa=off", "--takes", "flicker,step")
+        arguments = (self.rest, "--preset", "fixed,fixed+taa=off", "--takes", "flicker,step")
         kept = self.interrupted(*arguments)
         done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
@@ -129,9 +129,9 @@ class Study(StudyCase):
         self.check_refusals(
             (64, ("best", "tuning"), ("--suite", "best")),
             (64, "not both", ("--suite", "test", rest)),
-            (64, ("nope", "off, seed"), (rest, "--presets", "nope")),
-            (64, "'ours' is twice", (rest, "--presets", "ours,fixed,ours")),
-            (64, "'zzz'", (rest, "--presets", "ours+zzz=1")),
+            (64, ("nope", "off, seed"), (rest, "--preset", "nope")),
+            (64, "'ours' is twice", (rest, "--preset", "ours,fixed,ours")),
+            (64, "'zzz'", (rest, "--preset", "ours+zzz=1")),
             (64, ("'turn'", "sine"), (rest, "--takes", "turn")),
             (64, "multiple of 4", (rest, "--frames", "18")),
             (66, "no_such", ("no_such",)), before=("study", "flicker", "-q"))
