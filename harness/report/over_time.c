@@ -248,7 +248,7 @@ static void describe(struct work *work, const char *reason)
     const bool is_there = reference->text != NULL;
     made->scene = neph_arena_text(work->arena, work->scene->name);
     made->title = neph_arena_text(work->arena, work->scene->title);
-    made->physics = neph_arena_text(work->arena, work->scene->physics);
+    made->physics = neph_arena_text(work->arena, work->scene->description);
     made->width_px = width_px;
     made->height_px = height_px;
     made->frame_count = FRAMES;

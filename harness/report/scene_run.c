@@ -426,7 +426,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     const bool has_size = run->plan && run->plan->width_px > 0;
     result->name = neph_arena_text(run->arena, scene->name);
     result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;
