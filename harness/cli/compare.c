@@ -13,6 +13,7 @@
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
+#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -26,7 +27,8 @@ struct request {
     struct neph_cli_shared shared;
     bool temporal; /* `neph flicker` */
     struct neph_cli_words references;
-    struct neph_cli_words metrics, above, below; /* the latter two limits */
+    struct neph_cli_list metrics;
+    struct neph_cli_words above, below; /* limits */
     const char *mask, *csv, *junit, *page, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
@@ -39,30 +41,27 @@ enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"reference", 'r', "FILES",
+    {"reference", 0, NULL,
      "The reference: one frame, or as many as the test has; may be given several times",
      NEPH_CLI_WORDS, AT(references)},
-    {"metric", 'm', "NAME",
-     "An extractor, one of its metrics, or 'all'; may be given several times; `neph metrics` lists "
-     "them",
-     NEPH_CLI_WORDS, AT(metrics)},
+    {"metric", 'm', "NAME[,NAME]",
+     "Extractors, some of their metrics, or 'all'; `neph metrics` lists them", NEPH_CLI_NAMES,
+     AT(metrics)},
     {.name = "set",
-     .argument = "EXTRACTOR.KEY=VALUE",
-     .help = "A setting of an extractor, such as lag.step_frame=40"},
+     .argument = "EXTRACTOR:KEY=VALUE",
+     .help = "A setting of an extractor, such as lag:step_frame=40; may be given several times"},
     {"mask", 0, "NAME|FILE",
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
      "that is above 0.5 inside",
      NEPH_CLI_WORD, AT(mask)},
-    {"layer", 0, "NAME",
-     "Radiance, depth and masks are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, AT(layer)},
+    {"layer", .kind = NEPH_CLI_WORD, AT(layer)},
     {"rings", 0, NULL,
      "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
      "shows them with this)",
      NEPH_CLI_FLAG, AT(rings)},
-    {"second-reference", 0, "WORD",
+    {"second-reference", 0, "FILES",
      "The reference by another seed: takes the reference's own noise out of squared errors; or, "
-     "with lag.old=second, the same scene without its step",
+     "with lag:old=second, the same scene without its step",
      NEPH_CLI_WORD, AT(second)},
     {"versus", 0, "FILES",
      "Another test of the same frames, as BEFORE: both values and their difference, test - other, "
@@ -74,17 +73,11 @@ static const struct neph_cli_option options[] = {
     {"by-position", 0, NULL,
      "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
      AT(by_position)},
-    {"fps", 0, "HZ",
-     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)",
-     NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
-    {"ppd", 0, "N",
-     "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
-     "wide; of flicker 60; a desk monitor has 40)",
-     NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
-    {"exposure", 0, "EV", "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
+    {"fps", .kind = NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
+    {"ppd", .kind = NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
+    {"exposure", 0, NULL, "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
      AT(exposure_ev), .group = VIEWING},
-    {"white", 0, "CD_PER_M2", "Luminance of the display value 1 (default: 100)", NEPH_CLI_REAL,
-     AT(white_cd_per_m2), .group = VIEWING},
+    {"white", .kind = NEPH_CLI_REAL, AT(white_cd_per_m2), .group = VIEWING},
     {"fail-above", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "Exit with 1 when |value| is above the limit, such as radiance:rel_rmse@all=0.01 (quantity "
      "and mask as here when left out); may be given several times",
@@ -133,12 +126,12 @@ static const struct neph_cli_syntax compare_syntax = {
         "of a shell, are refused.\n"
         "\n"
         "Examples:\n"
-        "  neph compare reference.exr test.exr\n"
-        "  neph compare -r reference.exr before.exr after.exr\n"
-        "  neph compare -r reference/ before/ after/ --page out/compare\n"
-        "  neph compare reference.exr test.exr --json --mask depth_edge\n"
-        "  neph compare old.png new.png -m flip --fail-above flip_mean=0.05\n"
-        "  neph compare reference.exr 'test/f.*.exr' --csv errors.csv",
+        "  neph compare exact.exr march.exr\n"
+        "  neph compare -r ref.png before.png after.png\n"
+        "  neph compare -r full/ before/ after/ --page out/compare\n"
+        "  neph compare exact.exr march.exr --json --mask depth_edge\n"
+        "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
+        "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
 };
 
 static const struct neph_cli_syntax flicker_syntax = {
@@ -158,24 +151,20 @@ static const struct neph_cli_syntax flicker_syntax = {
         "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
         "Examples:\n"
         "  neph flicker before/ after/\n"
-        "  neph flicker -r reference/ before/ after/ --page out/flicker\n"
-        "  neph flicker -r still.exr 'taa/f.*.exr' --warm-up 44\n"
+        "  neph flicker -r full/ before/ after/ --page out/flicker\n"
+        "  neph flicker -r still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker -r full/ fast/ --mask depth_edge --maps out/maps\n"
-        "  neph flicker -r lights/ taa/ -s lag.step_frame=16 -m lag\n"
-        "  neph flicker -r sines/ taa/ --warm-up 64 -s follow.period_1=32 -m follow\n"
+        "  neph flicker -r lights/ taa/ -s lag:step_frame=16 -m lag\n"
+        "  neph flicker -r sines/ taa/ --warm-up 64 -s follow:period_1=32 -m follow\n"
         "  neph flicker -r ref.png game/ --fps 30 --fail-above a4_p95@all=0.0157",
 };
 
 /* ---- what to measure ------------------------------------------------------------------------- */
 
-/* What was given, over what is usual of single frames or of sequences. */
+/* What was given, over the defaults. */
 static struct neph_viewing viewing_of(const struct request *request)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    if (request->temporal) {
-        viewing.frame_rate_hz = 30.0;
-        viewing.pixels_per_degree = 60.0;
-    }
     const struct {
         double given, *value;
     } conditions[] = {
@@ -254,7 +243,7 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = neph_choose_word(comparison, request->metrics.list[i], diag);
+        status = neph_choose_word(comparison, request->metrics.words[i], diag);
     for (int i = 0; i < neph_extractor_count() && request->metrics.count == 0; i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (!extractor->costly && extractor->temporal == request->temporal &&
@@ -280,7 +269,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .test = sides->test,
         .with_movement = request->temporal,
         .viewing = viewing_of(request),
-        .own_frame_rate = request->temporal && isnan(request->frame_rate_hz),
+        .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
         .mask = wanted_mask(request),
         .mask_file = names_mask_file(request) ? request->mask : NULL,
@@ -313,14 +302,15 @@ static bool is_wanted(const struct neph_measurement *number, const void *context
     neph_metric_find(metric, &owner);
     bool named = request->metrics.count == 0;
     for (int i = 0; i < request->metrics.count; i++) {
-        const char *word = request->metrics.list[i];
+        const char *word = request->metrics.words[i];
         named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
                  strcmp(word, metric) == 0;
     }
     for (int i = 0; i < request->shared.settings.count; i++) {
         const char *setting = request->shared.settings.list[i];
         const size_t length = strlen(owner->name);
-        named |= strncmp(setting, owner->name, length) == 0 && setting[length] == '.';
+        named |= strncmp(setting, owner->name, length) == 0 &&
+                 (setting[length] == '.' || setting[length] == ':');
     }
     return named;
 }
@@ -497,7 +487,7 @@ static enum neph_status check_all(const struct request *request,
     if (request->metrics.count == 0 && request->temporal)
         status = check_taken("flicker", compared, diag);
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = check_taken(request->metrics.list[i], compared, diag);
+        status = check_taken(request->metrics.words[i], compared, diag);
     for (int i = 0; i < limit_count(request) && !status; i++) {
         struct neph_limit limit;
         status = parse_limit(request, i, &limit, diag);

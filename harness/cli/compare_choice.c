@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/cli/compare_choice.h"
 
+#include "base/text.h"
 #include "harness/compare/alone.h"
+#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <stdio.h>
@@ -51,20 +53,32 @@ enum neph_status neph_choose_word(struct neph_comparison *comparison, const char
     return NEPH_OK;
 }
 
+/* Settings were written EXTRACTOR.KEY=VALUE. */
+static void warn_of_dot(const char *extractor, const char *key)
+{
+    char was[160], is[160];
+    neph_text_format(was, sizeof(was), "-s %s.%s", extractor, key);
+    neph_text_format(is, sizeof(is), "-s %s:%s", extractor, key);
+    neph_old_option_warn("neph", was, is);
+}
+
 enum neph_status neph_choose_setting(struct neph_comparison *comparison, const char *text,
                                      struct neph_diag *diag)
 {
     char name[64], owner[96];
-    const char *dot = strchr(text, '.'), *equals = strchr(text, '=');
-    if (!dot || !equals || dot > equals || (size_t)(dot - text) >= sizeof(name))
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR.KEY=VALUE", text);
-    snprintf(name, sizeof(name), "%.*s", (int)(dot - text), text);
+    const size_t length = strcspn(text, ".:=");
+    const char *key = text + length + 1;
+    if (text[length] == '\0' || text[length] == '=' || length >= sizeof(name))
+        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR:KEY=VALUE", text);
+    snprintf(name, sizeof(name), "%.*s", (int)length, text);
+    if (text[length] == '.')
+        warn_of_dot(name, key);
     const struct neph_extractor *extractor = neph_extractor_find(name);
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
     neph_choose(comparison, extractor); /* who sets something wants it */
     snprintf(owner, sizeof(owner), "extractor %s", name);
-    return neph_options_set(extractor->options, owner, dot + 1,
+    return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);
 }

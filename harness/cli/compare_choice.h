@@ -17,7 +17,7 @@ void neph_choose(struct neph_comparison *comparison, const struct neph_extractor
 enum neph_status neph_choose_word(struct neph_comparison *comparison, const char *word,
                                   struct neph_diag *diag);
 
-/* "EXTRACTOR.KEY=VALUE" takes that extractor, too. NEPH_ERR_USAGE. */
+/* "EXTRACTOR:KEY=VALUE" takes that extractor, too. NEPH_ERR_USAGE. */
 enum neph_status neph_choose_setting(struct neph_comparison *comparison, const char *text,
                                      struct neph_diag *diag);
 

@@ -15,6 +15,7 @@
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
 #include "metrics/validity.h"
+#include "metrics/extractor.h"
 #include "renderer/post/display.h"
 
 #include <limits.h>
@@ -35,18 +36,20 @@ struct request {
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG, AT(list)},
-    {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
+    {"preset", 0, NULL, "A set of settings of the chain by name, before any --set", NEPH_CLI_ONE,
      AT(preset), "off"},
     {"chain", 0, "FILE",
      "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
      AT(chain)},
     {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
      NEPH_CLI_WORD, AT(scene)},
-    {.name = "set", .help = "A setting of the chain; may be given several times"},
+    {.name = "set",
+     .argument = "KEY=VALUE",
+     .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(layer)},
-    {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
-    {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
+    {"seed", 0, NULL, "Seed of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
+    {"fps", 0, NULL, "Frames a second, for auto_exposure (default: what they say, else 60)",
      NEPH_CLI_REAL, AT(rate_hz), .minimum = 1e-3, .maximum = 1e4},
     {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, AT(png)},
     {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
@@ -57,7 +60,7 @@ static const struct neph_cli_option options[] = {
      "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
      "them, after a second of warm-up",
      NEPH_CLI_INTEGER, AT(repeat), "1", 1, NEPH_CHAIN_REPEATS_MAX},
-    {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
+    {.name = "output", .help = "Folder of the pictures", .otherwise = "out/post"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -94,7 +97,7 @@ static const struct neph_cli_syntax syntax = {
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
         "  neph post --list\n"
-        "  neph post out/cloud.exr -p unreal -s exposure_ev=1 --png\n"
+        "  neph post cloud.exr -p unreal -s exposure_ev=1 --png\n"
         "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full\n"
         "  neph post 'walk/frame.*.exr' -p unreal -s auto_exposure=on --png\n"
         "  neph post 'walk/frame.*.exr' --chain chain.yaml --scene walk.yaml",
@@ -358,7 +361,7 @@ static double frame_rate_hz(const struct work *work, const struct neph_image *fr
     const double said_hz = neph_frame_rate_hz(frame);
     if (!isnan(work->request->rate_hz))
         return work->request->rate_hz;
-    return isnan(said_hz) ? 30.0 : said_hz;
+    return isnan(said_hz) ? NEPH_VIEWING_DEFAULTS.frame_rate_hz : said_hz;
 }
 
 /* The chain is one of linear Rec.709: its tables of colours and its luminance are. */
