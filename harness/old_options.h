@@ -17,4 +17,8 @@ extern const struct neph_old_option neph_old_options[];
 /* Print on stderr that `old` of a verb ("neph compare") is now `name`; both with their dashes. */
 void neph_old_option_warn(const char *verb, const char *old, const char *name);
 
+/* Results lay in out/store before each verb had out/VERB. Print where they are, if there is such a
+ * store in the working folder and none yet in `output`, a folder out/VERB. */
+void neph_old_output_warn(const char *output);
+
 #endif

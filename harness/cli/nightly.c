@@ -9,6 +9,7 @@
 #include "harness/night/output.h"
 #include "harness/night/page.h"
 #include "harness/night/send.h"
+#include "harness/old_options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -137,6 +138,8 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
             fputs(summary, stdout);
         free(summary);
     }
+    if (!status && !request->shared.quiet)
+        neph_cli_say_where("nightly", neph_path_in(output, "nightly").text);
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
@@ -220,6 +223,7 @@ static enum neph_status run(const struct request *request, struct neph_night_par
                             const char *const *words, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    neph_old_output_warn(params->output);
     enum neph_status status = neph_store_open(neph_path_in(params->output, "store").text, &store,
                                               diag);
     if (!status)

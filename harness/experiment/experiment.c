@@ -6,6 +6,7 @@
 #include "base/interrupt.h"
 #include "harness/engines/engines.h"
 #include "harness/experiment/pool.h"
+#include "harness/old_options.h"
 #include "harness/progress.h"
 #include "harness/run/seed.h"
 
@@ -190,6 +191,8 @@ static enum neph_status run_with(const struct neph_experiment *experiment, void 
     const char *in[4] = {NULL};
     const char *slash = output && output[strlen(output) - 1] == '/' ? "" : "/";
     struct neph_arena arena = {.last = NULL};
+    if (output)
+        neph_old_output_warn(output);
     for (int i = 0; i < 4; i++)
         if (output && names[i])
             in[i] = neph_arena_format(&arena, "%s%s%s", output, slash, names[i]);

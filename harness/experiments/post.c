@@ -301,7 +301,7 @@ static enum neph_status choose_rows(struct study *study, struct neph_diag *diag)
     for (int i = 0; i < chains->count; i++)
         if (!is_known(chains->words[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "no chain has '%s' in its name", chains->words[i]);
-            neph_hint(diag, "`neph study post SCENE` without --chains has all of them");
+            neph_hint(diag, "`neph study post SCENE` without --only has all of them");
             return NEPH_ERR_USAGE;
         }
     for (int r = 0; neph_post_rows[r].name; r++)

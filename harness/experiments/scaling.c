@@ -44,7 +44,7 @@ static void check(const void *request_, const struct argp_state *state)
 {
     const struct request *request = request_;
     if (request->against && request->shared.json)
-        argp_error(state, "--against is of the table, not of --json");
+        argp_error(state, "--other-device is of the table, not of --json");
 }
 
 static const struct neph_cli_syntax syntax = {

@@ -378,7 +378,7 @@ write(light * job["settings"]["b"])
     @night.of_the_night
     def test_it_is_held_against_presets(self):
         def pick(presets):
-            found = self.json("pick", self.scene, "--presets", presets, "--size", "24x16",
+            found = self.json("pick", self.scene, "--preset", presets, "--size", "24x16",
                               "--frames", "16", "-o", "out", "-q", "--least", "flicker",
                               program=EXAMPLES / "fog.py", code=None)
             return found

@@ -249,7 +249,7 @@ class Metrics(neph_case.NephCase):
                        lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
         for test, code in (("stuck", 1), ("prompt", 0)):
             done = self.neph("flicker", "-r", self.folder / "lights", self.folder / test, "-m",
-                             "lag", "-s", "lag.step_frame=4", "--fail-above", "half_life_p50=20",
+                             "lag", "-s", "lag:step_frame=4", "--fail-above", "half_life_p50=20",
                              code=code)
             self.assertEqual("at least 4" in done.stderr, code == 1, done.stderr)
 
@@ -600,7 +600,7 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence("taa",
                             lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(),
                             64)
-        found = self.json("flicker", "--reference", lights, taa, "-s", "follow.period_2=32")
+        found = self.json("flicker", "--reference", lights, taa, "-s", "follow:period_2=32")
         values = values_of(found)
         findings = {row["finding"]: row for row in found["findings"]}
         self.assertAlmostEqual(values["follow_gain_2_p50", "all"], gain, delta=1e-5)
@@ -610,7 +610,7 @@ class Metrics(neph_case.NephCase):
         self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing",
                       findings["follow"]["text"])
         self.assertNotIn("half_life", findings)  # lag is known
-        few = self.neph("flicker", "--reference", lights, taa, "-s", "follow.period_1=65", "-m",
+        few = self.neph("flicker", "--reference", lights, taa, "-s", "follow:period_1=65", "-m",
                         "follow")
         self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
 
@@ -622,7 +622,7 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step
                             or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
         found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                          f"lag.step_frame={step}", "--frozen-ok")
+                          f"lag:step_frame={step}", "--frozen-ok")
         values = values_of(found)
         findings = {row["finding"]: row for row in found["findings"]}
         expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25,
@@ -666,7 +666,7 @@ class Metrics(neph_case.NephCase):
             "taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1),
             80)
         found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                          f"lag.step_frame={step}", "--frozen-ok")
+                          f"lag:step_frame={step}", "--frozen-ok")
         values = values_of(found)
         for mask in ("all", "depth_edge"):
             self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9),
@@ -733,7 +733,7 @@ class Metrics(neph_case.NephCase):
 
         def numbers(reference, test, *options):
             found = self.json("flicker", "-r", reference, test, "-m", "lag", "-s",
-                              "lag.step_frame=8", *options)
+                              "lag:step_frame=8", *options)
             return found["measurements"], values_of(found)
         names = {
             "plain": lambda t: f"f.{t + 1:04d}.exr",

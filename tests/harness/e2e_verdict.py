@@ -49,7 +49,7 @@ class Verdict(NephCase):
         self.assertIn("a new one is made of its 2 frames", done.stderr)
 
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
-        document = self.json("validate", "--suite", "physics", "--check", "slab_iso", "-e",
+        document = self.json("validate", "--suite", "physics", "--only", "slab_iso", "-e",
                              "exact", "-e", "povray", "-q", "-o", self.folder, code=1,
                              **self.put_program("povray", POVRAY))
         self.assertEqual(document["verdict"], "fail")
