@@ -3,6 +3,8 @@
 
 #include "harness/host.h"
 #include "harness/report/page.h"
+#include "harness/report/ranking.h"
+#include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -52,12 +54,13 @@ static json_t *scene_json(const struct neph_scene_result *scene)
         neph_json_add(&frames, frame_json(&scene->frames[f]));
     for (int g = 0; g < scene->gate_count; g++)
         neph_json_add(&gates, gate_json(&scene->gates[g]));
-    return json_pack("{s:s, s:s, s:s, s:f, s:o, s:s, s:o, s:{s:f, s:f}, s:o, s:o, s:o, s:s?, s:s?}",
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:f, s:o, s:s, s:o, s:{s:f, s:f}, s:o, s:o, s:o, "
+                     "s:s?, s:s?}",
                      "name", scene->name, "title", scene->title, "physics", scene->physics,
-                     "exposure_ev", scene->viewing.exposure_ev, "viewing",
-                     neph_viewing_json(&scene->viewing), "hash", scene->hash, "truth",
-                     truth_json(scene), "difference_scale", "radiance",
-                     scene->difference_scales[NEPH_SHOWN_RADIANCE], "transmittance",
+                     "size_px", scene->width_px, scene->height_px, "exposure_ev",
+                     scene->viewing.exposure_ev, "viewing", neph_viewing_json(&scene->viewing),
+                     "hash", scene->hash, "truth", truth_json(scene), "difference_scale",
+                     "radiance", scene->difference_scales[NEPH_SHOWN_RADIANCE], "transmittance",
                      scene->difference_scales[NEPH_SHOWN_TRANSMITTANCE], "frames", frames, "gates",
                      gates, "attribution", neph_attribution_json(scene->attribution), "viewer",
                      scene->viewer, "no_viewer", scene->no_viewer);
@@ -130,7 +133,10 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "screen",
                   validation->has_screen ? json_string("screen/index.html") : json_null());
+    neph_json_set(&json, "ranking", neph_ranking_json(validation));
     neph_json_set(&json, "difference_colours", neph_page_difference_colours());
+    neph_json_set(&json, "difference_beyond",
+                  neph_page_colours_beyond(neph_display_difference_legend()));
     neph_json_set(&json, "metrics", metrics_json());
     return json;
 }
