@@ -31,8 +31,7 @@ static void test_cpu_time_passes_in_work_and_not_in_sleep(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_wall_time_passes_in_sleep),
-        cmocka_unit_test(test_cpu_time_passes_in_work_and_not_in_sleep),
+#include "cases/test_clock.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -157,13 +157,7 @@ static void test_presets_of_a_use(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_presets_of_a_use),
-        cmocka_unit_test(test_text_has_all_settings_and_reads_back),
-        cmocka_unit_test(test_wrong_settings_are_refused_with_what_is_allowed),
-        cmocka_unit_test(test_of_many_settings_those_alike_are_named),
-        cmocka_unit_test(test_words_that_are_gone_change_nothing),
-        cmocka_unit_test(test_presets_start_from_the_defaults),
-        cmocka_unit_test(test_a_preset_that_is_not_there_changes_nothing),
+#include "cases/test_option.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,8 +79,7 @@ static void test_pictures_become_small(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_bits_come_back),
-        cmocka_unit_test(test_pictures_become_small),
+#include "cases/test_packed.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

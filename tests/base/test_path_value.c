@@ -41,8 +41,7 @@ static void test_a_path_that_is_too_long_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_path_is_as_one_in_memory),
-        cmocka_unit_test(test_a_path_that_is_too_long_is_refused),
+#include "cases/test_path_value.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -60,9 +60,7 @@ static void test_paths_move(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_prefix_keeps_hint_and_position),
-        cmocka_unit_test(test_a_prefix_of_any_length),
-        cmocka_unit_test(test_paths_move),
+#include "cases/test_status.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -123,13 +123,7 @@ static void test_diags_are_fit_after_they_are_cut(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_that_is_fit_stays),
-        cmocka_unit_test(test_bytes_that_are_not_utf8_are_shown),
-        cmocka_unit_test(test_characters_that_act_are_shown),
-        cmocka_unit_test(test_what_does_not_fit_is_cut_between_characters),
-        cmocka_unit_test(test_any_bytes_become_fit),
-        cmocka_unit_test(test_a_copy_has_room_for_everything),
-        cmocka_unit_test(test_diags_are_fit_after_they_are_cut),
+#include "cases/test_text.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

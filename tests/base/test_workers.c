@@ -106,9 +106,7 @@ static void test_without_work(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_is_done),
-        cmocka_unit_test(test_as_many_at_a_time),
-        cmocka_unit_test(test_without_work),
+#include "cases/test_workers.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

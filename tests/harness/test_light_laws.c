@@ -136,10 +136,7 @@ static void test_cases(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_furnace_of_a_thin_ball),
-        cmocka_unit_test(test_fluxes_of_a_slab),
-        cmocka_unit_test(test_reciprocity_of_a_slab),
-        cmocka_unit_test(test_cases),
+#include "cases/test_light_laws.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,8 +27,7 @@ static void test_what_is_no_density_is_off(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_kinds_pass),
-        cmocka_unit_test(test_what_is_no_density_is_off),
+#include "cases/test_phases.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -93,9 +93,7 @@ static void test_a_ball_and_the_ground(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_wall_that_goes_on_beyond_the_picture),
-        cmocka_unit_test(test_a_plate_over_the_ground),
-        cmocka_unit_test(test_a_ball_and_the_ground),
+#include "cases/test_screen_lost.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

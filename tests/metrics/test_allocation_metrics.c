@@ -145,9 +145,7 @@ static void test_intervals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_masks_and_validity),
-        cmocka_unit_test(test_extractors),
-        cmocka_unit_test(test_intervals),
+#include "cases/test_allocation_metrics.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

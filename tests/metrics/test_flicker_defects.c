@@ -398,13 +398,7 @@ static void test_fireflies_are_not_called_cyclic(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defects_get_their_names),
-        cmocka_unit_test(test_numbers_of_the_blinking_fence),
-        cmocka_unit_test(test_the_mean_would_not_tell),
-        cmocka_unit_test(test_a_turning_dither_cancels_in_blocks),
-        cmocka_unit_test(test_pure_functions),
-        cmocka_unit_test(test_noise_is_not_called_cyclic),
-        cmocka_unit_test(test_fireflies_are_not_called_cyclic),
+#include "cases/test_flicker_defects.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

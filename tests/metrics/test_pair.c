@@ -101,11 +101,7 @@ static void test_bad_pixels_are_an_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_is_not_a_difference),
-        cmocka_unit_test(test_gain_shows),
-        cmocka_unit_test(test_pattern_below_the_noise),
-        cmocka_unit_test(test_agreement_needs_quiet),
-        cmocka_unit_test(test_bad_pixels_are_an_error),
+#include "cases/test_pair.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -177,9 +177,7 @@ static void test_nothing_is_made_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_it_errs_as_often_as_it_says),
-        cmocka_unit_test(test_what_both_share_falls_out),
-        cmocka_unit_test(test_nothing_is_made_up),
+#include "cases/test_paired_draws.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -166,10 +166,7 @@ static void test_weighted_percentiles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_keys_keep_the_order),
-        cmocka_unit_test(test_ranks_and_percentiles),
-        cmocka_unit_test(test_expected_percentiles),
-        cmocka_unit_test(test_weighted_percentiles),
+#include "cases/test_select.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

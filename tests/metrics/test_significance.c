@@ -84,11 +84,7 @@ static void test_nothing_random(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_critical_values),
-        cmocka_unit_test(test_sidak),
-        cmocka_unit_test(test_moments_of_noise),
-        cmocka_unit_test(test_moments_of_halves_are_those_of_the_whole),
-        cmocka_unit_test(test_nothing_random),
+#include "cases/test_significance.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

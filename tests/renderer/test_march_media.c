@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
- * precision: the GLSL twins of scenes/media.h at work. Horizon clouds against quadrature.
+ * precision: the shaders of the media (scenes/media.h) at work. Horizon clouds against quadrature.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"

@@ -77,15 +77,15 @@ static void run_readable(struct test_passes *test, const struct neph_rt_pass *pa
         test_passes_run(test, absorbed->name);
         for (int t = 0; t < RT_TARGET_COUNT; t++)
             if (absorbed->writes & NEPH_RT_BIT(t)) {
-                before[t] = test->twin.targets[t];
-                test->twin.targets[t] = test_download(test, t);
+                before[t] = test->cpu.targets[t];
+                test->cpu.targets[t] = test_download(test, t);
             }
     }
     test_passes_run(test, pass->name);
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         if (before[t]) {
-            free(test->twin.targets[t]);
-            test->twin.targets[t] = before[t];
+            free(test->cpu.targets[t]);
+            test->cpu.targets[t] = before[t];
         }
     test->device.has_no_variants = false;
 }
@@ -124,7 +124,7 @@ static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *
     const int size = free_pass(pass->name) < 0 ? (2 * preset + (int)seed) % 6 : 0;
     const struct neph_settings settings = test_settings(neph_rt_presets[preset].assignments);
     uint32_t *readable[RT_TARGET_COUNT], *variant[RT_TARGET_COUNT];
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_passes_open(vulkan, &settings, sizes_px[size], (int[2]){8, 4}, 2 * seed, &test);
     if (kind == NEPH_RT_GPU)
         test_be_gpu(&test.device);
@@ -156,7 +156,6 @@ static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *
             free(variant[t]);
         }
     }
-    test_passes_close(&test);
 }
 
 static void test_variants_equal_readable_shaders(void **state)

@@ -256,11 +256,7 @@ static void test_bad_grids(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaussian_lines),  cmocka_unit_test(test_gaussian_tail),
-        cmocka_unit_test(test_shell_lines),     cmocka_unit_test(test_chapman),
-        cmocka_unit_test(test_shell_is_hollow), cmocka_unit_test(test_grid_lines),
-        cmocka_unit_test(test_grid_on_faces),   cmocka_unit_test(test_grid_density),
-        cmocka_unit_test(test_majorants),       cmocka_unit_test(test_bad_grids),
+#include "cases/test_cloud_media.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -153,11 +153,7 @@ static void test_what_a_look_does_not_know(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_left_out_is_off),
-        cmocka_unit_test(test_each_control_has_its_key),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_what_physics_has_for_a_look),
-        cmocka_unit_test(test_what_a_look_does_not_know),
+#include "cases/test_fog_look_keys.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

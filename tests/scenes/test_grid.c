@@ -509,19 +509,7 @@ static void test_hash_knows_size_and_values(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_density_is_a_sum_of_hats),
-        cmocka_unit_test(test_density_at_nodes_and_beyond),
-        cmocka_unit_test(test_integral_against_planes_and_simpson),
-        cmocka_unit_test(test_integral_adds_and_reverses),
-        cmocka_unit_test(test_integral_along_nodes_by_hand),
-        cmocka_unit_test(test_integral_of_a_single_node),
-        cmocka_unit_test(test_bundle_of_rays_gives_the_volume_integral),
-        cmocka_unit_test(test_long_thin_grid_is_quick),
-        cmocka_unit_test(test_maximum_holds_in_any_box),
-        cmocka_unit_test(test_maximum_by_hand),
-        cmocka_unit_test(test_bad_sizes_and_places_are_refused),
-        cmocka_unit_test(test_bad_values_are_named),
-        cmocka_unit_test(test_hash_knows_size_and_values),
+#include "cases/test_grid.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

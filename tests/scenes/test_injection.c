@@ -143,9 +143,7 @@ static void test_what_cannot_be_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_is_found_at_its_picture),
-        cmocka_unit_test(test_the_scene_stays_what_it_is),
-        cmocka_unit_test(test_what_cannot_be_is_refused),
+#include "cases/test_injection.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

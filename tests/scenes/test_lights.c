@@ -94,8 +94,7 @@ static void test_shadows_against_brute_force(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_cone_by_hand),
-        cmocka_unit_test(test_shadows_against_brute_force),
+#include "cases/test_lights.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -132,10 +132,7 @@ static void test_box_bake_and_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_lines_in_all_directions),
-        cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_box_bake_and_drift),
+#include "cases/test_plume.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

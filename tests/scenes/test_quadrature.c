@@ -204,12 +204,7 @@ static void test_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_integrals),
-        cmocka_unit_test(test_error_estimate_is_not_too_small),
-        cmocka_unit_test(test_error_estimate_where_signs_cancel),
-        cmocka_unit_test(test_rough_integrands_end),
-        cmocka_unit_test(test_union_of_pieces),
-        cmocka_unit_test(test_nothing),
+#include "cases/test_quadrature.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -138,11 +138,7 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_where_the_sun_is),
-        cmocka_unit_test(test_a_sun_that_sinks),
-        cmocka_unit_test(test_what_stays_and_what_changes),
-        cmocka_unit_test(test_nothing_moves),
-        cmocka_unit_test(test_refusals),
+#include "cases/test_relit.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -163,11 +163,7 @@ static void test_support_holds_all_of_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_optical_depth_is_the_closed_form),
-        cmocka_unit_test(test_known_columns),
-        cmocka_unit_test(test_optical_depth_adds),
-        cmocka_unit_test(test_bound_holds_in_any_box),
-        cmocka_unit_test(test_support_holds_all_of_it),
+#include "cases/test_tent.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -242,12 +242,7 @@ static void test_scattered_light_stays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_finite_bounds_are_kept),
-        cmocka_unit_test(test_unreal_default_fog),
-        cmocka_unit_test(test_no_view_is_off_by_more_than_stated),
-        cmocka_unit_test(test_homogeneous_without_bounds),
-        cmocka_unit_test(test_corners),
-        cmocka_unit_test(test_scattered_light_stays),
+#include "cases/test_container.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

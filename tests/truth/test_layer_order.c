@@ -143,8 +143,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_medium_in_layers_is_the_medium),
-        cmocka_unit_test(test_any_order_of_layers_is_the_same),
+#include "cases/test_layer_order.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

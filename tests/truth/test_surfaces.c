@@ -155,10 +155,7 @@ static void test_what_is_out_of_range_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_parts_make_the_picture),
-        cmocka_unit_test(test_noise_is_told),
-        cmocka_unit_test(test_orders_of_scattering),
-        cmocka_unit_test(test_what_is_out_of_range_is_refused),
+#include "cases/test_surfaces.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -21,13 +21,13 @@ static void film_open(struct neph_vulkan *vulkan, const char *settings_text, con
     test_fill(film, RT_DEPTH, 128, 0, 0, 0);
     struct neph_diag diag = {0};
     neph_assert_ok(
-        neph_rt_device_upload(&film->device, RT_DEPTH, film->twin.targets[RT_DEPTH], &diag), &diag);
+        neph_rt_device_upload(&film->device, RT_DEPTH, film->cpu.targets[RT_DEPTH], &diag), &diag);
 }
 
 static void film_upload(struct test_passes *film, int target)
 {
     struct neph_diag diag = {0};
-    neph_assert_ok(neph_rt_device_upload(&film->device, target, film->twin.targets[target], &diag),
+    neph_assert_ok(neph_rt_device_upload(&film->device, target, film->cpu.targets[target], &diag),
                    &diag);
 }
 
@@ -38,7 +38,7 @@ static void film_start(struct test_passes *film, float value)
     film_upload(film, RT_TAA_BEFORE);
 }
 
-/* Take one more frame in, of which the twin has the colours. */
+/* Take one more frame in, whose colours the CPU reference has. */
 static void film_step(struct test_passes *film)
 {
     struct neph_diag diag = {0};
@@ -48,7 +48,7 @@ static void film_step(struct test_passes *film)
     neph_assert_ok(neph_rt_device_run(&film->device, pass, &diag), &diag);
     neph_rt_device_hand_on(&film->device, pass);
     neph_assert_ok(neph_rt_device_download(&film->device, RT_TAA_BEFORE,
-                                           film->twin.targets[RT_TAA_BEFORE], &diag),
+                                           film->cpu.targets[RT_TAA_BEFORE], &diag),
                    &diag);
     film->view.frame++;
 }
@@ -81,7 +81,7 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
     static const double at_period_2[] = {0.0204, 0.0526, 0.111, 0.333};
     static const float four[] = {2.0f, 1.0f, 0.0f, 1.0f}, two[] = {2.0f, 0.0f};
     for (int a = 0; a < ALPHAS; a++) {
-        struct test_passes film;
+        OWNED(passes) struct test_passes film;
         open_plain(*state, alphas[a], "target_format=float", (int[2]){1, 1}, &film);
         film_start(&film, 1.0f);
         double left_before = 1.0, crossed_half = 0.0, last_four[4];
@@ -101,7 +101,6 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
         neph_assert_close(hypot(last_four[0] - last_four[2], last_four[1] - last_four[3]) / 2.0,
                           at_period_4[a], 0.02, 0.0);
         neph_assert_close(1.0 - film_value(&film, 0, 2), at_period_2[a], 0.02, 0.0);
-        test_passes_close(&film);
     }
 }
 
@@ -117,7 +116,7 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
 {
     static const double sigma_px = 2.0;
     const int frames = (int)(10.0 / alpha);
-    struct test_passes film;
+    OWNED(passes) struct test_passes film;
     /* The frame's weight is 0.2 from 20 px on: the weight without motion that makes it `alpha`. */
     const double quickness = speed_px / 20.0;
     open_plain(vulkan, (alpha - 0.2 * quickness) / (1.0 - quickness), words, (int[2]){WALL_PX, 1},
@@ -142,7 +141,6 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
     }
     *centre_px = sums[1] / sums[0];
     *variance_px2 = sums[2] / sums[0] - *centre_px * *centre_px - sigma_px * sigma_px;
-    test_passes_close(&film);
 }
 
 /* Each bilinear sample between pixels widens by v (1 - v) px^2, and a frame of age k has had k:
@@ -180,7 +178,7 @@ static void test_catmull_rom_does_not_widen(void **state)
  * whole ulps, and a step of 0.04 d < 1/2 is none. So the history stays 12 ulps short, 1.2 %. */
 static void test_a_history_in_halves_stalls(void **state)
 {
-    struct test_passes film;
+    OWNED(passes) struct test_passes film;
     open_plain(*state, 0.04, "target_format=half taa_rounding=nearest", (int[2]){64, 1}, &film);
     film_start(&film, 1.0f);
     for (size_t x = 0; x < 64; x++) {
@@ -192,16 +190,12 @@ static void test_a_history_in_halves_stalls(void **state)
     for (int x = 0; x < 64; x++)
         assert_true(film_value(&film, (size_t)x, 1) ==
                     1.0f + (float)(x < 12 ? 0 : x - 12) * 0x1p-10f);
-    test_passes_close(&film);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps_and_strobes_pass_as_alpha_says),
-        cmocka_unit_test(test_bilinear_history_blurs_as_alpha_says),
-        cmocka_unit_test(test_catmull_rom_does_not_widen),
-        cmocka_unit_test(test_a_history_in_halves_stalls),
+#include "cases/check_film.inc"
     };
     return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
 }

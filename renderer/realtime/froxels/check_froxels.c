@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Near froxels: each pass against its twin, and the picture against the exact transport as slices
- * get thinner, at a wall and at the seam to the march.
+ * Near froxels: each pass against its CPU reference, and the picture against the exact transport
+ * as slices get thinner, at a wall and at the seam to the march.
  */
 #include "tests/renderer/sequence_test.h"
 
@@ -43,13 +43,13 @@ static void fill_froxels(struct test_passes *test, uint64_t *seed)
     }
 }
 
-static void test_passes_are_their_twins(void **state)
+static void test_passes_equal_their_cpu_references(void **state)
 {
     for (uint64_t k = 0; k < 3; k++) {
         const struct neph_settings settings = test_settings(
             "froxels=on froxel_px=4 froxel_slices=13 froxel_end_m=20 "
             "target_format=float");
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 20261125 + k;
         test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
         test.view.frame = (uint32_t)k;
@@ -66,13 +66,12 @@ static void test_passes_are_their_twins(void **state)
                 (float[4]){(float)test_uniform(&seed), 0.5f, 2.0f, (float)test_uniform(&seed)});
         }
         test_passes_run(&test, "froxel sum");
-        twin_froxel_sum(&test.twin);
+        cpu_froxel_sum(&test.cpu);
         assert_same(&test, RT_FROXELS, 0, test_elements(&test, RT_FROXELS));
         test_passes_run(&test, "froxel composition");
-        twin_froxel_apply(&test.twin);
+        cpu_froxel_apply(&test.cpu);
         for (size_t y = 0; y < 21; y++)
             assert_same(&test, RT_VOLUME, (y + 8) * test.view.targets[RT_VOLUME].width + 4, 37);
-        test_passes_close(&test);
     }
 }
 
@@ -251,7 +250,7 @@ static void check_light(struct neph_rt_device *device, const struct neph_rt_pass
     struct lit_check *check = context;
     if (strcmp(pass->name, "froxel light") != 0)
         return;
-    const struct twin twin = {.view = device->view};
+    const struct reference cpu = {.view = device->view};
     const struct neph_gpu_target *shape = &device->view->targets[RT_FROXELS];
     uint32_t *words = test_words(device, RT_FROXELS);
     const struct neph_camera camera = neph_scene_camera(check->scene, 0.0);
@@ -262,14 +261,14 @@ static void check_light(struct neph_rt_device *device, const struct neph_rt_pass
         const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX, column,
                                                           row);
         const double slope = 1.0 / neph_vec3_dot(ray.direction, camera.forward);
-        const double middle_m = 0.5 * (twin_froxel_edge_m(&twin, slice) +
-                                       twin_froxel_edge_m(&twin, slice + 1));
+        const double middle_m = 0.5 * (cpu_froxel_edge_m(&cpu, slice) +
+                                       cpu_froxel_edge_m(&cpu, slice + 1));
         double light[2], near[2], far[2];
         const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction,
                                                          middle_m * slope);
         light_at(check->scene, point_m, ray.direction, light);
-        const double half_m =
-            0.5 * slope * (twin_froxel_edge_m(&twin, slice + 1) - twin_froxel_edge_m(&twin, slice));
+        const double half_m = 0.5 * slope *
+                              (cpu_froxel_edge_m(&cpu, slice + 1) - cpu_froxel_edge_m(&cpu, slice));
         if (extinction_at(check->scene, point_m, ray.direction, -half_m) != light[1] ||
             extinction_at(check->scene, point_m, ray.direction, half_m) != light[1])
             continue;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The temporal gradient: its passes against their twins, and what they promise of rays that are
- * marched twice: no change where nothing has changed, all of it where something has, and the gain
- * of light that changes everywhere alike.
+ * The temporal gradient: its passes against their CPU references, and what they promise of rays
+ * that are marched twice: no change where nothing has changed, all of it where something has, and
+ * the gain of light that changes everywhere alike.
  */
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/sequence_test.h"
@@ -62,7 +62,7 @@ static void fill_looks(struct test_passes *test, int now, int then, uint64_t *se
     }
 }
 
-static void test_the_passes_equal_their_twins(void **state)
+static void test_the_passes_equal_their_cpu_reference(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     static const char *const settings_texts[] = {
@@ -73,7 +73,7 @@ static void test_the_passes_equal_their_twins(void **state)
     for (int round = 0; round < 80; round++) {
         const uint64_t start = seed;
         const struct neph_settings settings = test_settings(settings_texts[round / 2 % 4]);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round / 2 % 5],
                          (int[2]){round % 3 * 4, round % 2 * 8}, start, &test);
         test.view.frame = (uint32_t)neph_test_random(&seed);
@@ -93,16 +93,15 @@ static void test_the_passes_equal_their_twins(void **state)
         test.view.strobes_behind = round % 13 == 7;
         if (round % 2) {
             test_passes_run(&test, "change");
-            twin_change(&test.twin);
+            cpu_change(&test.cpu);
         } else {
             test_passes_run(&test, "gradient");
-            twin_gradient(&test.twin);
+            cpu_gradient(&test.cpu);
         }
         const uint32_t writes = (round % 2 ? &neph_rt_change : &neph_rt_gradient)->writes;
         for (int target = 0; target < RT_TARGET_COUNT; target++)
             if (writes & NEPH_RT_BIT(target))
                 test_same_words(&test, target, start);
-        test_passes_close(&test);
     }
 }
 
@@ -115,9 +114,9 @@ static void test_tiles_repeat_by_turns(void **state)
         for (int y = 0; y < 4; y++) {
             int repeated = 0;
             for (view.frame = 40; view.frame < 48; view.frame++) {
-                repeated += twin_repeats_ray(&view, x, y);
-                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x + 1, y));
-                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x, y + 1));
+                repeated += cpu_repeats_ray(&view, x, y);
+                assert_true(cpu_repeats_ray(&view, x, y) != cpu_repeats_ray(&view, x + 1, y));
+                assert_true(cpu_repeats_ray(&view, x, y) != cpu_repeats_ray(&view, x, y + 1));
             }
             assert_int_equal(repeated, 4);
         }
