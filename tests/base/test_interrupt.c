@@ -217,10 +217,4 @@ static void test_inherited_sigchld(void **state)
     assert_alone(inherited_sigchld);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_interrupt.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -154,10 +154,4 @@ static void test_presets_of_a_use(void **state)
     assert_null(neph_preset_of_use(presets, 2, 2));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_option.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -76,10 +76,4 @@ static void test_pictures_become_small(void **state)
     assert_true(there_and_back(&planes[1], 1, PIXELS) < raw * 5 / 8);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_packed.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -57,10 +57,4 @@ static void test_paths_move(void **state)
     neph_move_paths(NULL, "/tmp/x1", NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_status.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

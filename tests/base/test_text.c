@@ -120,10 +120,4 @@ static void test_diags_are_fit_after_they_are_cut(void **state)
     assert_string_equal(diag.message, "cannot read 'caf\\xe9\\x1b[2J\\u009b'");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_text.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -112,10 +112,4 @@ static void test_a_call_that_hangs_is_left_alone(void **state)
     atomic_store(&released, 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_threads.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

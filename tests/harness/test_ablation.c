@@ -473,10 +473,4 @@ static void test_output_holds_every_number(void **state)
     neph_ablation_finish(&ablation);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_ablation.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -157,10 +157,4 @@ static void test_presets_and_guests_in_words(void **state)
                      NEPH_ERR_USAGE);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_choice.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

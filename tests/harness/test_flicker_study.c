@@ -357,10 +357,4 @@ static void test_output_holds_every_number_and_says_why_some_do_not_count(void *
     neph_flicker_study_finish(&study);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_flicker_study.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -138,10 +138,4 @@ static void test_speed_follows_the_scene(void **state)
     neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fly_camera.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -157,10 +157,4 @@ static void test_what_is_no_script_is_refused_by_its_word(void **state)
     neph_assert_ok(neph_fly_script_check("", NULL), NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fly_controls.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -165,10 +165,4 @@ static void test_refusals(void **state)
     assert_non_null(strstr(diag.message, "without a look"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fog_study.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

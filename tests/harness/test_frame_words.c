@@ -194,10 +194,4 @@ static void test_noise_is_known(void **state)
     neph_image_destroy(b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_frame_words.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -61,10 +61,4 @@ static void test_texts_that_are_only_read_are_cleaned(void **state)
     json_decref(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_json.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -272,10 +272,4 @@ static void test_words(void **state)
     assert_int_equal(neph_series_kind_of("slow"), NEPH_SERIES_KINDS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_judge.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

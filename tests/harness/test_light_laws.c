@@ -133,10 +133,4 @@ static void test_cases(void **state)
         assert_true(of_law[law] > 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_light_laws.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -24,10 +24,4 @@ static void test_what_is_no_density_is_off(void **state)
     assert_false(found.agrees);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_phases.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

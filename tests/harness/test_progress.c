@@ -56,10 +56,4 @@ static void test_others_shorten_the_time(void **state)
     assert_true(neph_progress_left_s(&progress) == 6.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_progress.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

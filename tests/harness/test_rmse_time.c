@@ -130,10 +130,4 @@ static void test_the_order_of_the_rungs_is_that_of_their_times(void **state)
     expect(mixed, 0.05 / 4.0, NEPH_RMSE_BEYOND, 16.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_rmse_time.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

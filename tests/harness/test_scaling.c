@@ -415,10 +415,4 @@ static void test_planted_fronts(void **state)
     assert_true(unstable > 9 * TRIALS / 10);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_scaling.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

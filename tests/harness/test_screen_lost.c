@@ -90,10 +90,4 @@ static void test_a_ball_and_the_ground(void **state)
     assert_true(shares[NEPH_LOST_BEHIND] > 0.0 && shares[NEPH_LOST_OFF] == 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_screen_lost.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

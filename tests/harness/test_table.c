@@ -157,10 +157,4 @@ static void test_a_row_may_end_early(void **state)
     neph_table_finish(&table);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_table.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -188,10 +188,4 @@ static void test_frames_are_those_of_a_device_of_their_own(void **state)
     neph_shared_device_close(&shared);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_vulkan_device.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -362,10 +362,4 @@ static void test_a_held_jitter_is_noise_until_it_is_declared(void **state)
     neph_assert_close(seen_of(&held) / seen_by_the_eye(&held), 1.0, 0.05, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_adversary.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

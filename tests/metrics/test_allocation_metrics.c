@@ -142,10 +142,4 @@ static void test_intervals(void **state)
     destroy_job(&job);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_allocation_metrics.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -420,10 +420,4 @@ static void test_tables(void **state)
     assert_null(neph_quantity_find("R"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_error.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -508,10 +508,4 @@ static void test_table_is_sound(void **state)
     extraction_check_table(&neph_extractor_cycles);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_flicker_cycles.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -395,10 +395,4 @@ static void test_fireflies_are_not_called_cyclic(void **state)
     assert_true(count_called_cyclic(fireflies, 64) < share_max * NOISE_PIXEL_COUNT);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_flicker_defects.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -887,10 +887,4 @@ static void test_a_mean_hides_wires(void **state)
     free_pictures(&pictures);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_flip.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -237,10 +237,4 @@ static void test_obstacle(void **state)
     extraction_check_table(&neph_extractor_ghost);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_ghost.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

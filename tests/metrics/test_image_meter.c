@@ -226,10 +226,4 @@ static void test_shared_codes(void **state)
     neph_image_destroy(tests[1]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_image_meter.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -379,10 +379,4 @@ static void test_coverage_of_errors_larger_than_tiles(void **state)
     assert_coverage(coverage, IMAGES, 0.58, 0.78);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_interval.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

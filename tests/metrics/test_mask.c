@@ -621,10 +621,4 @@ static void test_non_edge_is_never_an_edge(void **state)
     neph_image_destroy(second);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_mask.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

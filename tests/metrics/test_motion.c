@@ -629,10 +629,4 @@ static void test_tables(void **state)
     extraction_check_table(&neph_extractor_residual_change);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_motion.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -174,10 +174,4 @@ static void test_nothing_is_made_up(void **state)
     neph_image_destroy(a);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_paired_draws.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

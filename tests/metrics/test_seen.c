@@ -639,10 +639,4 @@ static void test_table(void **state)
     assert_ptr_equal(neph_extractor_find("seen"), &neph_extractor_seen);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_seen.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -412,10 +412,4 @@ static void test_holm_keeps_the_family_quiet(void **state)
     assert_true(plain > 0.3 * REPLICATIONS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_series.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -81,10 +81,4 @@ static void test_nothing_random(void **state)
     neph_assert_close(neph_z_scores(other, same, little, 2, 0.0).mean, 5.0, 1e-6, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_significance.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

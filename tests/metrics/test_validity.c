@@ -283,10 +283,4 @@ static void test_what_the_hash_sees(void **state)
     neph_image_destroy(named);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_validity.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

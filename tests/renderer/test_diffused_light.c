@@ -502,10 +502,4 @@ static void test_what_it_cannot_is_refused(void **state)
     assert_non_null(strstr(reason, "albedo"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_diffused_light.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

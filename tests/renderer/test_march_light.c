@@ -472,10 +472,4 @@ static void test_what_each_model_cannot(void **state)
     assert_false(neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_light.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -172,10 +172,4 @@ static void test_horizon_scattering_against_quadrature(void **state)
     assert_true(brightest > 0.05 && worst < 2e-3 * brightest);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_media.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -410,10 +410,4 @@ static void test_says_what_it_cannot(void **state)
     refuses(&other, NEPH_MARCH_OCTAVES, "without an atmosphere");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_sky.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -492,10 +492,4 @@ static void test_lengths_of_the_jitter(void **state)
     assert_int_equal(places_of_a_slot(7), 7);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_engines.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

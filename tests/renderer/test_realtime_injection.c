@@ -447,10 +447,4 @@ static void test_what_stands_still_costs_nothing(void **state)
     assert_int_equal(of_a.traffic_bytes, of_b.traffic_bytes);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_injection.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -267,10 +267,4 @@ static void test_what_is_not_known(void **state)
     assert_false(is_known(whole_px, "gradient=on taa_jitter_length=4 override_wake=32", 39));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_steady.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

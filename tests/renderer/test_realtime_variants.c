@@ -167,10 +167,4 @@ static void test_variants_equal_readable_shaders(void **state)
                     compare_pass(*state, neph_rt_passes[p], kind, i, seed);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_variants.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -671,10 +671,4 @@ static void test_says_what_it_cannot(void **state)
     refuses(&scene, "emits");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_sky.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -253,10 +253,4 @@ static void test_bad_grids(void **state)
     neph_grid_destroy(grid);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_cloud_media.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -150,10 +150,4 @@ static void test_what_a_look_does_not_know(void **state)
     neph_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fog_look_keys.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

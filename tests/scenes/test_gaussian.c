@@ -170,10 +170,4 @@ static void test_container_keeps_finite_bounds(void **state)
     assert_true(away.min_m.x <= away.max_m.x && error < 1e-10);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_gaussian.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

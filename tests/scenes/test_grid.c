@@ -506,10 +506,4 @@ static void test_hash_knows_size_and_values(void **state)
     assert_int_equal(strlen(hashes[0]), NEPH_HASH_HEX_SIZE - 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_grid.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -91,10 +91,4 @@ static void test_shadows_against_brute_force(void **state)
     assert_true(rays > 400 && hidden_points > 5000);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_lights.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -129,10 +129,4 @@ static void test_box_bake_and_drift(void **state)
                       before_per_m, 1e-14, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_plume.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

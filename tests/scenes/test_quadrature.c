@@ -201,10 +201,4 @@ static void test_nothing(void **state)
     assert_true(scalar.evaluations <= 42);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_quadrature.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -306,10 +306,4 @@ static void test_container_keeps_finite_bounds(void **state)
     assert_memory_equal(&box, &medium.bounds, sizeof(box));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_shell.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

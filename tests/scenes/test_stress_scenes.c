@@ -182,10 +182,4 @@ static void test_speeds_are_those_of_the_texts(void **state)
     neph_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_stress_scenes.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -160,10 +160,4 @@ static void test_support_holds_all_of_it(void **state)
     neph_assert_close(box.min_m.y, -2.0 * 6.36e6 - 40e3, 0.0, 1e-6);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_tent.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -517,10 +517,4 @@ static void test_white_media_keep_all_lamplight(void **state)
     assert_conserves((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0}, 4.0, false);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_airlight.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

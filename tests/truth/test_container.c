@@ -239,10 +239,4 @@ static void test_scattered_light_stays(void **state)
     assert_true(worst < 1e-6);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_container.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -161,10 +161,4 @@ static void test_which_scenes_differ(void **state)
     assert_false(neph_scene_sources_differ(&scene));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_dark_media.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -369,10 +369,4 @@ static void test_halves_of_the_furnace(void **state)
     assert_true(estimate(&dark, from_m, ahead, 4000, true).mean.r == 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_emission.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -474,10 +474,4 @@ static void test_filament_does_not_know_all(void **state)
     assert_true(seen(&scene, NEPH_FOG_UNREAL, &view).transmittance != before);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fog_look_formulas.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

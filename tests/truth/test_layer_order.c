@@ -140,10 +140,4 @@ static void test_any_order_of_layers_is_the_same(void **state)
     neph_grid_destroy(grid);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_layer_order.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -574,10 +574,4 @@ static void test_what_no_path_finds_is_refused(void **state)
     assert_non_null(strstr(reason, "media"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_reflected.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

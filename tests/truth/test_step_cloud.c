@@ -153,10 +153,4 @@ static void test_same_seed_same_bits_and_bad_input(void **state)
     assert_int_equal(neph_step_cloud_solve(&params, &a, NULL, &diag), NEPH_ERR_INPUT);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_step_cloud.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -152,10 +152,4 @@ static void test_what_is_out_of_range_is_refused(void **state)
     assert_null(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_surfaces.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -181,10 +181,4 @@ static void test_what_is_uncovered_has_no_history(void **state)
                           1e-5);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_locks.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -194,13 +194,13 @@ static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_
                                   const char *text, int frame_count)
 {
     const struct neph_settings settings = test_settings(text);
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_image *image = NULL;
     for (int i = 0; i < frame_count; i++) {
         neph_image_destroy(image);
         image = test_next(realtime, scene, i, NULL);
     }
-    neph_realtime_destroy(realtime);
     return image;
 }
 
@@ -215,10 +215,10 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         "split=four ray_dither=none screen_percent=50 taa_jitter=none taa_filter=off"};
     struct test_scene test;
     scene_posts(&test);
-    struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
+    OWNED(image) struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
     for (int s = 0; s < 2; s++) {
-        struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
-        struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
+        OWNED(image) struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
+        OWNED(image) struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
         assert_int_equal(image->width_px, WIDTH_PX);
         assert_int_equal(image->height_px, HEIGHT_PX);
         assert_int_equal(image->channel_count, truth->channel_count);
@@ -231,10 +231,7 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         for (int y = 0; y < HEIGHT_PX; y++)
             for (int x = 0; x < WIDTH_PX; x += 2)
                 assert_true(depth_m[y * WIDTH_PX + x] == depth_m[y * WIDTH_PX + x + 1]);
-        neph_image_destroy(blocks);
-        neph_image_destroy(image);
     }
-    neph_image_destroy(truth);
 }
 
 static void test_what_cannot_be_upsampled_says_so(void **state)
@@ -254,10 +251,4 @@ static void test_what_cannot_be_upsampled_says_so(void **state)
     assert_non_null(strstr(reason, "inject.view"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_taau.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -46,7 +46,7 @@ static void test_each_step_equals_the_cpu_reference(void **state)
         }
         test_passes_run(&test, names[step]);
         cpu_atrous(&test.cpu, 1 << step);
-        uint32_t *words = test_download(&test, outputs[step]);
+        OWNED(memory) uint32_t *words = test_download(&test, outputs[step]);
         for (size_t i = 0; i < test_elements(&test, outputs[step]); i++) {
             float actual[4], expected[4];
             neph_rt_load(&test.view.targets[outputs[step]], words, i, actual);
@@ -55,13 +55,12 @@ static void test_each_step_equals_the_cpu_reference(void **state)
                 if (!(isnan(actual[c]) && isnan(expected[c])))
                     neph_assert_close(actual[c], expected[c], 0x1p-10, 1e-5);
         }
-        free(words);
     }
 }
 
 static double deviation(struct test_passes *test, int target, double mean)
 {
-    uint32_t *words = test_download(test, target);
+    OWNED(memory) uint32_t *words = test_download(test, target);
     double squares = 0.0;
     int count = 0;
     for (int y = 8; y < 56; y++) /* away from the sides */
@@ -72,7 +71,6 @@ static double deviation(struct test_passes *test, int target, double mean)
                          value);
             squares += pow((double)value[3] - mean, 2.0);
         }
-    free(words);
     return sqrt(squares / count);
 }
 
@@ -138,10 +136,4 @@ static void test_the_upscale_reads_what_is_filtered(void **state)
     assert_true(value[0] == 2.0f && value[3] == 0.5f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_atrous.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -132,13 +132,11 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
             test_set(&test, RT_TAA_BEFORE, e, (float[4]){behind, volume, 1.0f, 1.0f});
         }
         compose_both(&test);
-        uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
+        OWNED(memory) uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
         test_fill(&test, RT_COLOR, NAN, NAN, NAN, NAN);
-        uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
+        OWNED(memory) uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
         assert_memory_equal(by_pass, by_itself,
                             neph_rt_device_words(&test.device, RT_TAA_OUT) * sizeof(uint32_t));
-        free(by_pass);
-        free(by_itself);
     }
 }
 
@@ -175,20 +173,12 @@ static void test_the_upscale_composes_as_the_pass_does(void **state)
             test_set(&test, RT_DEPTH, e, (float[4]){10.0f + (float)(e % 3)});
             test_set(&test, RT_BEHIND, e, (float[4]){random_radiance(&seed), 0.1f, 1.0f / 7.0f});
         }
-        uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
+        OWNED(memory) uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
         test_fill(&test, RT_COLOR, 0, 0, 0, 0);
-        uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
+        OWNED(memory) uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
         const size_t bytes = neph_rt_device_words(&test.device, RT_COLOR) * sizeof(uint32_t);
         assert_memory_equal(by_pass, by_itself, bytes);
-        free(by_pass);
-        free(by_itself);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_compose.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

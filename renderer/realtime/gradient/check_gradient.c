@@ -227,7 +227,7 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}, .resting = device->view->resting};
     for (int t = 0; t < 2; t++) {
         const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
-        uint32_t *words = test_words(device, target);
+        OWNED(memory) uint32_t *words = test_words(device, target);
         for (size_t i = 0; i < TILES; i++) {
             float change[4];
             neph_rt_load(&device->view->targets[target], words, i, change);
@@ -242,7 +242,6 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
                 changes->most = fmax(changes->most, change[3]);
             }
         }
-        free(words);
     }
 }
 
@@ -276,7 +275,7 @@ static void test_light_is_told_from_noise(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
-    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
+    OWNED(realtime) struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame == BEFORE)
             dim_the_sun(&test, 0.5);
@@ -294,7 +293,6 @@ static void test_light_is_told_from_noise(void **state)
         if (since >= 0 && since < 7)
             assert_true(changes.behind > TILES / 4); /* the ground, not the sky */
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* A sun that loses a hundredth in each frame is a gain of 0.96 between two looks, which is 0.99 per
@@ -306,6 +304,7 @@ static void test_slow_light_is_a_gain(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
+    OWNED(realtime)
     struct neph_realtime *realtime = open_watched(*state, &test, "relight=0.1", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame >= BEFORE)
@@ -320,7 +319,6 @@ static void test_slow_light_is_a_gain(void **state)
     }
     neph_assert_close(changes.gain[0], 1.0 - 0.1 / 4.0, 0.0, 1e-6);
     assert_true(changes.least > 0.4); /* 1 - 0.99^3 0.5 / 0.9 */
-    neph_realtime_destroy(realtime);
 }
 
 /* Half of the light in every other frame: both looks at a ray see the same. With change_strobe all
@@ -332,6 +330,7 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
         struct test_scene test;
         test_scene_fence(&test);
         struct changes changes;
+        OWNED(realtime)
         struct neph_realtime *realtime = open_watched(*state, &test, strobes[on], &changes);
         for (int frame = 0; frame < 14; frame++) {
             dim_the_sun(&test, frame % 2 ? 0.5 : 2.0);
@@ -341,7 +340,6 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
         }
         assert_int_equal(changes.void_tiles, on ? TILES : 0);
         assert_true(changes.behind > TILES / 4); /* seven frames: one look is light, one dark */
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -352,13 +350,13 @@ static void test_the_override_rests_after_a_jump(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
+    OWNED(realtime)
     struct neph_realtime *realtime = open_watched(*state, &test, "override_wake=16", &changes);
     for (int frame = 0; frame < 32; frame++) {
         dim_the_sun(&test, frame == 10 ? 0.5 : 0.99);
         neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         assert_int_equal(changes.resting, frame >= 10 && frame < 26 && frame / 4 % 2 == 1);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
@@ -367,7 +365,7 @@ static void test_what_a_solid_uncovers_has_changed(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
-    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
+    OWNED(realtime) struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < 12; frame++) {
         struct neph_solid *box = &test.scene.solids[2];
         if (frame == 10)
@@ -380,7 +378,6 @@ static void test_what_a_solid_uncovers_has_changed(void **state)
         if (frame == 11)
             assert_int_equal(changes.void_tiles, 0);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* --- the preset ------------------------------------------------------------------------------ */
@@ -404,6 +401,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset(preset, "steps=4");
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, &test.scene, &settings, WIDTH_PX,
                                                    HEIGHT_PX);
     struct neph_image *before = NULL, *after = NULL;
@@ -427,7 +425,6 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     }
     neph_image_destroy(after);
     neph_image_destroy(before);
-    neph_realtime_destroy(realtime);
 }
 
 /* Calm and quick at once, which a weight of the anti-aliasing alone cannot be. */
@@ -442,10 +439,4 @@ static void test_the_second_generation_rests_and_follows(void **state)
     assert_true(left[1] < 0.1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_gradient.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

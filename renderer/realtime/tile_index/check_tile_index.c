@@ -320,7 +320,7 @@ static int python_randrange_3(struct mersenne *twister)
 static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 {
     static const float layers_m[3] = {10.0f, 100.0f, NEPH_GPU_FAR_M};
-    struct mersenne *twister = malloc(sizeof(*twister));
+    OWNED(memory) struct mersenne *twister = malloc(sizeof(*twister));
     int block[MAP_PX * MAP_PX];
     mersenne_seed(twister, 1);
     for (int map = 0; map < MAP_COUNT; map++) {
@@ -352,7 +352,6 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
             maps_m[map][i] = map == 9 ? layers_m[*own_block] : near[map] ? 10.0f : NEPH_GPU_FAR_M;
         }
     }
-    free(twister);
 }
 
 struct coverage {
@@ -447,10 +446,4 @@ static void test_coverage_equals_the_python_program(void **state)
     free(depths_m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_tile_index.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

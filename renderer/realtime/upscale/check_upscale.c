@@ -66,7 +66,7 @@ static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
 static void assert_same_volumes(struct test_passes *test, const char *assignments, uint64_t seed)
 {
     const bool is_half = test->view.targets[RT_VOLUME].format == RT_RGBA16F;
-    uint32_t *words = test_download(test, RT_VOLUME);
+    OWNED(memory) uint32_t *words = test_download(test, RT_VOLUME);
     const struct neph_gpu_target *shape = &test->view.targets[RT_VOLUME];
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         float made[4], expected[4];
@@ -82,7 +82,6 @@ static void assert_same_volumes(struct test_passes *test, const char *assignment
                          (double)expected[c]);
         }
     }
-    free(words);
 }
 
 static void compare(struct neph_vulkan *vulkan, const char *assignments, const int size_px[2],
@@ -504,10 +503,4 @@ static void test_depth_matters_with_contrast_alone(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_upscale.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"
