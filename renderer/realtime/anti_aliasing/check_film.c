@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What temporal anti-aliasing makes of many frames: the arithmetic of an exponential mean, blur by
- * resampling, and the stall of a history in halves.
+ * resampling, the stall of a history in half floats, and bad numbers.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -192,10 +192,56 @@ static void test_a_history_in_halves_stalls(void **state)
                     1.0f + (float)(x < 12 ? 0 : x - 12) * 0x1p-10f);
 }
 
-int main(void)
+/* --- bad numbers ---------------------------------------------------------------------------  */
+
+static int count_nan(const struct test_passes *film)
 {
-    const struct CMUnitTest tests[] = {
-#include "cases/check_film.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+    int count = 0;
+    for (size_t i = 0; i < test_elements(film, RT_TAA_BEFORE); i++)
+        count += isnan(film_value(film, i, 0));
+    return count;
 }
+
+/* A NaN in a pixel of one frame. The filter gives it to 3x3 pixels. Where the camera moves along x
+ * by a part of a pixel Catmull-Rom reads four texels of a row: 3 columns more in each frame. The
+ * clamp does not move a NaN. */
+static void test_a_nan_grows_without_guard_only(void **state)
+{
+    static const struct {
+        const char *settings;
+        float way_m;
+        int counts[3]; /* in its frame and in the two after it */
+    } cases[] = {{"taa_guard=off", 0.3f, {9, 18, 27}},
+                 {"taa_guard=off", 0.0f, {9, 9, 9}},
+                 {"taa_guard=on", 0.3f, {0, 0, 0}}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        OWNED(passes) struct test_passes film;
+        film_open(*state, cases[i].settings, (int[2]){32, 32}, &film);
+        film_start(&film, 1.0f);
+        film.view.before.position_m[0] = cases[i].way_m;
+        for (int frame = 0; frame < 3; frame++) {
+            test_fill(&film, RT_COLOR, 1, 1, 1, 0);
+            if (frame == 0)
+                test_set(&film, RT_COLOR, 16 * 32 + 16, (float[4]){NAN, NAN, NAN});
+            film_step(&film);
+            assert_int_equal(count_nan(&film), cases[i].counts[frame]);
+        }
+    }
+}
+
+/* Black over black: the contrast law is 0.01 * 0 / 0. */
+static void test_black_over_black_is_nan_without_guard_only(void **state)
+{
+    static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
+    for (int guard = 0; guard < 2; guard++) {
+        OWNED(passes) struct test_passes film;
+        film_open(*state, guards[guard], (int[2]){8, 8}, &film);
+        film_start(&film, 0.0f);
+        film_step(&film);
+        assert_int_equal(count_nan(&film), guard ? 0 : 64);
+        for (size_t i = 0; i < 64 && guard; i++)
+            assert_true(film_value(&film, i, 0) == 0.0f);
+    }
+}
+
+#include "tests/renderer/main.h"
