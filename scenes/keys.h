@@ -5,7 +5,7 @@
 #ifndef NEPH_SCENES_KEYS_H
 #define NEPH_SCENES_KEYS_H
 
-#include "base/vec3.h"
+#include "scenes/scene.h"
 
 #include <stddef.h>
 
@@ -21,5 +21,8 @@ struct neph_span neph_span_at(const void *keys, size_t size, int count, double f
 
 /* From a (part 0) to b (part 1). */
 struct neph_vec3 neph_mix(struct neph_vec3 a, struct neph_vec3 b, double part);
+
+/* Position and target of the camera at a frame of the keys. */
+struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
 #endif
