@@ -99,29 +99,11 @@ layout(std140, binding = 1) uniform Solids {
     Solid solids[NEPH_GPU_SOLIDS_MAX];
 };
 
-// A number of the frame that alone decides a branch or ends a loop. lavapipe would compile the
-// kernel anew for its value whenever another buffer is bound; a number of the thread's own, which
-// this is by an index that has no such bit, it leaves alone.
-uint own(uint number)
-{
-    return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
-}
-
-bool own(bool answer) { return own(uint(answer)) != 0u; }
-
-vec3 own(vec3 v)
-{
-    uvec3 bits = floatBitsToUint(v);
-    return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
-}
-
-// A number of the frame costs lavapipe some 24 instructions, for it is gathered for each lane: what
-// is asked at every step is read once for a thread. To a GPU it costs nothing.
 vec3 kept_sun_direction = own(frame.sun_direction);
 
 vec3 to_sun()
 {
-    if (ON_CPU)
+    if (READS_FRAME_ONCE)
         return kept_sun_direction;
     return frame.sun_direction;
 }
