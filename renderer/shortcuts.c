@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/shortcuts.h"
 
+#include "settings/march_shortcut_bits.h"
+#include "shaders/structs.h"
+
 #include <math.h>
 
 /* A new kind does not compile before this file was looked through for it. */

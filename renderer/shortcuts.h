@@ -6,8 +6,9 @@
 #ifndef NEPH_RENDERER_SHORTCUTS_H
 #define NEPH_RENDERER_SHORTCUTS_H
 
-#include "renderer/gpu_scene.h"
 #include "renderer/march_params.h"
+
+struct neph_gpu_frame; /* shaders/structs.h */
 
 /* Words of choices of march_settings.toml that others have, too; each ends with NULL. */
 extern const char *const neph_texel_formats[], *const neph_sky_refills[];

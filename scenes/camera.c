@@ -6,7 +6,6 @@
  */
 #include "scenes/keys.h"
 #include "scenes/load.h"
-#include "scenes/motion.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/keys.h"
 
-#include "scenes/motion.h"
-
 #include <math.h>
 
 static double frame_of(const void *keys, size_t size, int index)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Between the keys of a scene: of its camera, sun, wind and solids. Private to scenes/.
+ * The keys of a scene, of its camera, sun, wind and solids: which frame of them a picture shows, and
+ * what is between them.
  */
 #ifndef NEPH_SCENES_KEYS_H
 #define NEPH_SCENES_KEYS_H
@@ -8,6 +9,10 @@
 #include "scenes/scene.h"
 
 #include <stddef.h>
+
+/* The frame of the keys that a picture shows. With a pause of 60 at frame 10, pictures 10 to 70
+ * show frame 10 and picture 71 shows frame 11. */
+double neph_scene_time_frame(const struct neph_scene *scene, double frame);
 
 /* The keys around a frame, and how far it is from the one to the other: 0..1. */
 struct neph_span {

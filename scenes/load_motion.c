@@ -3,7 +3,6 @@
  * Frames, sun and wind from a scene file, and what the finished scene must keep to in all of its
  * frames.
  */
-#include "scenes/keys.h"
 #include "scenes/load.h"
 #include "scenes/media.h"
 #include "scenes/motion.h"

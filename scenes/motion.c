@@ -2,7 +2,6 @@
 #include "scenes/motion.h"
 
 #include "scenes/injection.h"
-#include "scenes/keys.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // The forms that a kernel has on a CPU (lavapipe) and on a GPU, for march and tracer. Only this
-// file reads for which of them a kernel is: others read the constants here, which say what a form does
-// and why, or have the other form in a file of its own (march_texture_cpu.glsl). Both forms give
-// the same frame, to the rounding of sums. Passes of the real-time renderer have variants
+// file reads for which of them a kernel is: others read the constants here, which say what a form
+// does and why, or have the other form in a file of its own (march_texture_cpu.glsl). Both forms
+// give the same frame, to the rounding of sums. Passes of the real-time renderer have variants
 // (renderer/realtime/passes.h).
 #ifndef NEPH_DEVICE_FORMS_GLSL
 #define NEPH_DEVICE_FORMS_GLSL

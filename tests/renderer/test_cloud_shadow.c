@@ -532,7 +532,7 @@ static void test_what_is_out_of_range_is_refused(void **state)
                  {{64, 0, 1, 0.0, 0, 1}, "cloud_shadow_layers"},
                  {{64, 1, 5, 0.0, 0, 1}, "cloud_shadow_levels"},
                  {{64, 1, 1, -1.0, 0, 1}, "cloud_shadow_extent_m"},
-                 {{64, 1, 1, 0.0, 0, 257}, "cloud_shadow_frames"}};
+                 {{64, 1, 1, 0.0, 0, 257}, "sun_cache_frames"}};
     struct test_scene test;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});

@@ -4,7 +4,6 @@
  * member in scenes/display.h and a row here.
  */
 #include "scenes/display.h"
-
 #include "scenes/load.h"
 
 #include <stddef.h>

@@ -4,7 +4,6 @@
  * here.
  */
 #include "scenes/gates.h"
-
 #include "scenes/load.h"
 #include "scenes/words.h"
 
