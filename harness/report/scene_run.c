@@ -10,6 +10,7 @@
 #include "harness/run/budget.h"
 #include "harness/run/seed.h"
 #include "harness/study/studies.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -431,8 +432,9 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;
     result->viewing = NEPH_VIEWING_DEFAULTS;
-    result->viewing.exposure_ev = scene->exposure_ev;
-    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
+    result->viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
+    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 *
+                                                     exp2(-neph_scene_display(scene)->exposure_ev);
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
 }
 
