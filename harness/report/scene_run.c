@@ -331,10 +331,36 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->title = neph_arena_text(run->arena, scene->title);
     result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
+    result->file = neph_arena_text(run->arena, scene->path);
     result->viewing = NEPH_VIEWING_DEFAULTS;
     result->viewing.exposure_ev = scene->exposure_ev;
     result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
+}
+
+/* With --only-engine, where the scene has a reference: the engine of index `index` renders nothing. */
+static bool is_left_out(const struct neph_scene_run *run, int index,
+                        const struct neph_scene_result *result)
+{
+    return run->field->is_reference_only[index] && find_truth(result) >= 0;
+}
+
+static void leave_out(const struct neph_scene_run *run, int index, const struct neph_scene *scene,
+                      struct neph_scene_result *result)
+{
+    const struct neph_job job = job_of(run, index, scene, false);
+    struct neph_frame_result *frame = &result->frames[index];
+    *frame = (struct neph_frame_result){
+        .engine = job.engine,
+        .outcome = NEPH_OUTCOME_CANNOT,
+        .reason = neph_arena_format(run->arena, "left out by --only-engine: %s is the reference",
+                                    result->frames[find_truth(result)].engine->name),
+        .note = "",
+        .settings = "",
+        .seed = job.shot.seed,
+        .step_optical_depth = NAN,
+    };
+    neph_progress_expect(run->progress, KIND_FRAME + index, -1, 0.0);
 }
 
 static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
@@ -345,7 +371,10 @@ static enum neph_status render_all(const struct neph_scene_run *run, const struc
     result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
     enum neph_status status = neph_arena_check(run->arena, diag);
     for (int i = 0; i < run->field->count && !status; i++, result->frame_count++)
-        status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
+        if (is_left_out(run, i, result))
+            leave_out(run, i, scene, result);
+        else
+            status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
     return status ? status : run_second_seeds(run, scene, chosen, result, diag);
 }
 
