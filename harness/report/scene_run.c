@@ -338,7 +338,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
 }
 
-/* With --only-engine, where the scene has a reference: the engine of index `index` renders nothing. */
+/* With --only-engine a further reference engine renders nothing once the scene has a reference. */
 static bool is_left_out(const struct neph_scene_run *run, int index,
                         const struct neph_scene_result *result)
 {

@@ -28,7 +28,7 @@ struct neph_run_engines {
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
     struct neph_settings settings[NEPH_FIELD_MAX]; /* those that the user wants */
-    /* Of --only-engine: it was not named, and renders where it is the reference of a scene. */
+    /* Engines that --only-engine adds: each renders only scenes without an earlier reference. */
     bool is_reference_only[NEPH_FIELD_MAX];
 };
 
@@ -152,8 +152,8 @@ void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
  * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
 
-/* A test case for each frame and each gate of the scenes, for each row of the physics suite, and for
- * the verdict of the run. */
+/* A test case for each frame and each gate of the scenes, for each row of the physics suite, and
+ * for the verdict of the run. */
 void neph_validation_junit(const struct neph_validation *validation, struct neph_junit *junit);
 
 /* For people: a line for each frame, and what is to be said of it below. */
