@@ -258,7 +258,7 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .code_bytes = sizeof(samples_code),
         .buffer_count = sample_buffers,
         .image_count = 1,
-        .texels_count = 1,
+        .texels_count = {[1] = 1}, /* pairs */
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
         .constant_count = 3,
         .constants = {by_texture, waits, vulkan->description.is_cpu},

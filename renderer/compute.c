@@ -79,7 +79,7 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
 }
 
 /* The smallest buffer that neph_buffer_see_texels() can show. */
-enum { TEXEL_PAIR_BYTES = 2 * sizeof(uint32_t) };
+enum { TEXEL_BYTES_MAX = 4 * sizeof(uint32_t) };
 
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
@@ -92,7 +92,7 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     struct neph_buffer created = {.size_bytes = size_bytes};
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = size_bytes < TEXEL_PAIR_BYTES ? TEXEL_PAIR_BYTES : size_bytes,
+        .size = size_bytes < TEXEL_BYTES_MAX ? TEXEL_BYTES_MAX : size_bytes,
         .usage = buffer_uses[use].usage,
         .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
     };
@@ -112,7 +112,8 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
 enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
                                         struct neph_buffer *buffer, struct neph_diag *diag)
 {
-    static const VkFormat formats[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32G32_UINT};
+    static const VkFormat formats[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32G32_UINT,
+                                       VK_FORMAT_R32G32B32A32_UINT};
     _Static_assert(sizeof(formats) / sizeof(formats[0]) == NEPH_GPU_TEXEL_FORMATS, "a format each");
     const size_t words = buffer->size_bytes / sizeof(uint32_t);
     if (!vulkan->description.is_cpu)

@@ -26,7 +26,7 @@ enum neph_buffer_use {
     NEPH_BUFFER_USE_COUNT,
 };
 
-/* A buffer as texels of one and of two words; none on a GPU. */
+/* A buffer as texels of one, two and four words; none on a GPU. */
 struct neph_texel_views {
     VkBufferView formats[NEPH_GPU_TEXEL_FORMATS];
 };
@@ -46,12 +46,11 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
 
-/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of one and of
- * two words of 32 bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test
- * for each, and such a texel in a few instructions for all. Kernels have an array of each format at
- * NEPH_GPU_TEXELS_BINDING and NEPH_GPU_TEXEL_PAIRS_BINDING, since all descriptors of an array must
- * have its format: so a buffer has both views, and none stands in for another. On a GPU nothing is
- * done.
+/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of one, two and four words of 32
+ * bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for each, and
+ * such a texel in a few instructions for all. All descriptors of an array must have the array's
+ * format, so kernels have an array of each (from NEPH_GPU_TEXELS_BINDING on), and a buffer all three
+ * views: none stands in for another. On a GPU nothing is done.
  * NEPH_ERR_UNSUPPORTED: it has more words than the device lets a kernel see. */
 enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
                                         struct neph_buffer *buffer, struct neph_diag *diag);

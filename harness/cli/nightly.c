@@ -143,6 +143,8 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
             fputs(summary, stdout);
         free(summary);
     }
+    if (!status && !request->shared.quiet)
+        neph_cli_say_where("nightly", neph_path_in(output, "nightly").text);
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",

@@ -122,10 +122,10 @@ static const struct neph_cli_syntax render_syntax = {
            "DIR/shown gets what a display makes of each, as EXR and PNG; --size is then that of "
            "the display, and frames are smaller by what the chain enlarges.\n\n"
            "Examples:\n"
-           "  neph render height_fog_level -o out\n"
-           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360 -o out\n"
-           "  neph render camera_dolly --engine march --frames 8 -o out\n"
-           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out\n"
+           "  neph render height_fog_level\n"
+           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360\n"
+           "  neph render camera_dolly --engine march --frames 8\n"
+           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out/ours\n"
            "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 

@@ -30,11 +30,12 @@ const char *neph_gate_verdict_name(enum neph_gate_verdict verdict)
     return names[verdict];
 }
 
-static struct neph_counts count_frames(const struct neph_validation *validation, int here_count)
+static struct neph_counts count_frames(const struct neph_validation *validation, int expected)
 {
-    struct neph_counts counts = {.expected = here_count * validation->field.count};
+    struct neph_counts counts = {.expected = expected};
     for (int s = 0; s < validation->scene_count; s++) {
         const struct neph_scene_result *scene = &validation->scenes[s];
+        counts.expected -= scene->left_out_count;
         counts.reported += scene->frame_count;
         for (int f = 0; f < scene->frame_count && scene->truth >= 0; f++)
             counts.compared += f != scene->truth && scene->frames[f].path;
@@ -64,9 +65,9 @@ static bool passes(const struct neph_validation *validation)
     return pass;
 }
 
-void neph_validation_judge(struct neph_validation *validation, int here_count)
+void neph_validation_judge(struct neph_validation *validation, int expected)
 {
-    validation->counts = count_frames(validation, here_count);
+    validation->counts = count_frames(validation, expected);
     validation->verdict = passes(validation) ? NEPH_VERDICT_PASS : NEPH_VERDICT_FAIL;
 }
 

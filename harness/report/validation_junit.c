@@ -85,15 +85,12 @@ static bool has_engine(const struct neph_scene_result *scene, const char *engine
     return false;
 }
 
-/* Without the engines that --only-engine left out, and gates of engines that the run has not. */
-static void add_scene(const struct neph_scene_result *scene, const struct neph_run_engines *field,
-                      struct neph_junit *junit)
+/* Without gates of engines that the run does not have. */
+static void add_scene(const struct neph_scene_result *scene, struct neph_junit *junit)
 {
     const char *group = neph_arena_format(&junit->arena, "validate %s", scene->name);
     for (int f = 0; f < scene->frame_count; f++) {
         const struct neph_frame_result *frame = &scene->frames[f];
-        if (field->is_reference_only[f] && !frame->path)
-            continue;
         neph_junit_add(junit, group,
                        neph_arena_format(&junit->arena, "%s renders", frame->engine->name),
                        result_of(frame->outcome), frame->reason);
@@ -147,7 +144,7 @@ void neph_validation_junit(const struct neph_validation *validation, struct neph
     const struct neph_physics *physics = validation->physics;
     junit->seconds = validation->seconds;
     for (int s = 0; s < validation->scene_count; s++)
-        add_scene(&validation->scenes[s], &validation->field, junit);
+        add_scene(&validation->scenes[s], junit);
     for (int a = 0; a < validation->absent_count; a++)
         neph_junit_add(junit,
                        neph_arena_format(&junit->arena, "validate %s", validation->absent[a].scene),

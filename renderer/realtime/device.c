@@ -208,7 +208,9 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     if (first == 0) { /* no scene before the view */
         params->uniform_count = 1;
         params->texels_first = 2;
-        params->texels_count = params->array_count;
+        const int counts[] = {RT_WORD_TARGET_COUNT, RT_PAIR_TARGET_COUNT, RT_TARGET_COUNT};
+        _Static_assert(sizeof(counts) == sizeof(params->texels_count), "a count each");
+        memcpy(params->texels_count, counts, sizeof(counts));
     }
     set_choices(device, pass, params);
     dispatch->buffers[first] = &device->view_buffer;

@@ -35,10 +35,10 @@ class Ablate(StudyCase):
 
     def ablate(self, *arguments):
         done = self.neph("ablate", *arguments, "--only", "split", *SIZE)
-        return done.stdout, json.loads((self.folder / "out/ablation.json").read_text())
+        return done.stdout, json.loads((self.folder / "out/ablate/ablation.json").read_text())
 
     def stored(self):
-        return self.stamps(self.folder / "out/store/frames")
+        return self.stamps(self.folder / "out/ablate/store/frames")
 
     @staticmethod
     def effect(found, part, place, measure):
@@ -77,7 +77,7 @@ class Ablate(StudyCase):
             self.assertAlmostEqual(effect["scenes"]["rest"], pair["decades"], delta=1e-12)
 
     def check_files(self):
-        out = self.folder / "out"
+        out = self.folder / "out/ablate"
         with open(out / "ablation.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual({row["part"] for row in rows}, {"all", "split"})

@@ -53,10 +53,10 @@ class Pick(NephCase):
         march, = found["left_out"]
         self.assertGreater(march["with"]["evaluations"], 1.0)
         # The file renders, and what it renders is the choice.
-        config = ("height_fog_level", "--config", "out/pick.json", "--size", "64x36")
+        config = ("height_fog_level", "--config", "out/pick/pick.json", "--size", "64x36")
         self.assertIn("height_fog_level_exact_0000.exr", self.render(*config).stdout)
         self.render(*config, "--preset", "ours", code=64)
-        self.put("out/pick.json", '{"format": "neph-configuration-1", "engine": "march", '
+        self.put("out/pick/pick.json", '{"format": "neph-configuration-1", "engine": "march", '
                  '"settings": "steps=-3"}')
         self.render(*config, code=65, said="1..65536")
 
@@ -106,7 +106,7 @@ class Pick(NephCase):
         fixed, ours = found["candidates"]
         self.assertTrue(ours["on_front"])
         # The file renders what the preset does.
-        for name, words in (("a", ("--config", "out/pick.json")),
+        for name, words in (("a", ("--config", "out/pick/pick.json")),
                             ("b", ("-e", "realtime", "--preset", "ours", "-s", "steps=8"))):
             self.render("gaussian_blob", *words, "--size", "32x18", "--frames", "4", "-o", name)
         self.neph("compare", *(f"{name}/gaussian_blob_realtime_0003.exr" for name in "ab"), "-m",
@@ -132,10 +132,10 @@ class Pick(NephCase):
         again = pick("--lag", 1.01 * quick["lag"])
         self.assertEqual((again["preset"], again["found"]), ("ours+taa=off", True))
         self.assertIn("taa=off", again["settings"])
-        self.assertTrue((self.folder / "out/flicker_lag.svg").exists())
+        self.assertTrue((self.folder / "out/pick/flicker_lag.svg").exists())
         self.assertFalse(pick("--lag", 0.5 * quick["lag"], code=1)["found"])
         # The file is what `neph render` takes.
-        self.render("gaussian_blob", "--config", "out/pick.json", "--size", "16x9")
+        self.render("gaussian_blob", "--config", "out/pick/pick.json", "--size", "16x9")
 
     def test_a_cloud_at_rest(self):
         text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()

@@ -76,7 +76,7 @@ class Study(StudyCase):
 
     def interrupted(self, *arguments):
         """Ended by Ctrl-C after three finished takes or pictures: when each was written."""
-        store = self.folder / "out/store/frames"
+        store = self.folder / "out/study/store/frames"
         child = self.start(*self.command(*arguments))
         self.wait_until(lambda: store.exists() and len(list(store.iterdir())) >= 3, child)
         out, err = self.interrupt(child)
@@ -100,8 +100,8 @@ class Study(StudyCase):
         for row in rows:
             self.assertTrue(row["value"] or row["because"], row)
             self.assertEqual(row["counts"] == "0", bool(row["because"]), row)
-        xml.etree.ElementTree.parse(self.folder / "out" / "flicker_lag.svg")
-        store = self.folder / "out" / "store" / "frames"
+        xml.etree.ElementTree.parse(self.folder / "out/study" / "flicker_lag.svg")
+        store = self.folder / "out/study" / "store" / "frames"
         entries = self.stamps(store)
         # a picture of the rest, two of the step, averaged and not; takes
         self.assertEqual(len(entries), 2 + 4 + 4)
@@ -111,7 +111,7 @@ class Study(StudyCase):
         self.assertEqual(len(again["results"]), len(rows))
         self.assertEqual(self.stamps(store), entries)
         by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs)
-                           for folder, jobs in (("out", 1), ("two", 2)))
+                           for folder, jobs in (("out/study", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
 
     def test_steps_do_not_depend_on_how_many_processes_render_them(self):

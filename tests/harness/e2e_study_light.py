@@ -68,9 +68,9 @@ class StudyLight(StudyCase):
         with lines.open(newline="") as file:
             self.assertEqual(len(list(csv.DictReader(file))), 4)
         self.assertIn("| march | dense parts | 2 |", table.read_text())
-        xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
+        xml.etree.ElementTree.parse(self.folder / "out/study" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
-        store = self.folder / "out" / "store" / "frames"
+        store = self.folder / "out/study" / "store" / "frames"
         before = self.stamps(store)
         self.assertEqual(self.json(*arguments), found)
         self.assertEqual(self.stamps(store), before)

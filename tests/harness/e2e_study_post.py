@@ -31,7 +31,7 @@ class StudyPost(StudyCase):
             rows = list(csv.DictReader(file))
         self.assertEqual([row["chain"] for row in rows], list(chains))
         self.assertAlmostEqual(float(rows[1]["flip"]), curve["flip"], places=7)
-        chart = (self.folder / "out" / "post.svg").read_text()
+        chart = (self.folder / "out/study" / "post.svg").read_text()
         root = ElementTree.fromstring(chart)
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         # That of the legend, but no FLIP of HDR; of light those that are not as it was.

@@ -42,7 +42,7 @@ class StudyScreen(StudyCase):
     def look_at_the_page(self, found):
         """A picture for each part that a scene has, as many squares of a colour as pixels are lost
         by its reason, and nothing from a network."""
-        page = (self.folder / "out/screen/index.html").read_text()
+        page = (self.folder / "out/study/screen/index.html").read_text()
         self.assertNotIn("http://", page)
         self.assertNotIn("https://", page)
         for scene, parts in found.items():
@@ -52,7 +52,7 @@ class StudyScreen(StudyCase):
                 self.assertEqual(sum(truth["lost_by"].values()), truth["lost"])
                 self.assertEqual(f'src="{scene}_{name}.png"' in page, truth["pixels"] > 0)
                 if truth["pixels"] > 0:
-                    self.count_colours(self.folder / f"out/screen/{scene}_{name}.png", truth)
+                    self.count_colours(self.folder / f"out/study/screen/{scene}_{name}.png", truth)
 
     def count_colours(self, path, truth):
         """Yellow, blue, orange, dark: what is not grey has its reason's colour in it, three parts
@@ -92,13 +92,13 @@ class StudyScreen(StudyCase):
         self.assertLess(over["models"][calm]["error"], over["models"][raw]["error"])
         # A mark a model in each of five panels, and that of the legend; the first is 1 in those of
         # light, and not drawn there.
-        root = ElementTree.parse(self.folder / "out/screen/screen.svg").getroot()
+        root = ElementTree.parse(self.folder / "out/study/screen/screen.svg").getroot()
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         self.assertEqual(len(marks), 1 + 3 * 2 + 2)
         names = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
         self.assertEqual(names.count("gi=off"), 3)
         self.assertEqual(names.count("ssr_rays=1+ssr_history=0+ssr_smooth=0"), 5)
-        self.assertIn("screen.svg", (self.folder / "out/screen/index.html").read_text())
+        self.assertIn("screen.svg", (self.folder / "out/study/screen/index.html").read_text())
 
     def test_a_scene_that_moves_has_a_truth_a_frame(self):
         self.neph("surface_ground", "--size", "8x5", "--samples", "2", "--model",
@@ -147,7 +147,7 @@ class StudyScreen(StudyCase):
                             (66, "nowhere", (*little, "nowhere")))
 
     def test_a_folder_with_other_files_is_left_alone(self):
-        page = self.put("out/screen/index.html")
+        page = self.put("out/study/screen/index.html")
         self.neph("surface_step", "--size", "4x4", "--samples", "2", code=64,
                   said="name another folder with -o")
         self.assertEqual(page.read_text(), "mine")

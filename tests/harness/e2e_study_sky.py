@@ -10,8 +10,7 @@ TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
 
 
 class StudySky(StudyCase):
-    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64",
-             "--elevations", "30")
+    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64")
 
     def test_cells_files_and_reuse(self):
         models = (f"sky+{TABLES},sky+multiple=closure+{TABLES},march,"
@@ -53,8 +52,8 @@ class StudySky(StudyCase):
         self.assertIn("[2/2] part", two[1])
 
     def test_finer_tables_are_a_truth(self):
-        cell, = self.json("--altitudes", "2", "--truth", f"sky+{TABLES}", "--model",
-                          f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
+        cell, = self.json("--elevations", "30", "--altitudes", "2", "--truth", f"sky+{TABLES}",
+                          "--model", f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
         same, coarser = cell["models"].values()
         self.assertEqual([cell["noise"], same["mean"], same["worst"]], [0, 0, 0])
         self.assertGreater(coarser["mean"], 0.001)

@@ -38,7 +38,7 @@ struct module {
 
 static bool is_of_texels(uint32_t binding)
 {
-    return binding == NEPH_GPU_TEXELS_BINDING || binding == NEPH_GPU_TEXEL_PAIRS_BINDING;
+    return binding >= NEPH_GPU_TEXELS_BINDING && binding <= NEPH_GPU_TEXEL_FOURS_BINDING;
 }
 
 static void take_access(struct module *module, const uint32_t *words)

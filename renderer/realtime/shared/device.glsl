@@ -97,8 +97,7 @@ uvec4 load_word_four(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return uvec4(imageLoad(target_texel_pairs[target], 2 * int(index)).xy,
-                     imageLoad(target_texel_pairs[target], 2 * int(index) + 1).xy);
+        return imageLoad(target_texel_fours[target], int(index));
 #endif
     return target_fours[target].words[index];
 }

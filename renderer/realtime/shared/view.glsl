@@ -118,9 +118,11 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 #ifdef SEES_TEXELS
 // And once more, to be read by a CPU (neph_buffer_see_texels()).
 layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
-uniform readonly uimageBuffer target_texels[KNOWN_TARGETS];
+uniform readonly uimageBuffer target_texels[RT_WORD_TARGET_COUNT];
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui)
-uniform readonly uimageBuffer target_texel_pairs[KNOWN_TARGETS];
+uniform readonly uimageBuffer target_texel_pairs[RT_PAIR_TARGET_COUNT];
+layout(binding = NEPH_GPU_TEXEL_FOURS_BINDING, rgba32ui)
+uniform readonly uimageBuffer target_texel_fours[RT_TARGET_COUNT];
 #endif
 
 #include "device.glsl"
