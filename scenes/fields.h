@@ -117,8 +117,9 @@ bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mappin
 enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
                              ...) __attribute__((format(printf, 3, 4)));
 
-/* Keep the error of a check in the reader and go on with the next check. `next` is the status of the
- * check that just ran, `first` that of the checks before it. Returns the first that is an error. */
+/* Keep the error of a check in the reader and go on with the next check. `next` is the status of
+ * the check that just ran, `first` that of the checks before it. Returns the first that is an
+ * error. */
 enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
                            enum neph_status next);
 

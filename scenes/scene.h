@@ -332,8 +332,8 @@ enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point
 /* All keys of a scene file, as a table of Markdown: what scenes/README.md holds. */
 void neph_scene_print_keys(FILE *file);
 
-/* The name that the scene in this file must have: "folder/name.yaml" -> "name". That of a .vdb is in
- * lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". For the caller to
+/* The name that the scene in this file must have: "folder/name.yaml" -> "name". That of a .vdb is
+ * in lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". For the caller to
  * free; NULL when memory is short. */
 char *neph_scene_name_of(const char *path);
 

@@ -53,6 +53,7 @@ static void judge(const struct neph_gate *gate, const char *engine,
                    : !isnan(value) || owed ? NEPH_GATE_FAIL
                                            : NEPH_GATE_NOT_MEASURED,
         .reason = neph_arena_text(arena, gate->reason),
+        .line = gate->line,
     };
     if (isnan(value) || kept || !frame->note[0])
         return;
