@@ -29,6 +29,8 @@ enum {
  * unless a verb has words of its own, one help: docs/flags.md. Rows without a kind have no place of
  * their own: the row of the verb says where it is. */
 static const struct neph_cli_option shared_options[] = {
+    {"all", 0, NULL, "All numbers in place of the answer in ten lines", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_shared, all)},
     {"blender", 0, "PATH",
      "Blender of engine cycles in place of NEPH_BLENDER: a program, or the folder of an unpacked "
      "archive; further ones, behind colons, are further engines",
@@ -64,7 +66,7 @@ static const struct neph_cli_option shared_options[] = {
          "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
          "wide; a desk monitor has 40)"},
     {"preset", 'p', "NAME[,NAME]", .help = "Preset: a set of settings by name, before any --set"},
-    {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
+    {"quiet", 'q', NULL, "No progress; of an answer in ten lines only the first", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, quiet)},
     {"reference", 'r', "FILES", .help = "Frames that the others are compared with"},
     {"repeat", 0, "N", .help = "How often the same work is timed"},

@@ -81,7 +81,7 @@ struct neph_cli_shared {
     struct neph_cli_words settings;
     struct neph_cli_size size;
     int time_limit_s, jobs;
-    bool json, quiet;
+    bool json, quiet, all;
 };
 
 struct neph_cli_operands {

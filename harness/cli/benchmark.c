@@ -9,8 +9,7 @@
 #include "harness/engines/engines.h"
 #include "harness/experiment/experiment.h"
 #include "harness/progress.h"
-#include "harness/run/benchmark.h"
-#include "harness/run/benchmark_frames.h"
+#include "harness/run/benchmark_answer.h"
 #include "renderer/shortcuts.h"
 #include "scenes/bake.h"
 #include "scenes/horizon.h"
@@ -88,6 +87,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
     {.name = "blender"},
     {.name = "output", .help = "Folder for scratch files", .otherwise = "out/benchmark"},
+    {.name = "all", .help = "All rungs, passes and shares of what the device can do"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -97,40 +97,31 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
     .doc =
-        "How long engines take, each in the way that it is used.\v"
-        "Engines with noise (tracer, oracle, cycles): for the same noise, on the same cores in "
-        "one run: noise^2 x time of each, and how many times the time of the first the others "
-        "need. Noise is measured between two seeds, error against two independent references of "
-        "the tracer, whose own noise so falls out. Time is rendering alone, each engine's start "
-        "(kernels compiled, grids read) apart; starting Blender itself is in neither. Intervals "
-        "hold 95 %, from the scatter of the four rungs; keep the machine quiet. The bias is what "
-        "no time removes. The time to a stated error, bias included, is interpolated between "
-        "rungs; where it lies off the ladder, that is said. With --error each engine climbs until "
-        "it is there, however long that takes.\n\n"
-        "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
-        "for each), nothing read "
-        "back, after a second of warm-up, and where the scene rests until that is known: median, "
-        "10 % and 90 % of the time of a picture and of its passes on the device. Beside them the "
-        "error (rel_rmse against the march of "
-        "the same lighting at its defaults), and what part the pass gets of what the device can "
-        "do at most: bytes copied, or voxel grids sampled from a buffer or, with "
-        "grid_sampling=texture, by the texture unit, measured in the same run. Samples are also "
-        "measured one ray a lane where each place depends on the sample before it, as in a plain "
-        "loop that cannot look ahead, and beside them what arithmetic the device can do: a pass "
-        "whose samples take as long as the multiply-adds and exponentials around them waits for "
-        "these. With a picture chain (display.chain of the scene, or --chain) --size is that of "
-        "the display, and the last picture goes through the chain as often: a line for each "
-        "stage.\n\n"
+        "Measure how long engines take, and say which is faster and by how much.\v"
+        "Engines with noise (tracer, oracle, cycles): the time to the same noise, on the same "
+        "cores "
+        "in one run, and how many times as long the others take as the first. Noise is measured "
+        "between two seeds; error is measured against two independent references of the tracer, "
+        "so that the noise of the references cancels. Time is rendering only: the start of an "
+        "engine (kernels compiled, grids read) is a number of its own, and starting Blender is in "
+        "neither. Intervals are 95 %, from the scatter of the four rungs: keep the machine quiet. "
+        "The time to a stated error, bias included, is interpolated between rungs. With --error "
+        "each engine gets more samples until it reaches that error, however long that takes.\n\n"
+        "Engines march*, realtime and screen: frames in flight one after the other (screen waits "
+        "for each), without reading them back, after a second of warm-up: median, 10 % and 90 % of "
+        "the time of a frame and of its passes on the device; the error (rel_rmse against the ray "
+        "marcher with the same lighting at its defaults); and the share of the device's limits "
+        "that each pass reaches: bytes copied, or voxel grid samples from a buffer or from the "
+        "texture unit, measured in the same run. With a picture chain (display.chain of the scene, "
+        "or --chain) --size is the size of the display, and each stage has a line in --all.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
         "  neph benchmark gaussian_blob --resolution 64 --seconds 10\n"
         "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
-        "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
-        "-s realtime:lighting=octaves --size 1920x1080\n"
-        "  neph benchmark surface_rough -e screen -p fast --chain walk_out_chain.yaml "
-        "--size 1920x1080",
+        "  neph benchmark cloud_below -e march_octaves,realtime -p ours --all\n"
+        "  neph benchmark surface_rough -e screen -p fast --size 640x360",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -625,6 +616,14 @@ static void print(const struct both *both, FILE *out)
     print_left_out(both, out);
 }
 
+static void answer(const struct both *both, struct neph_answer *answer)
+{
+    neph_benchmark_frames_answer(&both->frames, answer);
+    neph_benchmark_answer(&both->noise, answer);
+    for (int i = 0; i < both->left_out_count; i++)
+        neph_answer_add(answer, "left out: %s", both->left_out[i].why.message);
+}
+
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct request *request = request_;
@@ -656,6 +655,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     neph_cli_end_scratch(scratch, status, diag);
     if (!status && publication->text)
         print(request->both, publication->text);
+    if (!status)
+        answer(request->both, &publication->answer);
     if (!status && request->shared.json)
         publication->json = json_of(request->both);
     return status;

@@ -57,7 +57,8 @@ static const struct neph_cli_option options[] = {
     {.name = "output",
      .help = "Folder of the store and of ablation.json, ablation.csv, ablation.svg",
      .otherwise = "out/ablate"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "all", .help = "The tables of all parts and measures"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "quiet"},
     {.name = NULL},
 };
@@ -316,6 +317,46 @@ static void print_verdicts(const struct neph_ablation *ablation,
     fprintf(out, "%s.\n", all == neph_ablation_part_count() ? " none" : "");
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* "keep history, jitter; leave out x" */
+static void append_advice(const struct neph_ablation *ablation, enum neph_ablation_advice advice,
+                          char *text, size_t size)
+{
+    int count = 0;
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
+                                                                       NEPH_ABLATION_IN_PRESET);
+        const size_t used = strlen(text);
+        if (!of || neph_ablation_advise(of) != advice)
+            continue;
+        if (count++ == 0)
+            snprintf(text + used, size - used, "; %s: %s", neph_ablation_advice_words[advice],
+                     neph_ablation_parts[i].name);
+        else
+            snprintf(text + used, size - used, ", %s", neph_ablation_parts[i].name);
+    }
+}
+
+static void answer(const struct neph_ablation *ablation, struct neph_answer *answer,
+                   struct neph_arena *arena)
+{
+    const struct neph_flicker_study_params *params = ablation->study.params;
+    char text[800] = "";
+    for (int advice = 0; advice < NEPH_ABLATION_ADVICES; advice++)
+        append_advice(ablation, (enum neph_ablation_advice)advice, text, sizeof(text));
+    neph_answer_add(answer, "%s%s (%d scenes, %d seed%s, 95 %% intervals)", ablation->preset,
+                    text[0] ? text : "; no part was measured", params->scene_count,
+                    params->seed_count, params->seed_count == 1 ? "" : "s");
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
+                                                                       NEPH_ABLATION_IN_PRESET);
+        if (of)
+            neph_answer_add(answer, "%s: %s", neph_ablation_parts[i].name,
+                            sentence(ablation, of, arena));
+    }
+}
+
 /* ---- a row for each part, place and measure -------------------------------------------------- */
 
 static const char *const place_names[NEPH_ABLATION_PLACES] = {"in_preset", "alone"};
@@ -570,6 +611,7 @@ enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
     publication->json = ablation_json(ablation, &publication->arena);
     if (publication->text)
         print_text(ablation, publication);
+    answer(ablation, &publication->answer, &publication->arena);
     print_csv(ablation, publication);
     if (publication->chart)
         status = neph_ablation_plot(ablation, publication->chart, diag);

@@ -8,22 +8,50 @@
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 
-/* The scenes that are named, or those of the tier; `*listed`, to free, is the whole catalogue. */
+enum { TIER_SCENES_MAX = 16 };
+
+/* The scenes of a run: those that are named, or those of the tier. */
+struct chosen_scenes {
+    char **listed; /* the whole catalogue; owned; NULL: not wanted */
+    const char *names[TIER_SCENES_MAX];
+    struct neph_scene_plan plans[TIER_SCENES_MAX];
+};
+
+/* Of the tier; a size or engines that the user names are those of all scenes. */
+static void choose_planned(const struct neph_validate_request *request,
+                           const struct neph_validate_tier *tier, struct chosen_scenes *chosen,
+                           struct neph_validate_params *params)
+{
+    int count = 0;
+    for (; tier->scenes[count].name && count < TIER_SCENES_MAX; count++) {
+        struct neph_scene_plan *plan = &chosen->plans[count];
+        *plan = tier->scenes[count];
+        chosen->names[count] = plan->name;
+        if (request->shared.size.width_px > 0)
+            plan->width_px = plan->height_px = 0;
+        if (request->engines.count > 0)
+            plan->engines = NULL;
+    }
+    params->scenes = chosen->names;
+    params->plans = chosen->plans;
+    params->scene_count = count;
+}
+
 static enum neph_status choose_scenes(const struct neph_validate_request *request,
-                                      struct neph_validate_params *params, char ***listed,
-                                      struct neph_diag *diag)
+                                      struct neph_validate_params *params,
+                                      struct chosen_scenes *chosen, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
     const struct neph_validate_tier *tier = neph_validate_tier(request);
     enum neph_status status = NEPH_OK;
-    params->scenes = shared->operand_count > 0 ? shared->operands : tier->scenes;
+    params->scenes = shared->operands;
     params->scene_count = shared->operand_count;
-    if (!params->scenes) {
-        status = neph_data_list_scenes(NEPH_DATA_CATALOG, listed, &params->scene_count, diag);
-        params->scenes = (const char *const *)*listed;
+    if (shared->operand_count == 0 && tier->scenes) {
+        choose_planned(request, tier, chosen, params);
     } else if (shared->operand_count == 0) {
-        while (params->scenes[params->scene_count])
-            params->scene_count++;
+        status = neph_data_list_scenes(NEPH_DATA_CATALOG, &chosen->listed, &params->scene_count,
+                                       diag);
+        params->scenes = (const char *const *)chosen->listed;
     }
     return status;
 }
@@ -55,8 +83,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
                                               .repeats = tier->chart_repeats,
                                               .time_limit_s = params.budget_s,
                                               .device = run->device};
-    char **listed = NULL;
-    enum neph_status status = choose_scenes(request, &params, &listed, diag);
+    struct chosen_scenes chosen = {.listed = NULL};
+    enum neph_status status = choose_scenes(request, &params, &chosen, diag);
     params.over_time = is_tier && !request->no_charts;
     params.charts = params.over_time ? &charts : NULL;
     const char *engines[NEPH_ENGINE_COUNT];
@@ -66,7 +94,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         status = neph_validate(&params, run->store, &validation, diag);
     status = neph_validate_publish(request, &validation, publication, status, diag);
     neph_validation_finish(&validation);
-    neph_data_free_names(listed);
+    neph_data_free_names(chosen.listed);
     return status;
 }
 

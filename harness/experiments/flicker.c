@@ -7,6 +7,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
+#include "harness/study/flicker_answer.h"
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_plot.h"
 #include "harness/study/suites.h"
@@ -47,7 +48,8 @@ static const struct neph_cli_option options[] = {
     {.name = "output",
      .help = "Folder of the store and of flicker_lag.svg",
      .otherwise = "out/study"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "all"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each number"},
     {.name = "markdown"},
     {.name = "quiet"},
@@ -597,6 +599,8 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
         print_text(study, publication);
     if (publication->chart)
         status = neph_flicker_study_plot(study, publication->chart, diag);
+    if (!status)
+        status = neph_flicker_answer(study, &publication->answer, diag);
     if (!status && publication->places->json) {
         publication->json = study_json(study, &results);
         status = neph_json_check(publication->json, diag);

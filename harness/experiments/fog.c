@@ -26,10 +26,12 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_NAMES, .at = offsetof(struct request, models)},
     {"directions", 0, "N", "Over the sphere around the camera", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, study.directions), "4096", 16, 1 << 20},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "all", .help = "The table of all controls"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "quiet", .help = "Accepted; there is no progress"},
     {.name = "csv", .help = "A line for each row"},
     {.name = "markdown", .help = "The table into a file, too"},
+    {.name = "quiet"},
     {.name = NULL},
 };
 
@@ -160,6 +162,45 @@ static void print_head(const struct neph_fog_study *study, FILE *out)
             study->exact_fog_light);
 }
 
+/* Rows by their error of radiance, the largest first; a row that is NaN last. */
+static int sort_rows(const struct neph_fog_study *study, int order[NEPH_FOG_ROWS_MAX])
+{
+    int count = 0;
+    for (int i = 0; i < study->row_count; i++) {
+        int place = count++;
+        for (;
+             place > 0 && study->rows[i].radiance_rms > study->rows[order[place - 1]].radiance_rms;
+             place--)
+            order[place] = order[place - 1];
+        order[place] = i;
+    }
+    return count;
+}
+
+static void answer(const struct neph_fog_study *study, struct neph_answer *answer)
+{
+    enum { MORE = 5 };
+    int order[NEPH_FOG_ROWS_MAX];
+    const int count = sort_rows(study, order);
+    for (int i = 0; i < count && i <= MORE; i++) {
+        const struct neph_fog_row *row = &study->rows[order[i]];
+        const char *model = neph_fog_model_words[row->model];
+        if (i == 0)
+            neph_answer_add(answer,
+                            "%s of %s has the largest error of %d rows in %s: radiance "
+                            "%.1f %% (rms), %+.1f %% in the mean, against exact; closed "
+                            "forms, no noise",
+                            row->name, model, count, study->params->scene->name,
+                            100.0 * row->radiance_rms, 100.0 * row->radiance_bias);
+        else
+            neph_answer_add(answer,
+                            "%s of %s: radiance %.1f %% (rms), %+.1f %% in the mean; light "
+                            "of the fog over the sphere %+.1f %%",
+                            row->name, model, 100.0 * row->radiance_rms, 100.0 * row->radiance_bias,
+                            100.0 * row->fog_light);
+    }
+}
+
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -171,6 +212,7 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
     if (status)
         return status;
     fill(&study, &table);
+    answer(&study, &publication->answer);
     if (publication->text)
         print_head(&study, publication->text);
     if (publication->csv)

@@ -33,6 +33,7 @@ static const struct neph_cli_option options[] = {
      .help = "Folder of the store and of scaling.json",
      .otherwise = "out/scaling"},
     {.name = "jobs", .otherwise = "1"},
+    {.name = "all", .help = "The table of all exponents"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -246,6 +247,36 @@ static enum neph_status check_against(const struct neph_scaling *scaling, const 
     return NEPH_OK;
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+static void answer(const struct neph_scaling *scaling, struct neph_answer *answer)
+{
+    int counts[NEPH_EXPONENT_VERDICTS] = {0};
+    for (int i = 0; i < scaling->line_count; i++) {
+        counts[scaling->lines[i].work_verdict]++;
+        counts[scaling->lines[i].time_verdict]++;
+    }
+    neph_answer_add(answer,
+                    "%s: the cost of %s grows as expected in %d of %d exponents; %d do not, "
+                    "%d are not told apart",
+                    counts[NEPH_EXPONENT_OTHER] > 0 ? "not as expected" : "as expected",
+                    scaling->scene, counts[NEPH_EXPONENT_EXPECTED],
+                    2 * scaling->line_count - counts[NEPH_EXPONENT_NONE],
+                    counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNTOLD]);
+    for (int worst = 1; worst >= 0; worst--) /* what is not as expected comes first */
+        for (int i = 0; i < scaling->line_count; i++) {
+            const struct neph_scaling_line *line = &scaling->lines[i];
+            const bool is_other = line->work_verdict == NEPH_EXPONENT_OTHER ||
+                                  line->time_verdict == NEPH_EXPONENT_OTHER;
+            if (line->missing[0] || is_other != worst)
+                continue;
+            neph_answer_add(answer, "%s, %s: evaluations ~ x^%.2f, time ~ x^%.2f%s",
+                            scaling->series[line->series], neph_scaling_axes[line->axis].name,
+                            line->work.value, line->time.value,
+                            is_other ? ": not as expected" : "");
+        }
+}
+
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
@@ -265,6 +296,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     if (status)
         return status;
     publication->json = scaling_json(&scaling);
+    answer(&scaling, &publication->answer);
     if (publication->text)
         print_lines(&scaling, publication->text);
     if (publication->text && request->there)

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define AT(member) .at = offsetof(struct neph_screen_request, member)
 static const struct neph_cli_option options[] = {
@@ -36,7 +37,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_INTEGER, AT(frame_count), "0", 0, 1024},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out/study"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "all", .help = "The tables of all scenes and models"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "markdown"},
     {.name = "quiet"},
     {.name = NULL},
@@ -354,6 +356,65 @@ static json_t *scene_json(const struct neph_screen_study *study, int s)
     return found;
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* A part's mean error over the scenes that have it; NaN: none has. `model` -1: what no model can
+ * know. */
+static double mean_error(const struct neph_screen_study *study, int part, int model, int *count)
+{
+    double sum = 0.0;
+    *count = 0;
+    for (int s = 0; s < study->request->scene_count; s++) {
+        const struct neph_screen_scene *scene = &study->scenes[s];
+        const double error = model < 0 ? scene->truths[part].beyond
+                                       : scene->gaps[model][part].error;
+        if (scene->truths[part].pixels == 0 || isnan(error))
+            continue;
+        sum += error;
+        ++*count;
+    }
+    return *count > 0 ? sum / *count : NAN;
+}
+
+/* The model with the least error in a part; -1: none has a number. */
+static int best_model(const struct neph_screen_study *study, int part)
+{
+    int best = -1, count;
+    for (int m = 0; m < study->request->models.count; m++) {
+        const double error = mean_error(study, part, m, &count);
+        if (isfinite(error) && (best < 0 || error < mean_error(study, part, best, &count)))
+            best = m;
+    }
+    return best;
+}
+
+static void answer(const struct neph_screen_study *study, struct neph_answer *answer)
+{
+    char verdict[600] = "nearest to surfaces:";
+    int count;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        const int best = best_model(study, part);
+        const size_t used = strlen(verdict);
+        if (best >= 0)
+            snprintf(verdict + used, sizeof(verdict) - used, "%s %s: %.80s, error %.2f %%",
+                     used > strlen("nearest to surfaces:") ? ";" : "", neph_screen_part_names[part],
+                     study->request->models.words[best],
+                     100.0 * mean_error(study, part, best, &count));
+    }
+    neph_answer_add(answer, "%s; means over %d scene%s, no interval", verdict,
+                    study->request->scene_count, study->request->scene_count == 1 ? "" : "s");
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        const double beyond = mean_error(study, part, -1, &count);
+        if (count > 0)
+            neph_answer_add(answer, "%s: no model can know %.2f %% (mean of %d scenes)",
+                            neph_screen_part_names[part], 100.0 * beyond, count);
+    }
+    for (int s = 0; s < study->request->scene_count && study->request->cycles_samples > 0; s++)
+        if (study->scenes[s].cycles_cannot[0])
+            neph_answer_add(answer, "cycles: %s: %.200s", study->request->scenes[s]->name,
+                            study->scenes[s].cycles_cannot);
+}
+
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static void write_results(const struct neph_screen_study *study,
@@ -363,6 +424,7 @@ static void write_results(const struct neph_screen_study *study,
     json_t *scenes = json_object();
     if (publication->text)
         print_text(study, publication);
+    answer(study, &publication->answer);
     for (int s = 0; s < request->scene_count; s++)
         neph_json_set(&scenes, request->scenes[s]->name, scene_json(study, s));
     publication->json = json_pack("{s:f, s:i, s:o}", "radius_m", request->radius_m, "samples",
@@ -389,8 +451,11 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     return status;
 }
 
+static const char *const files[] = {"screen/index.html", NULL};
+
 const struct neph_experiment neph_experiment_screen = {
     .syntax = &syntax,
+    .files = files,
     .request_size = sizeof(struct neph_screen_request),
     .prepare = prepare,
     .part = part,

@@ -65,7 +65,8 @@ static const struct neph_cli_option options[] = {
      "4096", 2, 1 << 28},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "all", .help = "The tables of all cells"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "markdown"},
     {.name = "quiet"},
     {.name = NULL},
@@ -480,6 +481,72 @@ static void print_text(const struct study *study, struct neph_publication *publi
         print_model(study, model, publication);
 }
 
+/* A model over the cells that have numbers. */
+struct summary {
+    double mean, worst;
+    int cells, limited, good; /* with numbers; of these with a limit, and within it */
+};
+
+static struct summary summarize(const struct study *study, int model)
+{
+    struct summary made = {0};
+    for (int i = 0; i < study->cell_count; i++) {
+        const struct gap *gap = &study->cells[i].gaps[model];
+        if (gap->because[0] || isnan(gap->mean))
+            continue;
+        made.cells++;
+        made.mean += gap->mean;
+        made.worst = fmax(made.worst, gap->worst);
+        made.limited += is_limited(&study->cells[i]);
+        made.good += is_limited(&study->cells[i]) && is_good(gap);
+    }
+    made.mean = made.cells > 0 ? made.mean / made.cells : NAN;
+    return made;
+}
+
+/* Models by their mean error, the smallest first; those without a number last. */
+static void answer_models(const struct study *study, struct neph_answer *answer)
+{
+    struct summary models[NEPH_LIGHT_MODELS_MAX];
+    int order[NEPH_LIGHT_MODELS_MAX];
+    const int count = study->request->models.count;
+    for (int m = 0; m < count; m++) {
+        int place = m;
+        models[m] = summarize(study, m);
+        for (; place > 0 && (models[m].mean < models[order[place - 1]].mean ||
+                             (isfinite(models[m].mean) && isnan(models[order[place - 1]].mean)));
+             place--)
+            order[place] = order[place - 1];
+        order[place] = m;
+    }
+    for (int i = 0; i < count; i++) {
+        const struct summary *of = &models[order[i]];
+        const char *name = study->request->models.words[order[i]];
+        if (of->cells == 0)
+            neph_answer_add(answer, "%s: not measured: %s", name,
+                            study->cells[0].gaps[order[i]].because);
+        else
+            neph_answer_add(answer,
+                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d "
+                            "cells; within the limits in %d of %d",
+                            i == 0 && count > 1 ? "nearest: " : "", name, 100.0 * of->mean,
+                            100.0 * of->worst, of->cells, of->good, of->limited);
+    }
+}
+
+static void answer(const struct study *study, struct neph_answer *answer)
+{
+    double noise = 0.0;
+    for (int i = 0; i < study->cell_count; i++)
+        noise += study->cells[i].noise / study->cell_count;
+    answer_models(study, answer);
+    neph_answer_add(answer,
+                    "truth: %s with a noise of %.2f %% in the mean; limits: mean %g %%, "
+                    "worst %g %%, with the sun at %g degrees or higher",
+                    study->request->truth, 100.0 * noise, 100.0 * mean_wanted, 100.0 * worst_wanted,
+                    lowest_sun_deg);
+}
+
 static json_t *gap_json(const struct gap *gap)
 {
     if (gap->because[0])
@@ -513,6 +580,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         json_t *cells = json_array();
         if (publication->text)
             print_text(&study, publication);
+        answer(&study, &publication->answer);
         for (int i = 0; i < study.cell_count; i++)
             neph_json_add(&cells, cell_json(&study, &study.cells[i]));
         publication->json = json_pack("{s:s, s:s, s:s, s:o}", "scene", request->scene->name,

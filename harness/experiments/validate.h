@@ -26,7 +26,8 @@ struct neph_validate_request {
 /* How much of the main job is run. */
 struct neph_validate_tier {
     const char *name;
-    const char *const *scenes;  /* of the catalogue, NULL-terminated; NULL: all of it */
+    const struct neph_scene_plan *scenes; /* of the catalogue, the last without a name; NULL: all of
+                                             it, alike */
     const char *const *engines; /* NULL-terminated; NULL: every engine that is no shortcut */
     int width_px, height_px;    /* of the scenes' frames */
     double budget_s;            /* of each frame of an external renderer */

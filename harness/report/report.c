@@ -130,9 +130,9 @@ static void collect_sets(const struct neph_scene_result *scene, char *paths[NEPH
 }
 
 /* What floats of all sets can take at most: nothing of them is equal, as base64. */
-static double most_bytes(const struct neph_viewer *viewer, const struct neph_validation *validation)
+static double most_bytes(const struct neph_viewer *viewer, const struct neph_scene_result *scene)
 {
-    const double floats = 3.0 * validation->width_px * validation->height_px;
+    const double floats = 3.0 * scene->width_px * scene->height_px;
     return 2.0 * viewer->set_count * floats * sizeof(float) * 4.0 / 3.0;
 }
 
@@ -153,7 +153,7 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
     collect_sets(scene, paths, &viewer);
     if (viewer.set_count == 0)
         return NEPH_OK;
-    if (report->viewers_bytes + most_bytes(&viewer, validation) > viewers_limit_bytes) {
+    if (report->viewers_bytes + most_bytes(&viewer, scene) > viewers_limit_bytes) {
         scene->no_viewer = neph_arena_format(
             &validation->arena, "viewers have %.0f MB of the report, and this one does not fit in",
             viewers_limit_bytes / 1e6);

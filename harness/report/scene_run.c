@@ -25,22 +25,40 @@ enum { SECOND_SEED_PATIENCE = 4 };
 /* Kinds of steps, for the time left: engine by engine, a picture and its second seed. */
 enum { KIND_FRAME = 0, KIND_SECOND_SEED = NEPH_FIELD_MAX };
 
-/* A shortcut stands against the engine whose model it renders; whom it differs from else is no
- * question. */
-static bool is_peer(const struct neph_engine *engine)
-{
-    return !engine->shortcut_of;
-}
-
 static bool has_second_seed(const struct neph_engine *engine)
 {
-    return engine->stochastic && is_peer(engine);
+    return engine->stochastic;
+}
+
+static bool is_listed(const struct neph_engine *engine, const char *const *names)
+{
+    for (; names && *names; names++)
+        if (neph_engine_is(engine, *names))
+            return true;
+    return false;
+}
+
+/* Whether an engine of the run renders the scene at hand. */
+static bool takes_part(const struct neph_scene_run *run, int index)
+{
+    const struct neph_scene_plan *plan = run->plan;
+    return !plan || !plan->engines || is_listed(run->field->engines[index], plan->engines);
+}
+
+int neph_scene_run_engine_count(const struct neph_scene_run *run)
+{
+    int count = 0;
+    for (int i = 0; i < run->field->count; i++)
+        count += takes_part(run, i);
+    return count;
 }
 
 void neph_scene_run_expect(const struct neph_scene_run *run, int count)
 {
     for (int i = 0; i < run->field->count; i++) {
         const struct neph_engine *engine = run->field->engines[i];
+        if (!takes_part(run, i))
+            continue;
         const double guess_s = run->field->infos[i].available ? engine->typical_s : 0.0;
         neph_progress_expect(run->progress, KIND_FRAME + i, count, guess_s);
         if (has_second_seed(engine))
@@ -50,13 +68,47 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count)
 
 /* ---- pictures -------------------------------------------------------------------------------- */
 
+static enum neph_status apply_settings(struct neph_job *job, const char *const *texts, int count,
+                                       struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++) {
+        const char *assignment = neph_settings_for(job->engine, texts[i]);
+        if (assignment)
+            status = neph_settings_set(job->engine, &job->shot.settings, assignment, diag);
+    }
+    return status;
+}
+
+/* Size, layers and settings of the scene at hand; the user's settings come last. */
+static enum neph_status apply_plan(const struct neph_scene_run *run, struct neph_job *job,
+                                   struct neph_diag *diag)
+{
+    const struct neph_scene_plan *plan = run->plan;
+    const struct neph_validate_params *params = run->params;
+    int count = 0;
+    if (plan && plan->width_px > 0) {
+        job->shot.width_px = plan->width_px;
+        job->shot.height_px = plan->height_px;
+    }
+    if (plan && is_listed(job->engine, plan->light_only))
+        job->shot.layers = NEPH_LAYER_RADIANCE;
+    while (plan && plan->settings && plan->settings[count])
+        count++;
+    if (count == 0)
+        return NEPH_OK;
+    const enum neph_status status = apply_settings(job, plan->settings, count, diag);
+    return status ? status : apply_settings(job, params->settings, params->setting_count, diag);
+}
+
 /* `second` of the two frames that an engine which draws paths has for each seed of the run. */
-static struct neph_job job_of(const struct neph_scene_run *run, int index,
-                              const struct neph_scene *scene, bool second)
+static enum neph_status make_job(const struct neph_scene_run *run, int index,
+                                 const struct neph_scene *scene, bool second, struct neph_job *job,
+                                 struct neph_diag *diag)
 {
     const struct neph_engine *engine = run->field->engines[index];
     const int seed = 1 + second + (neph_engine_draws(engine) ? 2 * (run->params->seed - 1) : 0);
-    return (struct neph_job){
+    *job = (struct neph_job){
         .engine = engine,
         .info = &run->field->infos[index],
         .shot = {.scene = scene,
@@ -67,6 +119,7 @@ static struct neph_job job_of(const struct neph_scene_run *run, int index,
                  .seed = neph_seed_of(scene, seed),
                  .device = run->params->device},
     };
+    return apply_plan(run, job, diag);
 }
 
 /* The user has chosen the step. */
@@ -192,12 +245,14 @@ static enum neph_status run_frame(const struct neph_scene_run *run, int index,
                                   const struct neph_scene *scene, struct neph_frame_result *frame,
                                   struct neph_settings *chosen, struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, false);
+    struct neph_job job;
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
     struct neph_study study;
-    bool is_studied, is_late;
+    bool is_studied = false, is_late = false;
+    enum neph_status status = make_job(run, index, scene, false, &job, diag);
     const struct step step = begin_step(run, &job, KIND_FRAME + index);
-    enum neph_status status = choose_step(run, &job, &study, &is_studied, &is_late, diag);
+    if (!status)
+        status = choose_step(run, &job, &study, &is_studied, &is_late, diag);
     if (run->tell && is_late)
         result.outcome = NEPH_OUTCOME_TIMEOUT;
     else if (!status)
@@ -221,12 +276,14 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
                                         const struct neph_settings *chosen,
                                         struct neph_frame_result *frame, struct neph_diag *diag)
 {
-    struct neph_job job = job_of(run, index, scene, true);
+    struct neph_job job;
     struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    enum neph_status status = make_job(run, index, scene, true, &job, diag);
     job.shot.settings = *chosen;
     job.shot.time_limit_s = SECOND_SEED_PATIENCE * run->params->budget_s;
     const struct step step = begin_step(run, &job, KIND_SECOND_SEED + index);
-    const enum neph_status status = neph_job_run(&job, run->store, &result, diag);
+    if (!status)
+        status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
         if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
@@ -237,31 +294,37 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     return status;
 }
 
+/* Of each frame of a scene. */
+struct frame_job {
+    int index; /* of its engine in the field */
+    struct neph_settings chosen;
+};
+
 /* A second seed of every stochastic engine, where there are three engines to tell apart. */
 static enum neph_status run_second_seeds(const struct neph_scene_run *run,
                                          const struct neph_scene *scene,
-                                         const struct neph_settings *chosen,
+                                         const struct frame_job *jobs,
                                          struct neph_scene_result *result, struct neph_diag *diag)
 {
     int rendered = 0;
-    for (int i = 0; i < run->field->count; i++)
-        rendered += is_peer(run->field->engines[i]) && result->frames[i].path;
+    for (int f = 0; f < result->frame_count; f++)
+        rendered += result->frames[f].path != NULL;
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < run->field->count && !status; i++) {
-        struct neph_frame_result *frame = &result->frames[i];
+    for (int f = 0; f < result->frame_count && !status; f++) {
+        struct neph_frame_result *frame = &result->frames[f];
         if (!has_second_seed(frame->engine))
             continue;
         if (rendered >= 3 && frame->path)
-            status = run_second_seed(run, i, scene, &chosen[i], frame, diag);
+            status = run_second_seed(run, jobs[f].index, scene, &jobs[f].chosen, frame, diag);
         else
-            neph_progress_expect(run->progress, KIND_SECOND_SEED + i, -1, 0.0);
+            neph_progress_expect(run->progress, KIND_SECOND_SEED + jobs[f].index, -1, 0.0);
     }
     return status;
 }
 
 /* ---- what they say --------------------------------------------------------------------------- */
 
-/* Who disagrees with whom: of the peers those that claim physics to be right or wrong about. */
+/* All pairs of engines that claim physics; a shortcut claims that of the engine that it renders. */
 static enum neph_status attribute(const struct neph_scene_run *run,
                                   struct neph_scene_result *result, struct neph_diag *diag)
 {
@@ -269,9 +332,10 @@ static enum neph_status attribute(const struct neph_scene_run *run,
     int count = 0;
     for (int f = 0; f < result->frame_count; f++) {
         const struct neph_frame_result *frame = &result->frames[f];
-        if (frame->path && is_peer(frame->engine) && !frame->is_look)
+        if (frame->path && !frame->is_look)
             peers[count++] = (struct neph_peer){frame->engine->name, frame->path,
-                                                frame->second_path};
+                                                frame->second_path,
+                                                frame->engine->shortcut_of != NULL};
     }
     return neph_attribute(peers, count, run->arena, &result->attribution, diag);
 }
@@ -285,9 +349,35 @@ static int find_truth(const struct neph_scene_result *result)
     return -1;
 }
 
+/* The second frame of an engine: the first again of one that draws nothing, NULL where it was not
+ * rendered. Destroy it unless it is `first`. */
+static enum neph_status read_second(const struct neph_frame_result *frame, struct neph_image *first,
+                                    struct neph_image **second, struct neph_diag *diag)
+{
+    *second = frame->engine->stochastic ? NULL : first;
+    return frame->second_path ? neph_exr_read(frame->second_path, second, diag) : NEPH_OK;
+}
+
+/* What frames are measured against. */
+struct truth {
+    struct neph_image *image, *second; /* NULL: there is none */
+};
+
+static enum neph_status find_parts(const struct truth *truth, struct neph_image *image,
+                                   struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_image *second = NULL;
+    enum neph_status status = read_second(frame, image, &second, diag);
+    const struct neph_error_frames frames = {truth->image, truth->second, image, second};
+    if (!status)
+        status = neph_error_parts(&frames, &frame->error_parts, diag);
+    if (second != image)
+        neph_image_destroy(second);
+    return status;
+}
+
 /* Measure one rendered frame, against the truth when there is one. */
-static enum neph_status measure_frame(const struct neph_scene_run *run,
-                                      const struct neph_image *truth,
+static enum neph_status measure_frame(const struct neph_scene_run *run, const struct truth *truth,
                                       const struct neph_viewing *viewing,
                                       struct neph_frame_result *frame, struct neph_diag *diag)
 {
@@ -300,7 +390,9 @@ static enum neph_status measure_frame(const struct neph_scene_run *run,
         frame->bakes = neph_arena_copy(run->arena, &bakes, sizeof(bakes));
     status = neph_measure_validity(image, &frame->measurements, diag);
     if (!status && truth)
-        status = neph_measure(truth, image, NULL, viewing, &frame->measurements, diag);
+        status = neph_measure(truth->image, image, NULL, viewing, &frame->measurements, diag);
+    if (!status && truth)
+        status = find_parts(truth, image, frame, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -309,16 +401,20 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
                                     const struct neph_scene *scene,
                                     struct neph_scene_result *result, struct neph_diag *diag)
 {
-    struct neph_image *truth = NULL;
+    struct truth truth = {NULL, NULL};
     enum neph_status status = NEPH_OK;
     if (result->truth >= 0)
-        status = neph_exr_read(result->frames[result->truth].path, &truth, diag);
-    if (truth)
-        status = neph_scene_layers_add(scene, 0, truth, diag);
+        status = neph_exr_read(result->frames[result->truth].path, &truth.image, diag);
+    if (truth.image)
+        status = neph_scene_layers_add(scene, 0, truth.image, diag);
+    if (!status && truth.image)
+        status = read_second(&result->frames[result->truth], truth.image, &truth.second, diag);
     for (int f = 0; f < result->frame_count && !status; f++)
-        status = measure_frame(run, f == result->truth ? NULL : truth, &result->viewing,
-                               &result->frames[f], diag);
-    neph_image_destroy(truth);
+        status = measure_frame(run, f == result->truth || !truth.image ? NULL : &truth,
+                               &result->viewing, &result->frames[f], diag);
+    if (truth.second != truth.image)
+        neph_image_destroy(truth.second);
+    neph_image_destroy(truth.image);
     return status;
 }
 
@@ -327,10 +423,13 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
 static void describe(const struct neph_scene_run *run, const struct neph_scene *scene,
                      struct neph_scene_result *result)
 {
+    const bool has_size = run->plan && run->plan->width_px > 0;
     result->name = neph_arena_text(run->arena, scene->name);
     result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
+    result->width_px = has_size ? run->plan->width_px : run->params->width_px;
+    result->height_px = has_size ? run->plan->height_px : run->params->height_px;
     result->viewing = NEPH_VIEWING_DEFAULTS;
     result->viewing.exposure_ev = scene->exposure_ev;
     result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
@@ -340,13 +439,19 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
 static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
                                    struct neph_scene_result *result, struct neph_diag *diag)
 {
-    struct neph_settings chosen[NEPH_FIELD_MAX];
+    struct frame_job jobs[NEPH_FIELD_MAX];
     const size_t count = (size_t)run->field->count;
     result->frames = neph_arena_zeroed(run->arena, count, sizeof(*result->frames));
     enum neph_status status = neph_arena_check(run->arena, diag);
-    for (int i = 0; i < run->field->count && !status; i++, result->frame_count++)
-        status = run_frame(run, i, scene, &result->frames[i], &chosen[i], diag);
-    return status ? status : run_second_seeds(run, scene, chosen, result, diag);
+    for (int i = 0; i < run->field->count && !status; i++) {
+        const int f = result->frame_count;
+        if (!takes_part(run, i))
+            continue;
+        jobs[f].index = i;
+        status = run_frame(run, i, scene, &result->frames[f], &jobs[f].chosen, diag);
+        result->frame_count++;
+    }
+    return status ? status : run_second_seeds(run, scene, jobs, result, diag);
 }
 
 enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,

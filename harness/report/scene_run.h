@@ -12,8 +12,20 @@
 
 struct neph_report;
 
+/* How a scene of a run differs from the others of the run. */
+struct neph_scene_plan {
+    const char *name;              /* of the catalogue */
+    int width_px, height_px;       /* of its frames; 0: those of the run */
+    const char *const *engines;    /* that render it, NULL-terminated; NULL: all of the run */
+    const char *const *settings;   /* "ENGINE:KEY=VALUE", NULL-terminated, before those of the user;
+                                      NULL: none */
+    const char *const *light_only; /* engines that render radiance and no transmittance or depth,
+                                      NULL-terminated; NULL: none */
+};
+
 struct neph_validate_params {
-    const char *const *scenes; /* paths or names of the catalogue */
+    const char *const *scenes;           /* paths or names of the catalogue */
+    const struct neph_scene_plan *plans; /* of each of these; NULL: the scenes do not differ */
     int scene_count;
     const char *const *engines; /* names; engine_count 0: all that are no shortcut */
     int engine_count;
@@ -45,8 +57,9 @@ struct neph_scene_run {
     const struct neph_validate_params *params;
     const struct neph_run_engines *field;
     struct neph_store *store;
-    struct neph_progress *progress; /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
-    struct neph_arena *arena;       /* of the results */
+    struct neph_progress *progress;     /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
+    struct neph_arena *arena;           /* of the results */
+    const struct neph_scene_plan *plan; /* of the scene at hand; NULL: as the run */
     /* A worker's: called after each step whose frame is in the store; else NULL. */
     void (*tell)(const struct neph_scene_run *run, const char *step, bool reused, double seconds);
     const struct neph_worker *worker; /* for `tell`: itself .. */
@@ -54,8 +67,11 @@ struct neph_scene_run {
     struct neph_scene_told told;      /* by workers, of the scene at hand; its steps are counted */
 };
 
-/* There will be `count` more scenes; negative: fewer. */
+/* There will be `count` more scenes of the plan at hand; negative: fewer. */
 void neph_scene_run_expect(const struct neph_scene_run *run, int count);
+
+/* How many engines of the run render the scene at hand. */
+int neph_scene_run_engine_count(const struct neph_scene_run *run);
 
 /* Run one. `*result`, {0} before, is for neph_scene_result_finish() in any case. */
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,

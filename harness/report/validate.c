@@ -26,8 +26,9 @@ struct run {
     struct neph_progress progress;
     struct neph_scene_run scenes; /* what they have in common */
     double start_s;
-    int next;          /* scene that has no result yet */
-    struct told *told; /* of each scene, in the validation's arena */
+    int next;            /* scene that has no result yet */
+    int expected_frames; /* of all scenes that are here */
+    struct told *told;   /* of each scene, in the validation's arena */
 };
 
 /* What workers have told of a scene. */
@@ -99,11 +100,27 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
     return neph_arena_check(&made->arena, diag);
 }
 
+/* The scene at hand. */
+static void choose_scene(struct run *run, int index)
+{
+    run->scenes.plan = run->params->plans ? &run->params->plans[index] : NULL;
+}
+
+/* One scene more, or with -1 one less: that at hand. */
+static void expect_scene(struct run *run, int count)
+{
+    neph_scene_run_expect(&run->scenes, count);
+    run->expected_frames += count * neph_scene_run_engine_count(&run->scenes);
+}
+
 static void expect_all(struct run *run)
 {
     const struct neph_validate_params *params = run->params;
     run->progress = neph_progress_start(params->quiet, 0);
-    neph_scene_run_expect(&run->scenes, params->scene_count);
+    for (int i = 0; i < params->scene_count; i++) {
+        choose_scene(run, i);
+        expect_scene(run, 1);
+    }
     if (params->charts)
         neph_progress_expect(&run->progress, KIND_CHART, neph_charts_step_count(params->charts),
                              NEPH_CHARTS_STEP_TYPICAL_S * params->charts->repeats);
@@ -114,7 +131,7 @@ static void expect_all(struct run *run)
 
 static void judge(struct run *run)
 {
-    neph_validation_judge(run->made, run->params->scene_count - run->made->absent_count);
+    neph_validation_judge(run->made, run->expected_frames);
     run->made->seconds = neph_wall_s() - run->start_s;
 }
 
@@ -146,7 +163,7 @@ static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
         .hint = neph_arena_text(arena, diag->hint)};
     free(clean);
     *diag = (struct neph_diag){.line = 0};
-    neph_scene_run_expect(&run->scenes, -1);
+    expect_scene(run, -1);
 }
 
 /* The next one. */
@@ -156,6 +173,7 @@ static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
     const char *name = run->params->scenes[run->next];
     struct neph_scene_result *result = &made->scenes[made->scene_count];
     struct neph_scene *scene = NULL;
+    choose_scene(run, run->next);
     enum neph_status status = neph_data_load_scene(name, &scene, diag);
     if (status == NEPH_ERR_NOT_FOUND && run->params->skip_absent) {
         run->next++;
@@ -240,6 +258,7 @@ static void render_scene(struct run *run, int index)
     bool is_late = false;
     char text[64];
     run->scenes.scene = index;
+    choose_scene(run, index);
     enum neph_status status = neph_data_load_scene(run->params->scenes[index], &scene, &why);
     if (!status)
         status = neph_scene_render(&run->scenes, scene, &result, &is_late, &why);

@@ -30,9 +30,9 @@ const char *neph_gate_verdict_name(enum neph_gate_verdict verdict)
     return names[verdict];
 }
 
-static struct neph_counts count_frames(const struct neph_validation *validation, int here_count)
+static struct neph_counts count_frames(const struct neph_validation *validation, int expected)
 {
-    struct neph_counts counts = {.expected = here_count * validation->field.count};
+    struct neph_counts counts = {.expected = expected};
     for (int s = 0; s < validation->scene_count; s++) {
         const struct neph_scene_result *scene = &validation->scenes[s];
         counts.reported += scene->frame_count;
@@ -64,9 +64,9 @@ static bool passes(const struct neph_validation *validation)
     return pass;
 }
 
-void neph_validation_judge(struct neph_validation *validation, int here_count)
+void neph_validation_judge(struct neph_validation *validation, int expected)
 {
-    validation->counts = count_frames(validation, here_count);
+    validation->counts = count_frames(validation, expected);
     validation->verdict = passes(validation) ? NEPH_VERDICT_PASS : NEPH_VERDICT_FAIL;
 }
 

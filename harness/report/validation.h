@@ -13,6 +13,7 @@
 #include "harness/physics/results.h"
 #include "harness/report/attribution.h"
 #include "harness/report/charts.h"
+#include "harness/report/error_parts.h"
 #include "harness/report/over_time.h"
 #include "harness/run/job.h"
 #include "harness/study/study.h"
@@ -49,8 +50,9 @@ struct neph_frame_result {
     const char *path;               /* of the frame in the store; NULL unless rendered */
     const char *second_path;        /* by a second seed; NULL: none */
     const struct neph_study *study; /* that chose its step; NULL: none */
-    const struct neph_bakes_summary *bakes;              /* of the grids that it saw; NULL: none */
-    struct neph_measurements measurements;               /* owned */
+    const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
+    struct neph_measurements measurements;  /* owned */
+    struct neph_error_parts error_parts;    /* against the truth; all 0 of the truth itself */
     const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
 };
 
@@ -71,8 +73,9 @@ struct neph_gate_result {
 
 struct neph_scene_result {
     const char *name, *title, *physics, *hash;
+    int width_px, height_px; /* of its frames */
     struct neph_viewing viewing;
-    int frame_count; /* one per engine of the field, in its order */
+    int frame_count; /* one per engine of the field that renders this scene, in its order */
     struct neph_frame_result *frames;
     int truth; /* index of the frame that the others are measured against; -1: there is none */
     double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
@@ -100,7 +103,8 @@ enum neph_verdict {
 
 /* What a verdict stands on. */
 struct neph_counts {
-    int expected; /* frames: scenes that are here times engines; in the physics suite, rows */
+    int expected; /* frames: over all scenes that are here, their engines; in the physics suite,
+                     rows */
     int reported; /* of them in the report, with their outcome */
     int compared; /* of these, measured against the truth */
     int ungated;  /* of these, limited by a factor of two only: harness/report/gates.c */
@@ -111,7 +115,7 @@ struct neph_validation {
     struct neph_arena arena;
     const char *title;
     char created_utc[32];
-    int width_px, height_px; /* of the scenes' pictures */
+    int width_px, height_px; /* of frames of scenes that have no size of their own */
     struct neph_run_engines field;
     int scene_count, absent_count, chart_count;
     struct neph_scene_result *scenes;
@@ -133,10 +137,10 @@ void neph_validation_finish(struct neph_validation *validation);
 /* What of a scene is not the arena's; it becomes {0}. */
 void neph_scene_result_finish(struct neph_scene_result *scene);
 
-/* Count and judge what is there; `here_count` scenes were to be run. A failed gate or an engine
+/* Count and judge what is there; `expected` frames were to be rendered. A failed gate or an engine
  * that broke fails the run, a missing one does not. Nor does a run pass that lost a frame or
  * compared none. */
-void neph_validation_judge(struct neph_validation *validation, int here_count);
+void neph_validation_judge(struct neph_validation *validation, int expected);
 
 /* Judge the gates of a scene whose frames are measured: result->gates, in the arena. A frame that
  * no gate of the scene limits has one there when it fails. */
@@ -149,6 +153,10 @@ json_t *neph_validation_json(const struct neph_validation *validation);
 
 /* For people: a line for each frame, and what is to be said of it below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);
+
+/* "pass", and which engines the verdict is without, and in how many scenes: those that are not
+ * installed, did not fit their budget, or have fewer samples than were set. No line break. */
+void neph_validation_print_verdict(const struct neph_validation *validation, FILE *out);
 
 const char *neph_verdict_name(enum neph_verdict verdict);
 const char *neph_gate_verdict_name(enum neph_gate_verdict verdict);

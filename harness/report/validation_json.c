@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/written.h"
 #include "harness/host.h"
 #include "harness/report/page.h"
+#include "harness/report/ranking.h"
+#include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
@@ -52,12 +56,13 @@ static json_t *scene_json(const struct neph_scene_result *scene)
         neph_json_add(&frames, frame_json(&scene->frames[f]));
     for (int g = 0; g < scene->gate_count; g++)
         neph_json_add(&gates, gate_json(&scene->gates[g]));
-    return json_pack("{s:s, s:s, s:s, s:f, s:o, s:s, s:o, s:{s:f, s:f}, s:o, s:o, s:o, s:s?, s:s?}",
+    return json_pack("{s:s, s:s, s:s, s:[i,i], s:f, s:o, s:s, s:o, s:{s:f, s:f}, s:o, s:o, s:o, "
+                     "s:s?, s:s?}",
                      "name", scene->name, "title", scene->title, "physics", scene->physics,
-                     "exposure_ev", scene->viewing.exposure_ev, "viewing",
-                     neph_viewing_json(&scene->viewing), "hash", scene->hash, "truth",
-                     truth_json(scene), "difference_scale", "radiance",
-                     scene->difference_scales[NEPH_SHOWN_RADIANCE], "transmittance",
+                     "size_px", scene->width_px, scene->height_px, "exposure_ev",
+                     scene->viewing.exposure_ev, "viewing", neph_viewing_json(&scene->viewing),
+                     "hash", scene->hash, "truth", truth_json(scene), "difference_scale",
+                     "radiance", scene->difference_scales[NEPH_SHOWN_RADIANCE], "transmittance",
                      scene->difference_scales[NEPH_SHOWN_TRANSMITTANCE], "frames", frames, "gates",
                      gates, "attribution", neph_attribution_json(scene->attribution), "viewer",
                      scene->viewer, "no_viewer", scene->no_viewer);
@@ -101,6 +106,21 @@ static json_t *head_json(const struct neph_validation *validation)
                      "charts", charts);
 }
 
+static void write_verdict(const void *validation, FILE *out)
+{
+    neph_validation_print_verdict(validation, out);
+}
+
+static json_t *verdict_json(const struct neph_validation *validation)
+{
+    char *text = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_written(write_verdict, validation, &text, &diag);
+    json_t *json = text ? json_string(text) : NULL;
+    free(text);
+    return json;
+}
+
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -115,6 +135,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     const struct neph_counts *counts = &validation->counts;
     json_t *json = head_json(validation);
     neph_json_set(&json, "verdict", json_string(neph_verdict_name(validation->verdict)));
+    neph_json_set(&json, "verdict_text", verdict_json(validation));
     neph_json_set(&json, "seconds", json_real(validation->seconds));
     neph_json_set(&json, "counts",
                   json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",
@@ -130,7 +151,10 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "screen",
                   validation->has_screen ? json_string("screen/index.html") : json_null());
+    neph_json_set(&json, "ranking", neph_ranking_json(validation));
     neph_json_set(&json, "difference_colours", neph_page_difference_colours());
+    neph_json_set(&json, "difference_beyond",
+                  neph_page_colours_beyond(neph_display_difference_legend()));
     neph_json_set(&json, "metrics", metrics_json());
     return json;
 }

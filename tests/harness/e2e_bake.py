@@ -16,7 +16,7 @@ NEPH = pathlib.Path(neph_case.NEPH)
 # The camera looks along z, and a pixel of 11 x 9 is 0.5 m wide.
 SCENE = """name: NAME
 title: A block of voxels against a uniform sky
-physics: absorption alone
+description: absorption alone
 camera: {position_m: [1, 2, 20], look_at_m: [1, 2, 0], orthographic_height_m: 4.5}
 background_w_per_m2_sr: [1, 1, 1]
 scattering: none

@@ -49,7 +49,7 @@ class CommandLine(neph_case.NephCase):
         scene = self.folder / "lamp_in_fog.yaml"
         text = """name: lamp_in_fog
 title: A light in fog on the ray of the middle pixel
-physics: the integral of 1/d^2 has no bound there
+description: the integral of 1/d^2 has no bound there
 camera: {position_m: [0, 0, 5], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
 lights: [{position_m: [0, 0, LIGHT], intensity_w_per_sr: [1, 1, 1]}]
 scattering: single

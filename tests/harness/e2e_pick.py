@@ -12,7 +12,7 @@ from neph_case import ROOT, NephCase
 
 EVEN = """name: even
 title: Even fog before the sky
-physics: Homogeneous. Truth is exact.
+description: Homogeneous. Truth is exact.
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 50}
 sun: {direction: [0.3, 0.6, -0.2], irradiance_w_per_m2: [3, 3, 3]}
 background_w_per_m2_sr: [0.5, 0.6, 0.7]
@@ -24,7 +24,7 @@ media:
 
 CLOUD = """name: cloud
 title: A cloud of some optical depth
-physics: A Gaussian cloud across the light, all orders of scattering. Truth is the tracer.
+description: A Gaussian cloud across the light, all orders of scattering. Truth is the tracer.
 camera: {position_m: [0, 0, 600], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
 sun: {direction: [1, 0.3, 0], irradiance_w_per_m2: [10, 10, 10]}
 scattering: multiple

@@ -13,7 +13,7 @@ from neph_case import StudyCase
 SLAB = """
 name: slab
 title: a test
-physics: a test
+description: a test
 camera: {position_m: [0, 8, 0], look_at_m: [1, 0, -4], vertical_fov_deg: 40}
 sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
 background_w_per_m2_sr: [0.5, 0.25, 0.125]
