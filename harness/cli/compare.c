@@ -149,7 +149,7 @@ static const struct neph_cli_syntax flicker_syntax = {
         "Examples:\n"
         "  neph flicker before/ after/\n"
         "  neph flicker -r reference/ before/ after/ --page out/flicker\n"
-        "  neph flicker -r still.exr 'taa/f.*.exr' --warm-up 44\n"
+        "  neph flicker -r still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker -r full/ fast/ --mask depth_edge --maps out/maps\n"
         "  neph flicker -r lights/ taa/ -s lag:step_frame=16 -m lag\n"
         "  neph flicker -r sines/ taa/ --warm-up 64 -s follow:period_1=32 -m follow\n"
