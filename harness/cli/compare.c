@@ -6,7 +6,8 @@
 #include "harness/cli/cli.h"
 
 #include "base/clock.h"
-#include "base/text.h"
+#include "harness/cli/compare_choice.h"
+#include "harness/cli/compare_page.h"
 #include "harness/cli/compare_sides.h"
 #include "harness/compare/alone.h"
 #include "harness/compare/comparison.h"
@@ -28,7 +29,7 @@ struct request {
     struct neph_cli_words references;
     struct neph_cli_list metrics;
     struct neph_cli_words above, below; /* limits */
-    const char *mask, *csv, *junit, *maps, *layer;
+    const char *mask, *csv, *junit, *page, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: as usual */
@@ -99,6 +100,8 @@ static const struct neph_cli_option options[] = {
     {"maps", 0, "DIR",
      "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png",
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
+    {"page", 0, "DIR", "An HTML page with charts over time, maps, the worst frames and all numbers",
+     NEPH_CLI_OUTPUT, AT(page), .group = WRITING},
     {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),
      .group = WRITING},
@@ -123,12 +126,12 @@ static const struct neph_cli_syntax compare_syntax = {
         "of a shell, are refused.\n"
         "\n"
         "Examples:\n"
-        "  neph compare reference.exr test.exr\n"
-        "  neph compare -r reference.exr before.exr after.exr\n"
-        "  neph compare -r reference/ before/ after/ --page out/compare\n"
-        "  neph compare reference.exr test.exr --json --mask depth_edge\n"
-        "  neph compare old.png new.png -m flip --fail-above flip_mean=0.05\n"
-        "  neph compare reference.exr 'test/f.*.exr' --csv errors.csv",
+        "  neph compare exact.exr march.exr\n"
+        "  neph compare -r ref.png before.png after.png\n"
+        "  neph compare -r full/ before/ after/ --page out/compare\n"
+        "  neph compare exact.exr march.exr --json --mask depth_edge\n"
+        "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
+        "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
 };
 
 static const struct neph_cli_syntax flicker_syntax = {
@@ -148,7 +151,7 @@ static const struct neph_cli_syntax flicker_syntax = {
         "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
         "Examples:\n"
         "  neph flicker before/ after/\n"
-        "  neph flicker -r reference/ before/ after/ --page out/flicker\n"
+        "  neph flicker -r full/ before/ after/ --page out/flicker\n"
         "  neph flicker -r still.exr 'taa/frame.*.exr' --warm-up 44\n"
         "  neph flicker -r full/ fast/ --mask depth_edge --maps out/maps\n"
         "  neph flicker -r lights/ taa/ -s lag:step_frame=16 -m lag\n"
@@ -157,81 +160,6 @@ static const struct neph_cli_syntax flicker_syntax = {
 };
 
 /* ---- what to measure ------------------------------------------------------------------------- */
-
-/* The extractor of that name, or of a metric of that name; NULL: there is none. */
-static const struct neph_extractor *find_extractor(const char *word)
-{
-    const struct neph_extractor *extractor = neph_extractor_find(word);
-    if (!extractor)
-        neph_metric_find(word, &extractor);
-    return extractor;
-}
-
-static struct neph_meter_choice *find_choice(struct neph_comparison *comparison,
-                                             const struct neph_extractor *extractor)
-{
-    for (int i = 0; i < comparison->choice_count; i++)
-        if (comparison->choices[i].extractor == extractor)
-            return &comparison->choices[i];
-    return NULL;
-}
-
-static void choose(struct neph_comparison *comparison, const struct neph_extractor *extractor)
-{
-    if (!find_choice(comparison, extractor) && comparison->choice_count < NEPH_CHOICES_MAX)
-        comparison->choices[comparison->choice_count++] = (struct neph_meter_choice){
-            extractor, neph_options_default(extractor->options)};
-}
-
-static enum neph_status choose_word(struct neph_comparison *comparison, const char *word,
-                                    struct neph_diag *diag)
-{
-    const struct neph_extractor *extractor = find_extractor(word);
-    if (extractor) {
-        choose(comparison, extractor);
-        return NEPH_OK;
-    }
-    if (strcmp(word, "all") != 0) {
-        neph_fail(diag, NEPH_ERR_USAGE, "there is no extractor or metric '%s'", word);
-        neph_hint(diag, "`neph metrics` lists them");
-        return NEPH_ERR_USAGE;
-    }
-    for (int i = 0; i < neph_extractor_count(); i++)
-        if (!comparison->without_reference ||
-            neph_extractor_needs_no_reference(neph_extractor_at(i)))
-            choose(comparison, neph_extractor_at(i));
-    return NEPH_OK;
-}
-
-/* Settings were written EXTRACTOR.KEY=VALUE. */
-static void warn_of_dot(const char *extractor, const char *key)
-{
-    char was[160], is[160];
-    neph_text_format(was, sizeof(was), "-s %s.%s", extractor, key);
-    neph_text_format(is, sizeof(is), "-s %s:%s", extractor, key);
-    neph_old_option_warn("neph", was, is);
-}
-
-static enum neph_status apply_setting(struct neph_comparison *comparison, const char *text,
-                                      struct neph_diag *diag)
-{
-    char name[64], owner[96];
-    const size_t length = strcspn(text, ".:=");
-    const char *key = text + length + 1;
-    if (text[length] == '\0' || text[length] == '=' || length >= sizeof(name))
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR:KEY=VALUE", text);
-    snprintf(name, sizeof(name), "%.*s", (int)length, text);
-    if (text[length] == '.')
-        warn_of_dot(name, key);
-    const struct neph_extractor *extractor = neph_extractor_find(name);
-    if (!extractor)
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
-                         name);
-    choose(comparison, extractor); /* who sets something wants it */
-    snprintf(owner, sizeof(owner), "extractor %s", name);
-    return neph_options_set(extractor->options, owner, key,
-                            &find_choice(comparison, extractor)->settings, diag);
-}
 
 /* What was given, over the defaults. */
 static struct neph_viewing viewing_of(const struct request *request)
@@ -287,7 +215,7 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
         const struct neph_extractor *extractor = NULL;
         status = parse_limit(request, i, &limit, diag);
         if (!status && neph_metric_find(limit.metric, &extractor))
-            choose(comparison, extractor);
+            neph_choose(comparison, extractor);
         comparison->detail_masks |= !status && neph_mask_is_detail(limit.mask);
     }
     return status;
@@ -315,15 +243,15 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = choose_word(comparison, request->metrics.words[i], diag);
+        status = neph_choose_word(comparison, request->metrics.words[i], diag);
     for (int i = 0; i < neph_extractor_count() && request->metrics.count == 0; i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
         if (!extractor->costly && extractor->temporal == request->temporal &&
             (!comparison->without_reference || neph_extractor_needs_no_reference(extractor)))
-            choose(comparison, extractor);
+            neph_choose(comparison, extractor);
     }
     for (int i = 0; i < request->shared.settings.count && !status; i++)
-        status = apply_setting(comparison, request->shared.settings.list[i], diag);
+        status = neph_choose_setting(comparison, request->shared.settings.list[i], diag);
     if (!status)
         status = choose_limited(comparison, request, diag);
     return status ? status : check_reference(request, comparison, diag);
@@ -414,6 +342,16 @@ static bool is_for_people(const struct request *request)
     return !request->shared.json && (!request->csv || strcmp(request->csv, "-") != 0);
 }
 
+/* What is at work between the words and the answer. */
+struct work {
+    const struct request *request;
+    const struct neph_sides *sides;
+    struct neph_comparison asked[NEPH_PAGE_SIDES]; /* of the test, and of the other one */
+    struct neph_compared compared[NEPH_PAGE_SIDES];
+    struct neph_cli_page page;
+    struct neph_junit *junit;
+};
+
 /* What stands behind the first line. */
 static const char *find_note(const struct neph_sides *sides, struct neph_arena *arena)
 {
@@ -423,71 +361,95 @@ static const char *find_note(const struct neph_sides *sides, struct neph_arena *
                                  : NULL;
 }
 
-static void print_people(const struct request *request, const struct neph_sides *sides,
-                         const struct neph_compared *compared)
+static struct neph_verdict_form make_form(const struct work *work, struct neph_arena *arena)
 {
-    struct neph_arena arena = {0};
-    const struct neph_verdict_form form = {
+    const struct request *request = work->request;
+    return (struct neph_verdict_form){
         .mask = wanted_mask(request),
-        .test = sides->test_name,
-        .other = sides->other_name,
-        .note = find_note(sides, &arena),
+        .test = work->sides->test_name,
+        .other = work->sides->other_name,
+        .note = find_note(work->sides, arena),
         .lines_used = limit_count(request),
         .is_brief = request->shared.quiet || request->all,
         .shows_metrics = request->metrics.count > 0,
     };
-    neph_verdict(compared, &form, stdout);
-    if (request->all && !request->shared.quiet) {
-        if (form.note)
-            printf("%s\n", form.note);
-        neph_comparison_print(compared, request->rings || request->mask,
-                              request->metrics.count > 0);
-    }
-    neph_arena_finish(&arena);
 }
 
-static enum neph_status print_all(const struct request *request, const struct neph_sides *sides,
-                                  const struct neph_compared *compared, struct neph_diag *diag)
+static void print_people(const struct work *work, const struct neph_verdict_form *form)
 {
-    enum neph_status status = NEPH_OK;
-    if (compared->numbers.count == 0 && request->mask)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "nothing to measure over the mask '%s': the reference has no such pixels, "
-                         "or lacks the layer that it is made from",
-                         request->mask);
-    if (request->shared.json)
-        status = neph_json_print(neph_compared_json(compared), diag);
-    else if (is_for_people(request))
-        print_people(request, sides, compared);
-    return request->csv && !status ? neph_comparison_write_csv(request->csv, compared, diag)
-                                   : status;
+    const struct request *request = work->request;
+    const struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
+    if (compared->numbers.count > 0)
+        neph_verdict(compared, form, stdout);
+    if (!request->all || request->shared.quiet)
+        return;
+    if (form->note)
+        printf("%s\n", form->note);
+    neph_comparison_print(compared, request->rings || request->mask, request->metrics.count > 0);
 }
 
-/* Compares with the other test, too. `compared` has only what was asked for: p-values are corrected
- * for these. Frozen frames of the other test fail after the comparison. */
-static enum neph_status add_versus(const struct request *request,
-                                   const struct neph_comparison *comparison,
-                                   const struct neph_sides *sides, struct neph_compared *compared,
+static enum neph_status write_page(struct work *work, struct neph_verdict_form form,
                                    struct neph_diag *diag)
 {
-    struct neph_comparison other = *comparison;
-    struct neph_compared beside = {0};
-    other.test = sides->other;
-    other.maps_directory = NULL;
-    const enum neph_status judged = neph_comparison_run(&other, true, &beside, diag);
-    enum neph_status status = beside.asked && judged == NEPH_ERR_GATE ? NEPH_OK : judged;
-    if (judged == NEPH_ERR_GATE && beside.asked)
+    const bool has_other = work->compared[NEPH_PAGE_OTHER].asked;
+    form.is_brief = false;
+    form.lines_used = 0;
+    form.is_on_page = true;
+    return neph_cli_page_write(&work->page, work->junit->name, &form,
+                               &work->compared[NEPH_PAGE_TEST],
+                               has_other ? &work->compared[NEPH_PAGE_OTHER] : NULL, diag);
+}
+
+static enum neph_status print_all(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    const struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
+    struct neph_arena arena = {0};
+    const struct neph_verdict_form form = make_form(work, &arena);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status && compared->numbers.count == 0 && request->mask)
+        status = neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "nothing to measure over the mask '%s': the reference has no such pixels, "
+            "or lacks the layer that it is made from",
+            request->mask);
+    else if (!status && request->shared.json)
+        status = neph_json_print(neph_compared_json(compared), diag);
+    else if (!status && is_for_people(request))
+        print_people(work, &form);
+    fflush(stdout);
+    if (!status && request->csv)
+        status = neph_comparison_write_csv(request->csv, compared, diag);
+    if (!status)
+        status = write_page(work, form, diag);
+    neph_arena_finish(&arena);
+    return status;
+}
+
+/* Compares with the other test, too. The numbers are only those that were asked for: p-values are
+ * corrected for these. Frozen frames of the other test fail after the comparison. */
+static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
+{
+    struct neph_comparison *other = &work->asked[NEPH_PAGE_OTHER];
+    struct neph_compared *compared = work->compared, *beside = &work->compared[NEPH_PAGE_OTHER];
+    *other = work->asked[NEPH_PAGE_TEST];
+    other->test = work->sides->other;
+    other->maps_directory = NULL;
+    if (work->request->temporal)
+        neph_cli_page_take(&work->page, NEPH_PAGE_OTHER, other);
+    const enum neph_status judged = neph_comparison_run(other, true, beside, diag);
+    enum neph_status status = beside->asked && judged == NEPH_ERR_GATE ? NEPH_OK : judged;
+    if (judged == NEPH_ERR_GATE && beside->asked)
         neph_hint(diag, "these are frames of '%s'; if they are meant to be frozen, say --frozen-ok",
-                  sides->other_name);
+                  work->sides->other_name);
     if (!status) {
-        select_wanted(request, &beside);
-        status = neph_versus(&compared->numbers, &beside.numbers, &compared->versus, diag);
+        select_wanted(work->request, beside);
+        status = neph_versus(&compared->numbers, &beside->numbers, &compared->versus, diag);
     }
     if (!status)
-        status = neph_versus_add_movement(&compared->movement, &beside.movement, &compared->versus,
+        status = neph_versus_add_movement(&compared->movement, &beside->movement, &compared->versus,
                                           diag);
     compared->has_versus = !status;
-    neph_compared_finish(&beside);
     return status ? status : judged;
 }
 
@@ -507,7 +469,7 @@ static bool has_numbers_of(const struct neph_compared *compared,
 static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
                                     struct neph_diag *diag)
 {
-    const struct neph_extractor *extractor = find_extractor(word);
+    const struct neph_extractor *extractor = neph_find_extractor(word);
     if (!extractor || has_numbers_of(compared, extractor)) /* "all" is none */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";
@@ -575,27 +537,24 @@ static void add_run(const struct request *request, enum neph_status status,
                        status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED, status ? why->message : "");
 }
 
-/* Limits hold of all numbers, and are spoken of after those that are shown. */
-static enum neph_status tell(const struct request *request,
-                             const struct neph_comparison *comparison,
-                             const struct neph_sides *sides, enum neph_status status,
-                             struct neph_compared *compared, struct neph_junit *junit,
-                             struct neph_diag *diag)
+/* Limits hold of all numbers, and are spoken of before those that are shown. */
+static enum neph_status tell(struct work *work, enum neph_status status, struct neph_diag *diag)
 {
+    const struct request *request = work->request;
+    struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
     struct neph_diag late = {.line = 0};
     const enum neph_status checked = check_all(request, compared, &late);
     if (is_for_people(request))
         print_limits(request, compared);
-    add_limits(request, &compared->numbers, diag, junit);
+    add_limits(request, &compared->numbers, diag, work->junit);
     select_wanted(request, compared);
-    if (sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
-        const enum neph_status versus = add_versus(request, comparison, sides, compared,
-                                                   status ? NULL : diag);
+    if (work->sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
+        const enum neph_status versus = add_versus(work, status ? NULL : diag);
         status = status ? status : versus;
     }
-    const enum neph_status printed = print_all(request, sides, compared, status ? NULL : diag);
+    const enum neph_status printed = print_all(work, status ? NULL : diag);
     status = status ? status : printed;
-    add_run(request, status, diag, junit);
+    add_run(request, status, diag, work->junit);
     if (status || !checked)
         return status;
     *diag = late;
@@ -609,13 +568,22 @@ static enum neph_status measure(const struct request *request,
                                 const struct neph_sides *sides, struct neph_junit *junit,
                                 struct neph_diag *diag)
 {
-    struct neph_compared compared = {0};
+    struct work work = {.request = request, .sides = sides, .junit = junit};
+    struct neph_comparison *asked = &work.asked[NEPH_PAGE_TEST];
+    struct neph_compared *compared = &work.compared[NEPH_PAGE_TEST];
+    *asked = *comparison;
     enum neph_status status = neph_sides_check(sides, comparison, diag);
     if (!status)
-        status = neph_comparison_run(comparison, sides->other.count > 0, &compared, diag);
-    if (compared.asked)
-        status = tell(request, comparison, sides, status, &compared, junit, diag);
-    neph_compared_finish(&compared);
+        status = neph_cli_page_begin(request->page, &work.page, diag);
+    if (!status && request->temporal)
+        neph_cli_page_take(&work.page, NEPH_PAGE_TEST, asked);
+    if (!status)
+        status = neph_comparison_run(asked, sides->other.count > 0, compared, diag);
+    if (compared->asked)
+        status = tell(&work, status, diag);
+    for (int side = 0; side < NEPH_PAGE_SIDES; side++)
+        neph_compared_finish(&work.compared[side]);
+    neph_cli_page_end(&work.page);
     return status;
 }
 

@@ -123,8 +123,8 @@ static enum neph_status find_words(const struct neph_side_words *words, struct n
     if (words->is_flicker)
         return find_flicker_alone(words, sides, diag);
     if (words->operand_count != 2) {
-        neph_fail(diag, NEPH_ERR_USAGE, "%d operands: a reference and a test are needed",
-                  words->operand_count);
+        neph_fail(diag, NEPH_ERR_USAGE, "a reference and a test are needed: %d operand%s given",
+                  words->operand_count, words->operand_count == 1 ? " is" : "s are");
         neph_hint(diag, "put patterns in quotes, or name the reference by -r");
         return NEPH_ERR_USAGE;
     }

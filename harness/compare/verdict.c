@@ -261,7 +261,7 @@ static bool print_answer(const struct neph_compared *compared, const struct neph
     return !form->shows_metrics && print_error(compared, mask, out) > 0;
 }
 
-static void print_ways(const struct neph_compared *compared, FILE *out)
+static void print_ways(const struct neph_compared *compared, bool is_on_page, FILE *out)
 {
     const struct neph_viewing *viewing = &compared->viewing;
     fprintf(out,
@@ -270,6 +270,8 @@ static void print_ways(const struct neph_compared *compared, FILE *out)
             viewing->frame_rate_hz, viewing->pixels_per_degree, viewing->exposure_ev,
             viewing->white_cd_per_m2, compared->frame_count, compared->frame_count == 1 ? "" : "s",
             compared->frozen_count);
+    if (is_on_page)
+        return;
     fprintf(out,
             "%d numbers in all: --all, --csv FILE or --json; a page with charts and maps: --page "
             "DIR\n",
@@ -299,5 +301,5 @@ void neph_verdict(const struct neph_compared *compared, const struct neph_verdic
     else
         print_numbers(compared, mask, lines_max - lines, form->shows_metrics, out);
     if (!form->is_brief)
-        print_ways(compared, out);
+        print_ways(compared, form->is_on_page, out);
 }

@@ -22,6 +22,7 @@ struct neph_verdict_form {
                                  without one; NULL: none */
     int lines_used;           /* stand above, by neph_verdict_limit() */
     bool is_brief;            /* one line, and none where lines stand above */
+    bool is_on_page;          /* the ways to the other numbers are not told */
     bool shows_metrics;       /* the user named metrics: they follow the most important ones */
 };
 
