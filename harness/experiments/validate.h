@@ -13,8 +13,8 @@
 
 struct neph_validate_request {
     struct neph_cli_shared shared; /* operands: scenes */
-    struct neph_cli_words engines, only, presets;
-    const char *tier, *suite, *check, *pictures;
+    struct neph_cli_list engines, only, presets;
+    const char *tier, *suite, *pictures;
     int budget_s, samples, page_limit_mb, seed;
     bool no_charts, on_device;
     /* Opened by `prepare`, closed by `finish`. */

@@ -12,6 +12,7 @@
 
 struct entrant {
     const char *name;
+    bool is_shortcut;
     struct neph_image *frames[2]; /* the same twice for a deterministic engine */
 };
 
@@ -37,6 +38,7 @@ static enum neph_status enrol(const struct neph_peer *peer, struct field *field,
 {
     struct entrant *entrant = &field->entrants[field->count];
     entrant->name = peer->name;
+    entrant->is_shortcut = peer->is_shortcut;
     enum neph_status status = neph_exr_read(peer->path, &entrant->frames[0], diag);
     if (status)
         return status;
@@ -61,14 +63,28 @@ static enum neph_status choose_mask(struct field *field, struct neph_diag *diag)
     return neph_mask_create(field->entrants[0].frames[0], "all", NULL, &field->mask, diag);
 }
 
-static enum neph_status compare_all(const struct field *field, int *verdicts,
-                                    struct neph_attribution *made, struct neph_diag *diag)
+static bool has_shortcut(const struct field *field, int i, int j)
+{
+    return field->entrants[i].is_shortcut || field->entrants[j].is_shortcut;
+}
+
+/* Pairs of one family: those with a shortcut, or those without. Each family has its own correction,
+ * so that a shortcut that takes part changes no interval of the others. */
+static enum neph_status compare_family(const struct field *field, bool with_shortcuts,
+                                       int *verdicts, struct neph_attribution *made,
+                                       struct neph_diag *diag)
 {
     const int n = field->count;
+    int size = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++)
+            size += has_shortcut(field, i, j) == with_shortcuts;
     const double critical_z = neph_normal_critical(
-        neph_sidak_alpha(NEPH_ATTRIBUTION_FAMILY_ALPHA, n * (n - 1) / 2));
+        neph_sidak_alpha(NEPH_ATTRIBUTION_FAMILY_ALPHA, size > 0 ? size : 1));
     for (int i = 0; i < n; i++)
         for (int j = i + 1; j < n; j++) {
+            if (has_shortcut(field, i, j) != with_shortcuts)
+                continue;
             const struct entrant *x = &field->entrants[i], *y = &field->entrants[j];
             const struct neph_image *const frames[4] = {x->frames[0], x->frames[1], y->frames[0],
                                                         y->frames[1]};
@@ -135,7 +151,9 @@ static enum neph_status conclude(const struct field *field, struct neph_arena *a
         made->pairs = neph_arena_zeroed(arena, pair_count, sizeof(*made->pairs));
     enum neph_status status = neph_arena_check(arena, diag);
     if (!status)
-        status = compare_all(field, verdicts, made, diag);
+        status = compare_family(field, false, verdicts, made, diag);
+    if (!status)
+        status = compare_family(field, true, verdicts, made, diag);
     if (status) /* dark, or too few pixels: nothing to attribute */
         return status == NEPH_ERR_UNSUPPORTED ? NEPH_OK : status;
     for (int i = 0; i < field->count; i++)

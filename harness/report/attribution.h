@@ -11,12 +11,16 @@
 #include "harness/json.h"
 #include "metrics/pair.h"
 
-/* The probability that engines that all agree are told apart. */
+/* The probability that engines that all agree are told apart: in the pairs without a shortcut, and
+ * once more in those with one. */
 #define NEPH_ATTRIBUTION_FAMILY_ALPHA 0.01
 
-/* Who is held against the others: a frame, and one of a second seed (NULL: nothing is random). */
+/* An engine that is compared with the others: a frame, and one of a second seed (NULL: nothing is
+ * random). */
 struct neph_peer {
     const char *name, *path, *second_path;
+    bool
+        is_shortcut; /* it renders the model of another engine: its pairs are a family of their own */
 };
 
 struct neph_peer_pair {

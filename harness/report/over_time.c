@@ -7,6 +7,7 @@
 #include "base/path.h"
 #include "harness/compare/measure.h"
 #include "harness/data.h"
+#include "harness/report/flicker_map.h"
 #include "harness/report/page.h"
 #include "renderer/realtime/options.h"
 
@@ -28,7 +29,7 @@ static const double pixels_per_degree = 60.0; /* as `neph flicker` */
 static const char shared_setting[] = "steps=12";
 
 /* What a person sees, over the threshold. */
-static const char map_file[] = "seen_contrast_radiance.png";
+static const char map_file[] = "seen_contrast_radiance.exr";
 
 static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95", NULL};
 
@@ -248,7 +249,7 @@ static void describe(struct work *work, const char *reason)
     const bool is_there = reference->text != NULL;
     made->scene = neph_arena_text(work->arena, work->scene->name);
     made->title = neph_arena_text(work->arena, work->scene->title);
-    made->physics = neph_arena_text(work->arena, work->scene->physics);
+    made->physics = neph_arena_text(work->arena, work->scene->description);
     made->width_px = width_px;
     made->height_px = height_px;
     made->frame_count = FRAMES;
@@ -341,7 +342,9 @@ static enum neph_status copy_row(struct neph_over_time_row *row, const char *sce
         status = neph_page_copy(row->folder, file, report_folder, row->pictures[i], diag);
     }
     row->map = neph_arena_format(arena, "images/over_time/%s_%s_seen.png", scene, row->preset);
-    return status ? status : neph_page_copy(row->folder, map_file, report_folder, row->map, diag);
+    return status ? status
+                  : neph_flicker_map_draw(neph_path_in(row->folder, map_file).text,
+                                          neph_path_in(report_folder, row->map).text, diag);
 }
 
 enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
@@ -382,14 +385,14 @@ json_t *neph_over_time_json(const struct neph_over_time *over_time)
     json_t *rows = json_array();
     for (int i = 0; i < over_time->row_count; i++)
         neph_json_add(&rows, row_json(&over_time->rows[i]));
-    return json_pack("{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:f, "
-                     "s:{s:s, s:s, s:s, s:s, s:s, s:o}, s:o}",
-                     "scene", over_time->scene, "title", over_time->title, "physics",
-                     over_time->physics, "size_px", over_time->width_px, over_time->height_px,
-                     "frames", over_time->frame_count, "rate_hz", over_time->rate_hz, "exposure_ev",
-                     over_time->exposure_ev, "reference", "engine", "march", "settings",
-                     over_time->reference.settings, "text", over_time->reference.text, "status",
-                     neph_outcome_name(over_time->reference.outcome), "reason",
-                     over_time->reference.reason, "cpu_s",
-                     neph_json_number(over_time->reference.cpu_s), "rows", rows);
+    return json_pack(
+        "{s:s, s:s, s:s, s:[i,i], s:i, s:f, s:f, "
+        "s:{s:s, s:s, s:s, s:s, s:s, s:o}, s:o, s:o}",
+        "scene", over_time->scene, "title", over_time->title, "physics", over_time->physics,
+        "size_px", over_time->width_px, over_time->height_px, "frames", over_time->frame_count,
+        "rate_hz", over_time->rate_hz, "exposure_ev", over_time->exposure_ev, "reference", "engine",
+        "march", "settings", over_time->reference.settings, "text", over_time->reference.text,
+        "status", neph_outcome_name(over_time->reference.outcome), "reason",
+        over_time->reference.reason, "cpu_s", neph_json_number(over_time->reference.cpu_s),
+        "map_scale", neph_flicker_map_scale_json(), "rows", rows);
 }

@@ -138,15 +138,28 @@ size_t neph_page_size(const char *folder, const struct neph_page_parts *parts)
     return sum;
 }
 
+static json_t *colour_json(const uint8_t rgb[3])
+{
+    return json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
+}
+
+json_t *neph_page_colours(const struct neph_display_legend *legend)
+{
+    json_t *colours = json_array();
+    for (int i = 0; i < legend->stop_count; i++)
+        neph_json_add(&colours, colour_json(legend->stops[i].rgb));
+    return colours;
+}
+
 json_t *neph_page_difference_colours(void)
 {
-    const struct neph_display_legend *legend = neph_display_difference_legend();
-    json_t *colours = json_array();
-    for (int i = 0; i < legend->stop_count; i++) {
-        const uint8_t *rgb = legend->stops[i].rgb;
-        neph_json_add(&colours, json_sprintf("#%02x%02x%02x", rgb[0], rgb[1], rgb[2]));
-    }
-    return colours;
+    return neph_page_colours(neph_display_difference_legend());
+}
+
+json_t *neph_page_colours_beyond(const struct neph_display_legend *legend)
+{
+    return json_pack("{s:o, s:o, s:o}", "below", colour_json(legend->below), "above",
+                     colour_json(legend->above), "not_a_number", colour_json(legend->not_a_number));
 }
 
 struct script {

@@ -8,6 +8,7 @@
 
 #include "harness/json.h"
 #include "harness/report/report_folder.h"
+#include "metrics/display.h"
 
 #include <stdbool.h>
 
@@ -38,8 +39,14 @@ size_t neph_page_size(const char *folder, const struct neph_page_parts *parts);
 /* The bytes of a file; 0: there is none. */
 size_t neph_page_file_size(const char *folder, const char *name);
 
-/* The stops of difference maps, evenly spaced from -scale to +scale, for legends. */
+/* The stops of a map's colours, evenly spaced over its scale, for legends; of difference maps from
+ * -scale to +scale. */
+json_t *neph_page_colours(const struct neph_display_legend *legend);
 json_t *neph_page_difference_colours(void);
+
+/* The colours of values beyond the scale and of those that are no number: {"below", "above",
+ * "not_a_number"}. */
+json_t *neph_page_colours_beyond(const struct neph_display_legend *legend);
 
 /* Write data.json, and data.js, which sets window.VARIABLE to the same. */
 enum neph_status neph_page_write_data(const char *folder, const char *variable,

@@ -26,16 +26,9 @@ enum { SECOND_SEED_PATIENCE = 4 };
 /* Kinds of steps, for the time left: engine by engine, a picture and its second seed. */
 enum { KIND_FRAME = 0, KIND_SECOND_SEED = NEPH_FIELD_MAX };
 
-/* A shortcut stands against the engine whose model it renders; whom it differs from else is no
- * question. */
-static bool is_peer(const struct neph_engine *engine)
-{
-    return !engine->shortcut_of;
-}
-
 static bool has_second_seed(const struct neph_engine *engine)
 {
-    return engine->stochastic && is_peer(engine);
+    return engine->stochastic;
 }
 
 static bool is_listed(const struct neph_engine *engine, const char *const *names)
@@ -320,7 +313,7 @@ static enum neph_status run_second_seeds(const struct neph_scene_run *run,
 {
     int rendered = 0;
     for (int f = 0; f < result->frame_count; f++)
-        rendered += is_peer(result->frames[f].engine) && result->frames[f].path;
+        rendered += result->frames[f].path != NULL;
     enum neph_status status = NEPH_OK;
     for (int f = 0; f < result->frame_count && !status; f++) {
         struct neph_frame_result *frame = &result->frames[f];
@@ -336,7 +329,7 @@ static enum neph_status run_second_seeds(const struct neph_scene_run *run,
 
 /* ---- what they say --------------------------------------------------------------------------- */
 
-/* Who disagrees with whom: of the peers those that claim physics to be right or wrong about. */
+/* All pairs of engines that claim physics; a shortcut claims that of the engine that it renders. */
 static enum neph_status attribute(const struct neph_scene_run *run,
                                   struct neph_scene_result *result, struct neph_diag *diag)
 {
@@ -344,9 +337,10 @@ static enum neph_status attribute(const struct neph_scene_run *run,
     int count = 0;
     for (int f = 0; f < result->frame_count; f++) {
         const struct neph_frame_result *frame = &result->frames[f];
-        if (frame->path && is_peer(frame->engine) && !frame->is_look)
+        if (frame->path && !frame->is_look)
             peers[count++] = (struct neph_peer){frame->engine->name, frame->path,
-                                                frame->second_path};
+                                                frame->second_path,
+                                                frame->engine->shortcut_of != NULL};
     }
     return neph_attribute(peers, count, run->arena, &result->attribution, diag);
 }
@@ -376,9 +370,35 @@ static enum neph_status measure_noise(const struct neph_image *image,
     return status;
 }
 
+/* The second frame of an engine: the first again of one that draws nothing, NULL where it was not
+ * rendered. Destroy it unless it is `first`. */
+static enum neph_status read_second(const struct neph_frame_result *frame, struct neph_image *first,
+                                    struct neph_image **second, struct neph_diag *diag)
+{
+    *second = frame->engine->stochastic ? NULL : first;
+    return frame->second_path ? neph_exr_read(frame->second_path, second, diag) : NEPH_OK;
+}
+
+/* What frames are measured against. */
+struct truth {
+    struct neph_image *image, *second; /* NULL: there is none */
+};
+
+static enum neph_status find_parts(const struct truth *truth, struct neph_image *image,
+                                   struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_image *second = NULL;
+    enum neph_status status = read_second(frame, image, &second, diag);
+    const struct neph_error_frames frames = {truth->image, truth->second, image, second};
+    if (!status)
+        status = neph_error_parts(&frames, &frame->error_parts, diag);
+    if (second != image)
+        neph_image_destroy(second);
+    return status;
+}
+
 /* Measure one rendered frame, against the truth when there is one. */
-static enum neph_status measure_frame(const struct neph_scene_run *run,
-                                      const struct neph_image *truth,
+static enum neph_status measure_frame(const struct neph_scene_run *run, const struct truth *truth,
                                       const struct neph_viewing *viewing,
                                       struct neph_frame_result *frame, struct neph_diag *diag)
 {
@@ -393,7 +413,9 @@ static enum neph_status measure_frame(const struct neph_scene_run *run,
     if (!status)
         status = neph_measure_validity(image, &frame->measurements, diag);
     if (!status && truth)
-        status = neph_measure(truth, image, NULL, viewing, &frame->measurements, diag);
+        status = neph_measure(truth->image, image, NULL, viewing, &frame->measurements, diag);
+    if (!status && truth)
+        status = find_parts(truth, image, frame, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -402,16 +424,20 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
                                     const struct neph_scene *scene,
                                     struct neph_scene_result *result, struct neph_diag *diag)
 {
-    struct neph_image *truth = NULL;
+    struct truth truth = {NULL, NULL};
     enum neph_status status = NEPH_OK;
     if (result->truth >= 0)
-        status = neph_exr_read(result->frames[result->truth].path, &truth, diag);
-    if (truth)
-        status = neph_scene_layers_add(scene, 0, truth, diag);
+        status = neph_exr_read(result->frames[result->truth].path, &truth.image, diag);
+    if (truth.image)
+        status = neph_scene_layers_add(scene, 0, truth.image, diag);
+    if (!status && truth.image)
+        status = read_second(&result->frames[result->truth], truth.image, &truth.second, diag);
     for (int f = 0; f < result->frame_count && !status; f++)
-        status = measure_frame(run, f == result->truth ? NULL : truth, &result->viewing,
-                               &result->frames[f], diag);
-    neph_image_destroy(truth);
+        status = measure_frame(run, f == result->truth || !truth.image ? NULL : &truth,
+                               &result->viewing, &result->frames[f], diag);
+    if (truth.second != truth.image)
+        neph_image_destroy(truth.second);
+    neph_image_destroy(truth.image);
     return status;
 }
 
@@ -423,7 +449,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     const bool has_size = run->plan && run->plan->width_px > 0;
     result->name = neph_arena_text(run->arena, scene->name);
     result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;

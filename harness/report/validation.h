@@ -13,6 +13,7 @@
 #include "harness/physics/results.h"
 #include "harness/report/attribution.h"
 #include "harness/report/charts.h"
+#include "harness/report/error_parts.h"
 #include "harness/report/over_time.h"
 #include "harness/run/job.h"
 #include "harness/run/speed.h"
@@ -54,8 +55,9 @@ struct neph_frame_result {
     const char *second_path;        /* by a second seed; NULL: none */
     struct neph_cost second_cost;   /* of that one */
     const struct neph_study *study; /* that chose its step; NULL: none */
-    const struct neph_bakes_summary *bakes;              /* of the grids that it saw; NULL: none */
-    struct neph_measurements measurements;               /* owned */
+    const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
+    struct neph_measurements measurements;  /* owned */
+    struct neph_error_parts error_parts;    /* against the truth; all 0 of the truth itself */
     const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
 };
 
@@ -156,6 +158,10 @@ json_t *neph_validation_json(const struct neph_validation *validation);
 
 /* For people: a line for each frame, and what is to be said of it below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);
+
+/* "pass", and which engines the verdict is without, and in how many scenes: those that are not
+ * installed, did not fit their budget, or have fewer samples than were set. No line break. */
+void neph_validation_print_verdict(const struct neph_validation *validation, FILE *out);
 
 const char *neph_verdict_name(enum neph_verdict verdict);
 const char *neph_gate_verdict_name(enum neph_gate_verdict verdict);

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/written.h"
 #include "harness/host.h"
 #include "harness/report/page.h"
+#include "harness/report/ranking.h"
+#include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
@@ -117,6 +121,21 @@ static json_t *head_json(const struct neph_validation *validation)
                      "charts", charts);
 }
 
+static void write_verdict(const void *validation, FILE *out)
+{
+    neph_validation_print_verdict(validation, out);
+}
+
+static json_t *verdict_json(const struct neph_validation *validation)
+{
+    char *text = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_written(write_verdict, validation, &text, &diag);
+    json_t *json = text ? json_string(text) : NULL;
+    free(text);
+    return json;
+}
+
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -131,6 +150,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     const struct neph_counts *counts = &validation->counts;
     json_t *json = head_json(validation);
     neph_json_set(&json, "verdict", json_string(neph_verdict_name(validation->verdict)));
+    neph_json_set(&json, "verdict_text", verdict_json(validation));
     neph_json_set(&json, "seconds", json_real(validation->seconds));
     neph_json_set(&json, "counts",
                   json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",
@@ -146,7 +166,10 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     neph_json_set(&json, "interactive", json_boolean(validation->interactive));
     neph_json_set(&json, "screen",
                   validation->has_screen ? json_string("screen/index.html") : json_null());
+    neph_json_set(&json, "ranking", neph_ranking_json(validation));
     neph_json_set(&json, "difference_colours", neph_page_difference_colours());
+    neph_json_set(&json, "difference_beyond",
+                  neph_page_colours_beyond(neph_display_difference_legend()));
     neph_json_set(&json, "metrics", metrics_json());
     return json;
 }

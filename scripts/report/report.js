@@ -95,17 +95,31 @@
     ["transmittance", "max_abs", "all"],
     ["depth", "rmse", "all"],
   ];
+  // The number that ranks a frame: the first of these that was measured, over the whole picture.
+  const RANKING = [
+    ["radiance", "rel_rmse", "all"],
+    ["transmittance", "rmse", "all"],
+    ["depth", "rel_rmse", "all"],
+  ];
   // The numbers of a scene's card: head, note below it, and the first of these that is there.
   const CARD = [
-    ["Radiance bias", "mean, %", [["radiance", "rel_bias"]]],
-    ["Radiance RMSE", "of the mean, %", [["radiance", "rel_rmse"], ["radiance", "rmse"]]],
-    ["FLIP", "mean", [["radiance", "flip_mean"]]],
-    ["Transmittance", "largest error", [["transmittance", "max_abs"]]],
+    ["Radiance RMSE", "of the mean", [["radiance", "rel_rmse"], ["radiance", "rmse"]]],
+    ["Radiance bias", "of the mean", [["radiance", "rel_bias"]]],
+    ["FLIP", "mean, 0 to 1", [["radiance", "flip_mean"]]],
+    ["Transmittance", "largest error, 0 to 1", [["transmittance", "max_abs"]]],
   ];
-  const WORTH_A_LOOK = 0.01; // a relative bias that no gate limits and that the head names
+  // The least errors of the heat map's classes after the first.
+  const HEAT = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
+  const MANY_ENGINES = 8; // a heat map of more takes the whole width
+  const WORST_SHOWN = 3; // frames on the first screen
+  const CAUSES_SHOWN = 3; // frames beside a scene's text
+  const WORTH_A_LOOK = 0.01; // a relative RMSE that no gate limits and that the list names
   const WORTH_MOST = 5; // of those, before the rest is left to the cards
   // From minus to plus the scale; the program's maps interpolate these linearly in sRGB codes.
   const DIFFERENCE_COLOURS = ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"];
+  const BEYOND_COLOURS = { below: "#00e5ff", above: "#ffd500", not_a_number: "#ff00ff" };
+  // Units of numbers that have none in the data because they are ratios.
+  const RATIO_UNITS = { seen_contrast: "× threshold", std_p95: "of white" };
   const BROKEN = ["failed", "timeout", "interrupted"];
   const SCENES_NAMED = 8; // in the contents; more are folded there
   const LISTED = 12; // troubles in the verdict before the rest is folded away
@@ -179,7 +193,11 @@
     return text.replace("e-", "e−");
   }
 
-  const unitText = (unit) => el("span", { class: "unit" }, "\u00a0" + unit);
+  // Powers in units are written as such: W m^-2 sr^-1.
+  const SUPERSCRIPTS = { "-": "⁻", 1: "¹", 2: "²", 3: "³", 4: "⁴" };
+  const raised = (unit) => unit.replace(/\^(-?[1-4])(?!\d)/g, (_, power) => [...power]
+    .map((digit) => SUPERSCRIPTS[digit]).join(""));
+  const unitText = (unit) => el("span", { class: "unit" }, "\u00a0" + raised(unit));
 
   /** The number `key` of an object or list of the data. */
   function number(node, key, options) {
@@ -203,7 +221,7 @@
 
   const percent = (node, key, options) => number(node, key,
     { scale: 100, signed: true, ...options });
-  const share = (node, key) => percent(node, key, { signed: false });
+  const share = (node, key) => percent(node, key, { signed: false, unit: "%" });
   const limitShare = (node, key) => percent(node, key, { signed: false, unit: "%", exact: true });
   const exposure = (node) => number(node, "exposure_ev", { signed: true, unit: "EV", exact: true });
 
@@ -219,8 +237,8 @@
   const isRatio = (unit) => unit === "" || unit === "1" || unit === null || unit === undefined;
   function reading(metric, unit) {
     const signed = /bias$/.test(metric);
-    return metric === "rel_bias" && isRatio(unit) ? { scale: 100, signed, unit: "%" } : { signed,
-      unit: isRatio(unit) ? "" : unit };
+    return ["rel_bias", "rel_rmse"].includes(metric) && isRatio(unit)
+      ? { scale: 100, signed, unit: "%" } : { signed, unit: isRatio(unit) ? "" : unit };
   }
 
   // ---------------------------------------------------------------------------- looking things up
@@ -253,7 +271,10 @@
     .find((row) => row.quantity === quantity && row.metric === metric && row.mask === mask
       && row.value !== null);
   const biasOf = (frame) => measurementOf(frame, "radiance", "rel_bias");
-  const biasText = (bias) => number(bias, "value", reading("rel_bias", bias.unit));
+  const readNumber = (row) => number(row, "value", reading(row.metric, row.unit));
+  const rankingNumber = (frame) => RANKING.map((name) => measurementOf(frame, ...name))
+    .find((found) => found) ?? null;
+  const sizeOf = (frame) => rankingNumber(frame)?.value ?? -1;
 
   const unitOf = (scene, quantity, metric) => framesOf(scene).flatMap(measurementsOf)
     .find((m) => m.quantity === quantity && m.metric === metric && m.unit)?.unit ?? "";
@@ -270,9 +291,13 @@
 
   // ----------------------------------------------------------------------------------------- head
 
-  function head() {
+  const head = () => el("header", null, el("p", { class: "eyebrow" }, "Nephelometer report"),
+    el("h1", null, report.title), verdict());
+
+  /** What ran, when and where: below the first screen. */
+  function facts() {
     const size = report.size_px ?? [];
-    return window.NephPage.head("Nephelometer report", report.title, verdict(),
+    return el("dl", { class: "facts" },
       fact("Written", report.created_utc),
       fact("Took", number(report, "seconds", { unit: "s" })),
       fact("Version", ["neph ", report.neph_version]),
@@ -294,15 +319,20 @@
   function failedGates(all) {
     const over = ({ gate }) => (typeof gate.value === "number"
       ? Math.abs(gate.value) / gate.maximum : Infinity);
-    return all.filter(({ gate }) => gate.verdict === "fail").sort((a, b) => over(b) - over(a))
-      .map(({ gate, scene }) => finding(word(VERDICTS, "fail"), sceneLink(scene), gate.engine,
-        " · ", measured(gate), ": ", gateValue(scene, gate, "value"),
-        ", limit ", gateValue(scene, gate, "maximum"), gate.reason ? ` (${gate.reason})` : "",
-        "; again: ", el("code", {}, `neph validate ${scene.name}`)));
+    return all.filter(({ gate }) => gate.verdict === "fail").sort((a, b) => over(b) - over(a));
   }
+
+  const failedLines = (failing) => failing.map(({ gate, scene }) => finding(word(VERDICTS, "fail"),
+    sceneLink(scene), gate.engine, " · ", measured(gate), ": ", gateValue(scene, gate, "value"),
+    ", limit ", gateValue(scene, gate, "maximum"), gate.reason ? ` (${gate.reason})` : "",
+    "; again: ", el("code", {}, `neph validate ${scene.name}`)));
 
   const brokenFrames = () => scenes.flatMap((scene) => framesOf(scene)
     .filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ scene, frame })));
+
+  /** Frames that are not compared, since they did not fit the budget of their engine. */
+  const unfitted = () => scenes.flatMap((scene) => framesOf(scene)
+    .filter((frame) => frame.status === "over_budget").map((frame) => ({ scene, frame })));
 
   const broken = (frame, where, name) => finding(word(STATUSES, frame.status), where, name,
     why(frame) && [": ", briefly(frame)]);
@@ -319,17 +349,26 @@
       .map((row) => broken(row, checkLink(row.check), row.participant))];
   }
 
-  /** Frames whose radiance was measured and that no gate of radiance limits, worst first. */
-  const ungated = () => scenes.flatMap((scene) => framesOf(scene)
-    .map((frame) => ({ scene, frame, bias: biasOf(frame) }))
-    .filter(({ frame, bias }) => bias && !gatesOf(scene).some((gate) =>
-      gate.engine === frame.engine && gate.quantity === "radiance")))
-    .sort((a, b) => Math.abs(b.bias.value) - Math.abs(a.bias.value));
+  /** Frames that were compared, the largest error first. */
+  const compared = () => scenes.flatMap((scene) => framesOf(scene)
+    .filter((frame) => !isTruth(scene, frame.engine))
+    .map((frame) => ({ scene, frame, found: rankingNumber(frame) })))
+    .filter(({ found }) => found).sort((a, b) => b.found.value - a.found.value);
+
+  /** Of them those whose radiance was measured and that no gate of radiance limits. */
+  const ungated = () => compared().filter(({ scene, frame, found }) =>
+    found.quantity === "radiance" && !gatesOf(scene).some((gate) =>
+      gate.engine === frame.engine && gate.quantity === "radiance"));
+
+  /** A ranking number in words: "RMSE 7.0 % of the mean radiance". */
+  const rankedWords = (found) => (found.metric === "rel_rmse"
+    ? ["RMSE ", readNumber(found), ` of the mean ${found.quantity}`]
+    : [`${found.quantity} RMSE `, readNumber(found)]);
 
   const ungatedLines = (list) => list
-    .filter(({ bias }) => Math.abs(bias.value) >= WORTH_A_LOOK).slice(0, WORTH_MOST)
-    .map(({ scene, frame, bias }) => finding(el("span", { class: "open-word" }, "◇ not gated"),
-      sceneLink(scene), frame.engine, " · radiance ", biasText(bias)));
+    .filter(({ found }) => found.value >= WORTH_A_LOOK).slice(0, WORTH_MOST)
+    .map(({ scene, frame, found }) => finding(el("span", { class: "open-word" }, "◇ not gated"),
+      sceneLink(scene), frame.engine, " · ", rankedWords(found)));
 
   const openLines = (open) => open.map(({ gate, scene }) => finding(word(VERDICTS, "not_measured"),
     sceneLink(scene), gate.engine, " · ", measured(gate), gate.reason ? `: ${gate.reason}` : ""));
@@ -341,10 +380,14 @@
 
   function gateSentence(all, failing, open) {
     const total = derived("gates", all.length);
+    const [first] = failing;
     return [all.length === 0 ? [total, " gates: nothing was held to a limit."]
       : failing.length > 0
         ? [derived("gates.fail", failing.length), " of ", total, plural(all.length, " gate",
-          " gates"), plural(failing.length, " is", " are"), " over the limit."]
+          " gates"), plural(failing.length, " is", " are"), " over the limit, farthest ",
+          bold(first.gate.engine), " in ", sceneLink(first.scene), " (", measured(first.gate), " ",
+          gateValue(first.scene, first.gate, "value"), ", limit ",
+          gateValue(first.scene, first.gate, "maximum"), ")."]
         : open.length === 0
           ? [plural(all.length, "The one gate is", "All gates are"), " within the limit (",
             total, ")."]
@@ -353,37 +396,62 @@
       " could not be measured."]];
   }
 
-  /** What a pass does not speak of. */
-  const ungatedSentence = ([first, ...more]) => first && [" No gate limits the radiance of ",
-    derived("frames.ungated", more.length + 1), more.length === 0 ? " frame: "
-      : " frames; the farthest off is ", bold(first.frame.engine), " in ", sceneLink(first.scene),
-    ", ", biasText(first.bias), "."];
+  /** The largest error of the run, whatever its gates say and however small its bias. */
+  function worstSentence([first]) {
+    if (!first) return null;
+    const { scene, frame, found } = first;
+    const bias = measurementOf(frame, found.quantity, "rel_bias");
+    const isGated = gatesOf(scene).some((gate) => gate.engine === frame.engine
+      && gate.quantity === found.quantity);
+    return [" The largest error is that of ", el("b", { class: "worst" }, frame.engine), " in ",
+      sceneLink(scene), ": ", rankedWords(found), bias && [", bias ", readNumber(bias)],
+      !isGated && ", which no gate limits", "."];
+  }
+
+  /** Engines and frames that the verdict is without. */
+  function withoutSentence(late) {
+    const missing = engines.filter((engine) => !engine.available && !engine.broken);
+    return [missing.length > 0 && [" Not installed, so not compared: ",
+      bold(missing.map((engine) => engine.name).join(", ")), "."],
+    late.length > 0 && [" ", derived("frames.over_budget", late.length),
+      plural(late.length, " rendering", " renderings"),
+      " did not fit the budget: not compared."]];
+  }
 
   function verdict() {
     const all = scenes.flatMap((scene) => gatesOf(scene).map((gate) => ({ gate, scene })));
-    const failing = all.filter(({ gate }) => gate.verdict === "fail");
+    const failing = failedGates(all);
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
     const unfinishedFrames = brokenFrames();
+    const late = unfitted();
     const missing = report.absent ?? [];
-    const free = ungated();
     const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
-    const lines = [...failedGates(all), ...unfinishedFrames.map(({ scene, frame }) =>
-      broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(), ...ungatedLines(free),
-    ...openLines(open), ...absentLines()];
     return el("section", { class: `verdict ${colour}`, "aria-label": "Verdict" },
       el("p", { class: "word" }, said),
       el("div", { class: "said" }, unfinished(), physics && physicsVerdict(),
         (scenes.length > 0 || !physics) && el("p", {}, gateSentence(all, failing, open),
         unfinishedFrames.length > 0 && [" ", derived("frames.broken", unfinishedFrames.length),
           plural(unfinishedFrames.length, " rendering", " renderings"), " did not finish."],
+        withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
             " scene was", " scenes were"), " left out: its data are not on this machine."],
-        ungatedSentence(free)),
+        worstSentence(compared())),
         report.counts && el("p", { class: "small soft" }, derived("counts.reported",
             report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
           " results are in this report, ", derived("counts.compared", report.counts.compared),
-          " compared with a truth.")),
-      listed(lines, LISTED, "The rest of the list", "small"));
+          " compared with a truth; no gate limits the radiance of ",
+          derived("frames.ungated", ungated().length), " of them.")));
+  }
+
+  /** All that failed, that no gate limits, that could not be measured or is not here. */
+  function troubles() {
+    const all = scenes.flatMap((scene) => gatesOf(scene).map((gate) => ({ gate, scene })));
+    const open = all.filter(({ gate }) => gate.verdict === "not_measured");
+    const lines = [...failedLines(failedGates(all)), ...[...brokenFrames(), ...unfitted()].map(
+      ({ scene, frame }) => broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
+    ...ungatedLines(ungated()), ...openLines(open), ...absentLines()];
+    return lines.length > 0 && section("troubles", "What failed, what no gate limits, what is missing",
+      listed(lines, LISTED, "The rest of the list", "small troubles"));
   }
 
   /** A page that was written before the run was over says so, and how much of it is here. */
@@ -407,6 +475,7 @@
     const all = scenes.map((scene) => item(sceneLink(scene)));
     const isLong = all.length > SCENES_NAMED;
     return el("nav", { "aria-label": "Contents" }, el("ul", {},
+      scenes.length > 0 && place("heat", "Errors at a glance"),
       (report.charts ?? []).length > 0 && place("charts", "Speed against accuracy"),
       physics && place("physics", "Physics: who agrees"),
       rungs.map((rung) => place(ids.get(rung), sentenceCase(rung.name))),
@@ -418,6 +487,84 @@
     isLong && folded("All scenes", el("ul", {}, all)));
   }
 
+  // -------------------------------------------------------------------------------- first screen
+
+  /** The class of an error in the heat map, from 0 on. */
+  const heatOf = (value) => HEAT.filter((least) => value >= least).length;
+
+  /** The error of every scene by every engine: the worst scene on top, the worst engine at left. */
+  function heatMap() {
+    const largest = (list) => Math.max(-1, ...list.map(sizeOf));
+    const columns = engines.map((engine) => ({ engine, size: largest(scenes
+      .map((scene) => frameBy(scene, engine.name)).filter((frame) => frame)) }))
+      .sort((a, b) => b.size - a.size);
+    const list = scenes.map((scene) => ({ scene, size: largest(framesOf(scene)) }))
+      .sort((a, b) => b.size - a.size);
+    return [
+      scrolling("RMSE of each scene and engine", table("wide heat",
+        [colHead("Scene, worst first"), columns.map(({ engine }) => numHead(engine.name))],
+        list.map(({ scene }) => el("tr", { "data-scene": scene.name },
+          rowHead(sceneLink(scene)),
+          columns.map(({ engine }) => heatCell(scene, engine.name)))))),
+      heatLegend()];
+  }
+
+  function heatCell(scene, name) {
+    const frame = frameBy(scene, name);
+    const found = frame && rankingNumber(frame);
+    const cell = (className, ...content) => el("td", { class: `num ${className}`,
+      "data-engine": name }, content);
+    if (!frame) return cell("plain", el("span", { class: "soft" }, "not run"));
+    if (frame.status !== "rendered") return cell("plain", word(STATUSES, frame.status));
+    if (isTruth(scene, name)) return cell("plain", el("span", { class: "soft" }, "reference"));
+    if (!found) return cell("plain", absent());
+    const verdicts = gatesOf(scene).filter((gate) => gate.engine === name)
+      .map((gate) => gate.verdict);
+    return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
+      found.quantity !== "radiance" && `${found.quantity} `,
+      verdicts.includes("fail") ? "✗ fails" : verdicts.includes("pass") ? "✓ passes" : "no gate"));
+  }
+
+  const heatLegend = () => el("p", { class: "heat-key small soft" },
+    "RMSE over the picture, relative to the mean of the reference: ",
+    ["", ...HEAT].map((least, n) => el("span", { class: `swatch heat-${n}` },
+      n === 0 ? `under ${100 * HEAT[0]} %` : n === HEAT.length ? `${100 * least} % or more`
+        : `${Number((100 * least).toPrecision(2))} % or more`)));
+
+  /** Rows of the ranking with what they are of. */
+  const ranked = () => (report.ranking ?? []).map((row) => {
+    const scene = scenes.find(({ name }) => name === row.scene);
+    const frame = scene && frameBy(scene, row.engine);
+    return { row, scene, frame, found: frame && rankingNumber(frame) };
+  }).filter(({ found }) => found);
+
+  /** The first of the ranking, each with where it is off and why. */
+  function worst() {
+    const list = ranked().slice(0, WORST_SHOWN);
+    return list.length > 0 && [
+      el("h2", { id: "worst" }, `The worst ${list.length === 1 ? "one" : list.length}, and why`),
+      el("ol", { class: "worst" }, list.map(({ row, scene, frame, found }) => {
+        const bias = measurementOf(frame, found.quantity, "rel_bias");
+        const transmittance = measurementOf(frame, "transmittance", "max_abs");
+        return item(bold(frame.engine), " in ", sceneLink(scene), ": ", rankedWords(found),
+          bias && [", bias ", readNumber(bias)],
+          transmittance && [", transmittance off by up to ", number(transmittance, "value")],
+          row.failing && [" ", word(VERDICTS, "fail")], ". ",
+          el("span", { class: "cause" }, row.cause));
+      }))];
+  }
+
+  /** Verdict, heat map, worst three and the chart share the first screen. */
+  function front() {
+    const [first] = report.charts ?? [];
+    if (scenes.length === 0) return first ? el("div", { class: "front" }, chartSection([first])) : null;
+    return el("div", { class: engines.length > MANY_ENGINES ? "front many" : "front" },
+      el("section", { "aria-labelledby": "heat" },
+        el("h2", { id: "heat" }, "Errors at a glance"), heatMap(), worst()),
+      first && chartSection([first]));
+  }
+
+  // -------------------------------------------------------------------------------------- summary
   // -------------------------------------------------------------------------------------- summary
 
   /** The first headline that much of the matrix can show, so that its cells are alike. */
@@ -479,7 +626,7 @@
       headline !== order[0] && small(`${headline[0]} ${headline[1]}`),
       !isRatio(shown.unit) && shown.unit !== commonUnit
         && el("small", { class: "unit" }, shown.unit),
-      bias && small("bias ", biasText(bias)), stepBias(frame, headline[0]),
+      bias && small("bias ", readNumber(bias)), stepBias(frame, headline[0]),
       frame.bake && small("saw a baked grid"), gate];
   }
 
@@ -488,9 +635,15 @@
     folded("What is compared, gates, pictures, numbers", el("dl", {},
       physics && physicsHelp(),
       (scenes.length > 0 || !physics) && sceneHelp(),
-      entry("Difference maps", "Engine minus reference on a fixed scale: blue is below the "
-        + "reference, red is above it, white agrees. Cyan and yellow lie beyond the scale below "
-        + "and above; magenta is not a number."),
+      entry("Difference maps", "Engine minus reference on a fixed scale, which stands below each "
+        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the lower "
+        + "end of the scale, yellow is above its upper end, magenta is not a number."),
+      entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all errors "
+        + "count. Bias is the difference of the means: errors of both signs cancel, so a bias near "
+        + "0 does not mean that an engine is right. The page ranks by RMSE."),
+      entry("Times", "Warm frame: the wall time of one frame of an engine that is already running, "
+        + "the median of several runs, with a 95\u00a0% interval. Start-up stands in its own column. "
+        + "“Not measured” is no time at all."),
       entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
         + "another one is named. A dash was not measured. “Cannot” is an honest refusal: the "
         + "engine does not model what the scene asks for. Point at a number for all its digits."),
@@ -522,18 +675,23 @@
   function sceneSection(scene) {
     const { truth } = scene;
     const viewer = viewerOf(scene);
+    const causes = ranked().filter((entry) => entry.scene === scene).slice(0, CAUSES_SHOWN);
     return section(ids.get(scene), titleOf(scene),
-      el("p", {}, scene.physics),
-      el("p", { class: "small soft" }, el("span", { class: "mono" }, scene.name), " · ",
-        truth ? ["held against ", bold(truth.engine), ` (${truth.rung})`]
-          : "no reference: no engine of a trusted rung rendered it",
-        " · exposure ", exposure(scene),
-        viewer && [" · ", link(viewer, "all frames in the viewer")],
-        !viewer && scene.no_viewer && [" · not in the viewer: ", scene.no_viewer]),
+      el("div", { class: "beside" }, el("div", {},
+        el("p", {}, scene.physics),
+        el("p", { class: "small soft" }, el("span", { class: "mono" }, scene.name), " · ",
+          truth ? ["held against ", bold(truth.engine), ` (${truth.rung})`]
+            : "no reference: no engine of a trusted rung rendered it",
+          " · exposure ", exposure(scene),
+          viewer && [" · ", link(viewer, "all frames in the viewer")],
+          !viewer && scene.no_viewer && [" · not in the viewer: ", scene.no_viewer]),
+        scene.attribution?.odd_one_out && el("p", { class: "finding odd" },
+          el("b", { "aria-hidden": "true" }, "≠ "), scene.attribution.sentence),
+        notRendered(scene)),
+      causes.length > 0 && el("ul", { class: "causes small" },
+        causes.map(({ row, frame, found }) => item(bold(frame.engine), ", ", rankedWords(found),
+          ". ", row.cause)))),
       cardTable(scene),
-      scene.attribution?.odd_one_out && el("p", { class: "finding odd" },
-        el("b", { "aria-hidden": "true" }, "≠ "), scene.attribution.sentence),
-      notRendered(scene),
       pictures(scene, "radiance"),
       folded("All numbers, maps of transmittance, steps, costs, gates of this scene",
         numbers(scene), transmittanceMaps(scene), baked(framesOf(scene), "engine"),
@@ -560,7 +718,7 @@
       if (!own.some((gate) => gate.quantity === quantity)
         && measurementsOf(frame).some((row) => row.quantity === quantity))
         said.push(el("span", { class: "soft" }, quantity, quantity === "radiance" && bias
-          && [" ", biasText(bias)], " not gated"));
+          && [" bias ", readNumber(bias)], " not gated"));
     return said.map((part, n) => [n > 0 && "; ", part]);
   }
 
@@ -568,29 +726,43 @@
     const columns = CARD.map(([head, note, names]) => ({ head, note, find: (frame) => names
       .map((name) => measurementOf(frame, ...name)).find((found) => found) }))
       .filter(({ find }) => framesOf(scene).some(find));
-    const size = (frame) => Math.abs(biasOf(frame)?.value ?? -1);
     const list = framesOf(scene).filter((frame) => columns.some(({ find }) => find(frame)))
-      .sort((a, b) => size(b) - size(a));
+      .sort((a, b) => sizeOf(b) - sizeOf(a));
     if (list.length === 0)
       return el("p", { class: "soft" }, "Nothing was measured in this scene.");
     const isFailing = ({ engine }) => gatesOf(scene)
       .some((gate) => gate.engine === engine && gate.verdict === "fail");
     return scrolling(`${titleOf(scene)}: what matters`, table("wide five",
       [colHead("Engine, worst first"), columns.map(({ head, note }) => numHead(head, note)),
-        numHead("Wall", "s"), colHead("Gates")],
+        numHead("Warm frame", "wall time"), numHead("Start-up", "wall time"), colHead("Gates")],
       list.map((frame) => el("tr", { class: isFailing(frame) ? "failing" : null },
         rowHead(frame.engine, small(frame.rung)),
         columns.map(({ find }) => num(cardNumber(find(frame)))),
-        num(number(frame, "wall_s")),
+        num(speed(frame)), num(startUp(frame)),
         words(gatedWords(scene, frame), frame.note
-          && el("div", { class: "small" }, frame.note))))));
+          && el("div", { class: "small" }, frame.note))))),
+    speedNote(scene));
   }
 
-  function cardNumber(found) {
-    if (!found) return absent();
-    const options = found.metric === "rel_rmse" ? { scale: 100 }
-      : { ...reading(found.metric, found.unit), unit: "" };
-    return [number(found, "value", options), found.metric === "rmse" && unitText(found.unit)];
+  const cardNumber = (found) => (found ? readNumber(found) : absent());
+
+  const notMeasured = () => el("span", { class: "soft" }, "not measured");
+
+  /** A frame of an engine that is already running: the same definition for all engines. */
+  function speed({ speed: found }) {
+    if (typeof found?.seconds !== "number") return notMeasured();
+    return [number(found, "seconds", { unit: "s" }), small(
+      Array.isArray(found.interval) && [interval(found), " s"],
+      typeof found.runs === "number" && [" of ", number(found, "runs"), " runs"])];
+  }
+
+  const startUp = ({ speed: found }) => (typeof found?.startup_s === "number"
+    ? number(found, "startup_s", { unit: "s" }) : notMeasured());
+
+  function speedNote(scene) {
+    const said = [...new Set(framesOf(scene).map((frame) => frame.speed?.what).filter(Boolean))];
+    return ["Times of this run, each rendered once, stand below under “What ran, and what it cost”. ",
+      said.join(" ")];
   }
 
   // -------------------------------------------------------------------------------------- pictures
@@ -613,8 +785,6 @@
     if (drawn.length === 0) return el("p", {}, "No engine rendered this scene.");
     return [
       el("h3", {}, "Pictures, and the difference in radiance"),
-      mapsOf(scene, kind) && truthFrame?.status !== "rendered"
-        && el("div", { class: "legend" }, legend(scene, kind)),
       el("div", { class: "pictures" },
         drawn.map((frame) => card(scene, frame, truthFrame, kind)))];
   }
@@ -624,33 +794,46 @@
     const drawn = drawnFrames(scene).filter((frame) => frame.difference?.[kind]);
     return drawn.length > 0 && [
       el("h3", {}, "Difference in transmittance"),
-      el("div", { class: "legend" }, legend(scene, kind)),
       el("div", { class: "pictures" }, drawn.map((frame) => pictureCard(frame.engine, frame.rung,
         differenceFigure(scene, frame, kind))))];
   }
 
-  function legend(scene, kind) {
-    const unit = unitOf(scene, kind, "bias");
-    return colourScale(scene.difference_scale, kind,
-      `${QUANTITIES[kind]}: engine − reference${isRatio(unit) ? "" : ` [${unit}]`}`);
+  const isColour = (text) => /^#[0-9a-f]{6}$/i.test(text ?? "");
+  const isColours = (list) => Array.isArray(list) && list.length > 1 && list.every(isColour);
+
+  /** A square of a colour and what it means. */
+  function swatch(colour, text) {
+    const square = el("span", { class: "square", "aria-hidden": "true" });
+    square.style.background = colour;
+    return el("span", { class: "swatch" }, square, text);
   }
 
-  function colourScale(node, key, title) {
+  /** What colours beyond a map's scale mean: their names too, for who cannot tell them apart. */
+  const beyondKey = (colours, names) => el("div", { class: "beyond" },
+    Object.entries(names).map(([key, text]) => isColour(colours?.[key])
+      && swatch(colours[key], text)));
+
+  /** The scale of a difference map, with what lies beyond it. It stands below every map. */
+  function differenceKey(node, key, unit) {
     const given = report.difference_colours;
-    const colours = Array.isArray(given) && given.length > 1
-      && given.every((c) => /^#[0-9a-f]{6}$/i.test(c)) ? given : DIFFERENCE_COLOURS;
-    return el("figure", {}, el("figcaption", {}, title),
-      colourBar(colours, "Colour scale from below the reference to above it",
-        [number(node, key, { scale: -1, exact: true }), " below"], "agrees",
-        ["above ", number(node, key, { signed: true, exact: true })]));
+    return el("div", { class: "map-key" },
+      colourBar(isColours(given) ? given : DIFFERENCE_COLOURS,
+        "Colour scale from below the reference to above it",
+        number(node, key, { scale: -1, exact: true, unit }), "0",
+        number(node, key, { signed: true, exact: true, unit })),
+      beyondKey(report.difference_beyond ?? BEYOND_COLOURS, { below: "cyan: lower",
+        above: "yellow: higher", not_a_number: "magenta: no number" }));
+  }
+
+  function legend(scene, kind) {
+    const unit = unitOf(scene, kind, "bias");
+    return differenceKey(scene.difference_scale, kind, isRatio(unit) ? "" : unit);
   }
 
   const notHere = (path) => `${path} is not in this report's folder`;
   const pixels = (path, alt, size = report.size_px, className = "") => window.NephPage.pixels(path,
     alt, size, notHere(path), `pixels${className}`);
 
-  const scaleFigure = (scale) => el("figure", {}, el("div", { class: "scale" }, scale),
-    el("figcaption", {}, "scale of the differences"));
   const below = (text) => el("div", { class: "wipe" }, text);
 
   function card(scene, frame, truthFrame, kind) {
@@ -663,8 +846,7 @@
         : other ? wipe(own, other, frame.engine, scene.truth.engine, title)
           : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)),
             below(reference ? "what the others are held against" : "no reference to wipe to")],
-      mapsOf(scene, kind) && (reference ? scaleFigure(legend(scene, kind))
-        : differenceFigure(scene, frame, kind)));
+      mapsOf(scene, kind) && !reference && differenceFigure(scene, frame, kind));
   }
 
   function differenceFigure(scene, frame, kind) {
@@ -673,7 +855,8 @@
       `${titleOf(scene)}: signed ${kind} difference of ${frame.engine} from the reference`)
       : hole(scene.truth ? `no difference: ${frame.engine} or the reference gives no ${kind}`
         : "no reference in this scene"),
-    el("figcaption", {}, `${frame.engine} − ${scene.truth?.engine ?? "reference"}`));
+    el("figcaption", {}, `${frame.engine} − ${scene.truth?.engine ?? "reference"}, ${kind}`,
+      path && legend(scene, kind)));
   }
 
   function wipe(own, other, engine, truth, title, size) {
@@ -841,7 +1024,8 @@
   const PAIR_STATES = { differ: "known", agree: "agrees" };
   const pairRow = (pair, found) => tr(rowHead(`${pair.first} − ${pair.second}`),
     el("td", { class: "tight" }, word(PAIRS, pair.verdict)),
-    num(percent(pair, "mean_difference")), num(interval(pair, { scale: 100, signed: true })),
+    num(percent(pair, "mean_difference", { unit: "%" })),
+    num(interval(pair, { scale: 100, signed: true }), unitText("%")),
     whisker(pair.mean_difference, pair.interval, PAIR_STATES[pair.verdict] ?? "open",
       found.mean_meant),
     num(share(pair, "rms_difference")), num(share(pair, "noise_floor")));
@@ -859,10 +1043,10 @@
       el("p", { class: `finding ${kind}` }, el("b", { "aria-hidden": "true" }, sign),
         found.sentence),
       scrolling("Who disagrees with whom", table("wide",
-        [colHead("Pair"), colHead("Finding"), numHead("Mean difference", "%"),
-          numHead("Interval", "%"), axisHead(),
-          numHead("Pixel by pixel", "RMS, noise taken out, %"),
-          numHead("Noise", "RMS of a pixel, %")],
+        [colHead("Pair"), colHead("Finding"), numHead("Mean difference"),
+          numHead("Interval"), axisHead(),
+          numHead("Pixel by pixel", "RMS, noise taken out"),
+          numHead("Noise", "RMS of a pixel")],
         (found.pairs ?? []).map((pair) => pairRow(pair, found)))),
       el("p", { class: "note small soft" }, "Radiance over ", number(found, "pixel_count"),
         ` pixels (${maskName(found.mask)}), relative to its mean. `,
@@ -898,11 +1082,12 @@
 
   const levelRow = (level, isChosen, tolerance) => el("tr", { class: isChosen ? "chosen" : null },
     rowHead(number(level, "setting", { exact: true }), isChosen && small("▸ chosen")),
-    num(number(level, "radiance", { digits: 5 }), " ± ", number(level, "noise")),
-    num(percent(level, "bias"), " ± ", share(level, "bias_noise")),
+    num(number(level, "radiance", { digits: 5 }), " ± ", number(level, "noise"),
+      unitText("W m⁻² sr⁻¹")),
+    num(percent(level, "bias", { unit: "%" }), " ± ", share(level, "bias_noise")),
     whisker(level.bias, [level.bias - 2 * level.bias_noise, level.bias + 2 * level.bias_noise],
       "known", tolerance),
-    num(number(level, "wall_s")));
+    num(number(level, "wall_s", { unit: "s" })));
 
   // The word of a study, and the words before and after its tolerance.
   const STUDIED = {
@@ -923,10 +1108,10 @@
         percent(chosen, "bias_noise", { signed: false, unit: "%" }), " for its step alone: ",
         el("span", { class: kind }, sign), before, limitShare(study, "tolerance"), after),
       scrolling(`Step error of ${engine}`, table(null,
-        [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "% ± noise"),
-          axisHead(), numHead("Wall", "s")],
+        [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "± noise"),
+          axisHead(), numHead("Wall time", "with start-up")],
         study.levels.map((level) => levelRow(level, level === chosen, study.tolerance)))),
-      el("p", { class: "note small soft" }, "Limit ", number(study, "limit", { digits: 5 }),
+      el("p", { class: "note small soft" }, "Limit ", number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
         " by order ", number(study, "order", { exact: true }),
         typeof study.observed_order === "number" ? [" (observed ", number(study, "observed_order"),
           ")"] : " (noise hides the observed one)",
@@ -978,8 +1163,8 @@
         frame.status === "missing" && engine?.install_line
           && el("div", {}, el("code", {}, engine.install_line))),
       versionCell(engine),
-      ["render_s", "wall_s", "cpu_s"].map((key) => num(number(frame, key))),
-      num(number(frame, "peak_memory_bytes", { scale: 1 / 2 ** 20 })));
+      ["render_s", "wall_s", "cpu_s"].map((key) => num(number(frame, key, { unit: "s" }))),
+      num(number(frame, "peak_memory_bytes", { scale: 1 / 2 ** 20, unit: "MiB" })));
   }
 
   const versionCell = (engine) => words(engine?.version || absent("not known"),
@@ -989,11 +1174,11 @@
     el("h3", {}, "What ran, and what it cost"),
     scrolling("What ran, and what it cost", table("wide",
       [["Engine", "State", "Version and device"].map((name) => colHead(name)),
-        [["Render", "s"], ["Wall", "s"], ["CPU", "s"], ["Memory", "MiB"]]
-          .map(([name, unit]) => numHead(name, unit))],
+        ["Radiance pass", "All passes", "Processor", "Memory"].map((name) => numHead(name))],
       framesOf(scene).map(runRow)),
-    "Render is the radiance pass alone; wall is everything including start-up; CPU sums all "
-      + "threads; memory is the peak."),
+    "Costs of the one rendering of this run, which are not comparable between engines: radiance "
+      + "pass is without start-up where an engine can tell; all passes have the start-up of "
+      + "engines that start anew; processor sums all threads; memory is the peak."),
   ];
 
   const gates = (scene) => [
@@ -1153,8 +1338,8 @@
       el("h3", { id, class: "mono" }, check.name),
       check.what && el("p", {}, sentenceCase(check.what), "."),
       scrolling(`Check ${check.name}`, table("wide",
-        [colHead("Participant"), colHead("Finding"), numHead("Difference", "% [interval]"),
-          axisHead(), numHead("Error", "%: one σ, or step"), numHead("z", "pixels: mean, var."),
+        [colHead("Participant"), colHead("Finding"), numHead("Difference", "[interval]"),
+          axisHead(), numHead("Error", "one σ, or step"), numHead("z", "pixels: mean, var."),
           colHead("In words")], own.map(checkRow))),
       baked(own, "participant"),
       checkPictures(check, own));
@@ -1169,12 +1354,12 @@
       rowHead(row.participant,
         small(row.look ? "a look, not physics" : engineNamed(row.engine)?.rung)),
       el("td", { class: "tight" }, findingWord(row)),
-      num(percent(row, "deviation"), there && Array.isArray(row.interval)
-        && small(interval(row, { scale: 100, signed: true }))),
+      num(percent(row, "deviation", { unit: "%" }), there && Array.isArray(row.interval)
+        && small(interval(row, { scale: 100, signed: true }), unitText("%"))),
       whisker(row.deviation, row.interval, state, 0),
       num(there ? [share(row, kind), unitText(unit)] : absent(),
         there && typeof row.rounding === "number" && small("rounding ",
-          percent(row, "rounding", { signed: false, exact: true }))),
+          percent(row, "rounding", { signed: false, exact: true, unit: "%" }))),
       num(number(row, "z", { signed: true }), typeof row.pixel_z_mean === "number"
         && small(number(row, "pixel_z_mean", { signed: true }), ", ",
           number(row, "pixel_z_variance"))),
@@ -1207,9 +1392,7 @@
     const cards = el("div", { class: "pictures small-pictures" },
       truth && pictureCard("truth", "no renderer: computed",
         el("div", { class: "stack" }, pixels(truth, `${title}, the truth`, size)),
-        below("what the others are held against"),
-        scaleFigure(colourScale(view, "difference_scale",
-          "Radiance: engine − truth [W m⁻² sr⁻¹]"))),
+        below("what the others are held against")),
       drawn.map((row) => {
         const own = inside(row.pictures[v]);
         const map = inside(row.differences?.[v]);
@@ -1219,7 +1402,8 @@
               below()],
           el("figure", {}, map ? pixels(map,
               `${title}: signed difference of ${row.participant} from the truth`, size)
-            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth`)));
+            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth, radiance`,
+            map && differenceKey(view, "difference_scale", "W m⁻² sr⁻¹"))));
       }));
     return [
       el("p", { class: "small soft" }, check.views.length > 1
@@ -1232,7 +1416,7 @@
   function pictureCard(title, subtitle, ...parts) {
     const card = el("article", { class: "card" },
       el("header", {}, el("h4", {}, title), el("p", {}, subtitle)), parts);
-    card.style.gridRow = `span ${card.childElementCount}`;
+    card.style.gridRow = `span ${Math.max(4, card.childElementCount)}`;
     return card;
   }
 
@@ -1245,33 +1429,47 @@
     const { reference } = sequence;
     return [
       el("h3", {}, sequence.title || sequence.scene),
-      el("p", {}, sequence.physics),
-      el("p", { class: "small soft" }, number(sequence, "frames"), " frames of ",
-        number(sequence.size_px, 0), " × ", number(sequence.size_px, 1), " pixels, as seen at ",
-        number(sequence, "rate_hz", { unit: "Hz", exact: true }), ", exposure ", exposure(sequence),
-        `. Reference: ${reference.text} (${reference.settings}), `,
-        number(reference, "cpu_s", { unit: "s" }), " of processor time. ",
-        "Nothing in the scene moves: all that moves in these pictures is the renderer's doing."),
+      el("div", { class: "beside" }, el("div", {},
+        el("p", {}, sequence.physics),
+        el("p", { class: "small soft" }, number(sequence, "frames"), " frames of ",
+          number(sequence.size_px, 0), " × ", number(sequence.size_px, 1), " pixels, as seen at ",
+          number(sequence, "rate_hz", { unit: "Hz", exact: true }), ", exposure ",
+          exposure(sequence), `. Reference: ${reference.text}, `,
+          number(reference, "cpu_s", { unit: "s" }), " of processor time."),
+        folded("Settings of the reference", el("p", { class: "small soft" }, reference.settings))),
+      el("ul", { class: "causes small" }, sequence.rows.map((row) => (row.status === "rendered"
+        ? row.findings.map((found) => item(bold(row.preset),
+          `, ${maskName(found.mask)}: ${found.text}`))
+        : item(bold(row.preset), " ", word(STATUSES, row.status), " ", why(row)))))),
       reference.status !== "rendered" && el("p", {}, word(STATUSES, reference.status),
         ` ${why(reference)}`),
       sequence.rows.length > 0 && sequencePictures(sequence),
       sequence.rows.some((row) => row.measurements.length > 0)
         && folded("All numbers of the flicker", sequenceNumbers(sequence)),
-      el("ul", {}, sequence.rows.map((row) => (row.status === "rendered"
-        ? row.findings.map((found) => item(bold(row.preset),
-          `, ${maskName(found.mask)}: ${found.text}`))
-        : item(bold(row.preset), " ", word(STATUSES, row.status), " ", why(row))))),
     ];
   }
 
   const sequencePictures = (sequence) => fit(el("div", { class: "pictures small-pictures" },
     sequence.rows.filter((row) => row.pictures.length > 0).map((row) => pictureCard(row.preset,
-      [`${row.engine} · `, number(row, "render_s", { unit: "s" })],
+      [`${row.engine} · all frames, rendered once: `, number(row, "render_s", { unit: "s" })],
       flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map,
         `${sequence.scene}: amplitude of the flicker of ${row.preset}`, sequence.size_px),
-      el("figcaption", {},
-        "flicker that is seen: black none, green above 10 times the threshold"))))),
+      el("figcaption", {}, "visible flicker, in multiples of the threshold of visibility",
+        sequence.map_scale && flickerKey(sequence.map_scale)))))),
   sequence.size_px, 400);
+
+  /** The powers of ten between the ends of a scale, and the ends themselves. */
+  const decades = (scale) => Array.from(
+    { length: Math.max(0, Math.round(Math.log10(scale.high / scale.low)) - 1) },
+    (_, n) => `${Number((scale.low * 10 ** (n + 1)).toPrecision(1))} ×`);
+
+  /** The scale of a flicker map: logarithmic, the same for all presets. */
+  const flickerKey = (scale) => el("div", { class: "map-key decades" },
+    isColours(scale.colours) && colourBar(scale.colours,
+      "Colour scale of visible flicker, logarithmic",
+      [number(scale, "low", { exact: true }), " ×"], ...decades(scale),
+      [number(scale, "high", { exact: true }), " ×"]),
+    beyondKey(scale.beyond, { above: "green: more", not_a_number: "teal: no number" }));
 
   /** The frames of one cycle: by the slider, or in turn while the box is ticked. */
   function flipbook(row, sequence) {
@@ -1310,14 +1508,24 @@
         + "another period stands in the deviation.");
   }
 
-  const flickerNumber = (measurement) => [number(measurement, "value"),
-    measurement.interval && small(interval(measurement)),
-    small("centre rays ", number(measurement, "against_centre_rays"))];
+  function flickerNumber(measurement) {
+    const unit = isRatio(measurement.unit) ? RATIO_UNITS[measurement.metric] ?? ""
+      : measurement.unit;
+    return [number(measurement, "value", { unit }),
+      measurement.interval && small(interval(measurement), unit && unitText(unit)),
+      small("centre rays ", number(measurement, "against_centre_rays", { unit }))];
+  }
 
   // --------------------------------------------------------------------------------------- charts
 
-  const charts = () => (report.charts ?? []).length > 0
-    && section("charts", "Speed against accuracy", report.charts.map(chart));
+  const chartSection = (list) => section("charts", "Speed against accuracy", list.map(chart));
+
+  /** The charts that are not on the first screen. */
+  function moreCharts() {
+    const rest = (report.charts ?? []).slice(1);
+    return rest.length > 0 && section("more-charts", "More charts",
+      el("div", { class: "charts" }, rest.map(chart)));
+  }
 
   function chart(entry) {
     const still = inside(entry.svg);
@@ -1400,6 +1608,8 @@
     target?.scrollIntoView();
   }
 
+  /** Paper shows what is folded away. Some programs print without the events of a print dialogue:
+   * the style sheet opens folded parts for them. */
   function printWhole() {
     const closed = [];
     window.addEventListener("beforeprint", () => {
@@ -1425,9 +1635,9 @@
   try {
     document.title = `${report.title}: ${report.verdict}`;
     fit(document.documentElement, report.size_px ?? [192, 108], 400);
-    show(main, head(), contents(), charts(), physicsMatrix(), rungs.map(rungSection),
-      scenes.map(sceneSection), overTime(), summary(), phaseFunctions(), engineTable(), help(),
-      foot());
+    show(main, head(), front(), facts(), contents(), troubles(), moreCharts(), physicsMatrix(),
+      rungs.map(rungSection), scenes.map(sceneSection), overTime(), summary(), phaseFunctions(),
+      engineTable(), help(), foot());
     fitTables();
     printWhole();
     document.addEventListener("toggle", fitTables, true);
