@@ -90,6 +90,16 @@ struct neph_reader {
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
 
+/* What needs several keys of a document, after all were read; `so_far` is the status of that. */
+typedef enum neph_status neph_document_check(struct neph_reader *reader, enum neph_status so_far,
+                                             void *target);
+
+/* The whole document into `target`, as neph_read_fields() does, and its check. Fills the diag with
+ * all errors, in the order of their lines. */
+enum neph_status neph_read_document(struct neph_document *document, struct neph_arena *arena,
+                                    const struct neph_field *fields, neph_document_check *check,
+                                    void *target, struct neph_diag *diag);
+
 /* A mapping with exactly one of its keys; `what` is its name for a person. */
 enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target, const char *what);

@@ -326,11 +326,10 @@ static const struct {
     {"gates", finish_gates},
 };
 
-static enum neph_status finish(struct neph_reader *reader, const char *path,
-                               struct neph_written_scene *written)
+static enum neph_status finish(struct neph_reader *reader, enum neph_status so_far, void *written_)
 {
+    struct neph_written_scene *written = written_;
     struct neph_scene *scene = &written->scene;
-    scene->path = neph_arena_text(reader->arena, path);
     scene->failing = &written->failing;
     scene->injections = &written->injections;
     if (neph_is_sound(reader, "sun"))
@@ -339,7 +338,7 @@ static enum neph_status finish(struct neph_reader *reader, const char *path,
     for (size_t i = 0; i < sizeof(finish_steps) / sizeof(finish_steps[0]); i++)
         if (neph_is_sound(reader, finish_steps[i].keys))
             status = neph_also(reader, status, finish_steps[i].run(reader, written));
-    return status;
+    return so_far || status ? status : neph_scene_hash(scene, reader->diag);
 }
 
 /* How a file is read. */
@@ -354,31 +353,17 @@ static enum neph_status load_document(struct neph_document *document, const char
                                       struct neph_diag *diag)
 {
     struct neph_written_scene *written = calloc(1, sizeof(*written));
-    struct neph_errors *errors = calloc(1, sizeof(*errors));
-    if (!written || !errors) {
-        free(written);
-        free(errors);
+    if (!written)
         return neph_fail_memory(diag);
-    }
-    errors->file = document->file;
+    struct neph_arena *arena = &written->scene.arena;
     written->check = check;
-    struct neph_reader reader = {.document = document,
-                                 .arena = &written->scene.arena,
-                                 .diag = &errors->now,
-                                 .errors = errors};
-    yaml_node_t *root = neph_document_root(document);
-    enum neph_status status = neph_also(
-        &reader, NEPH_OK, neph_read_fields(&reader, root, neph_scene_fields, written));
-    status = neph_also(&reader, status, finish(&reader, path, written));
-    if (!status)
-        status = neph_also(&reader, status, neph_scene_hash(&written->scene, reader.diag));
-    if (status)
-        status = neph_errors_report(errors, diag);
+    written->scene.path = neph_arena_text(arena, path);
+    const enum neph_status status = neph_read_document(document, arena, neph_scene_fields, finish,
+                                                       written, diag);
     if (status)
         neph_scene_destroy(&written->scene);
     else
         *scene = &written->scene;
-    free(errors);
     return status;
 }
 

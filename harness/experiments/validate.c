@@ -241,7 +241,8 @@ static const struct neph_cli_syntax syntax = {
         "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
         "and the report is that of the run that wrote it last. A missing engine is reported as "
         "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
-        "could be compared.\n\n"
+        "could be compared. Exit code 0 is about the frames that were compared: an engine that is "
+        "missing or did not fit its budget does not change it, and the verdict names it.\n\n"
         "Examples:\n"
         "  neph validate\n"
         "  neph validate --tier full --budget 120\n"
@@ -308,8 +309,9 @@ static void tell(const struct neph_validation *validation, const char *folder, F
             "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
             "of the truth's\n",
             counts->ungated);
-    fprintf(out, "verdict: %s\nreport: %s/index.html\n", neph_verdict_name(validation->verdict),
-            folder);
+    fputs("verdict: ", out);
+    neph_validation_print_verdict(validation, out);
+    fprintf(out, "\nreport: %s/index.html\n", folder);
 }
 
 static enum neph_status judge(const struct neph_validation *validation, struct neph_diag *reason)

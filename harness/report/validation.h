@@ -154,6 +154,10 @@ json_t *neph_validation_json(const struct neph_validation *validation);
 /* For people: a line for each frame, and what is to be said of it below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);
 
+/* "pass", and which engines the verdict is without, and in how many scenes: those that are not
+ * installed, did not fit their budget, or have fewer samples than were set. No line break. */
+void neph_validation_print_verdict(const struct neph_validation *validation, FILE *out);
+
 const char *neph_verdict_name(enum neph_verdict verdict);
 const char *neph_gate_verdict_name(enum neph_gate_verdict verdict);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/written.h"
 #include "harness/host.h"
 #include "harness/report/page.h"
 #include "harness/report/ranking.h"
@@ -8,6 +9,7 @@
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
@@ -104,6 +106,21 @@ static json_t *head_json(const struct neph_validation *validation)
                      "charts", charts);
 }
 
+static void write_verdict(const void *validation, FILE *out)
+{
+    neph_validation_print_verdict(validation, out);
+}
+
+static json_t *verdict_json(const struct neph_validation *validation)
+{
+    char *text = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_written(write_verdict, validation, &text, &diag);
+    json_t *json = text ? json_string(text) : NULL;
+    free(text);
+    return json;
+}
+
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -118,6 +135,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     const struct neph_counts *counts = &validation->counts;
     json_t *json = head_json(validation);
     neph_json_set(&json, "verdict", json_string(neph_verdict_name(validation->verdict)));
+    neph_json_set(&json, "verdict_text", verdict_json(validation));
     neph_json_set(&json, "seconds", json_real(validation->seconds));
     neph_json_set(&json, "counts",
                   json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",

@@ -149,11 +149,11 @@ class Metrics(neph_case.NephCase):
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
         text = self.neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
                          self.folder / "weak").stdout
-        self.assertIn("not told apart: mae", text)
-        self.assertIn("16 frames are too few: intervals and p-values of a mean need 64", text)
+        self.assertRegex(text, r"^strong: mae 0.05.*, weak: 0.02.*; not told apart, lower in \d+ of "
+                               r"16 frames \(16 frames are too few: intervals and p-values")
         text = self.neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae",
                          "--versus", self.folder / "weak/f.04.exr").stdout
-        self.assertRegex(text, "^worse: mae .* p < 0.001")
+        self.assertRegex(text, "^strong: mae .*, weak: .*; worse, p < 0.001\n")
         self.neph(*run, self.folder / "nowhere", code=66, silent=True)
 
     def test_the_answer_comes_first_and_is_short(self):
@@ -186,14 +186,14 @@ class Metrics(neph_case.NephCase):
             for test, other, word in ((weak, strong, "better"), (strong, weak, "worse")):
                 text = self.neph("compare", reference, test, "--versus", other, "-m", metric,
                                  "-q").stdout
-                self.assertRegex(text, rf"^{word}: {metric} [0-9.]+.*, of --versus [0-9.]+ "
-                                       r"\(difference .*, p < 0.001\)$")
+                self.assertRegex(text, rf"^{test.name}: {metric} [0-9.]+.*, {other.name}: [0-9.]+"
+                                       rf"( dB)?; {word}, p < 0.001\n$")
         # No direction: a gain of the shift is neither good nor bad.
         text = self.neph("compare", reference, weak, "--versus", strong, "-m", "shift_gain",
                          "-q").stdout
-        self.assertRegex(text, "^(higher|lower|equal|not told apart): shift_gain ")
+        self.assertRegex(text, "^weak.exr: shift_gain .*; (higher|lower|equal|not told apart)")
         text = self.neph("compare", reference, weak, "--versus", weak, "-m", "mae", "-q").stdout
-        self.assertRegex(text, "^equal: mae ")
+        self.assertRegex(text, "^test: mae .*, other: .*; equal\n$")
 
     def test_names_of_masks_and_units_in_csv(self):
         layers = {channel: [0.5] * 256 for channel in "RGB"}
