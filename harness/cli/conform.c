@@ -135,6 +135,8 @@ static enum neph_status render(const struct request *request, const struct neph_
     neph_arena_finish(&arena);
     if (status)
         return status;
+    if (!params.quiet)
+        neph_cli_say_where("conform", run->output);
     neph_conform_count(publication->json, &expected, &sound);
     if (publication->text) {
         print_wrong(publication->json, publication->text);

@@ -14,8 +14,8 @@
 #include "harness/progress.h"
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
-#include "metrics/validity.h"
 #include "metrics/extractor.h"
+#include "metrics/validity.h"
 #include "renderer/post/display.h"
 
 #include <limits.h>
@@ -26,6 +26,7 @@
 
 struct request {
     struct neph_cli_shared shared;
+    struct neph_cli_words reference;
     const char *preset, *chain, *scene, *layer;
     int repeat;
     int seed, bits; /* bits: -1: by the encoding */
@@ -35,6 +36,10 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
+    {"reference", 0, NULL,
+     "Frames that the others will be compared with: the same chain, from its beginning, puts them "
+     "into DIR/reference; may be given several times",
+     NEPH_CLI_WORDS, AT(reference)},
     {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG, AT(list)},
     {"preset", 0, NULL, "A set of settings of the chain by name, before any --set", NEPH_CLI_ONE,
      AT(preset), "off"},
@@ -92,8 +97,8 @@ static const struct neph_cli_syntax syntax = {
         "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
         "by its own name: the linear light that the display makes of the picture, 1 being its "
         "white, or with encode=pq peak_nits, which `neph compare`, `flicker` and `view` know as a "
-        "display's. Put the reference "
-        "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
+        "display's. --reference puts a reference "
+        "through the same chain. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
         "  neph post --list\n"
@@ -198,7 +203,8 @@ struct work {
     struct neph_scene *scene; /* owned; NULL: none */
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
-    json_t *results;
+    const char *folder; /* of the pictures */
+    json_t **results;   /* of the caller */
 };
 
 static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
@@ -255,7 +261,7 @@ static const char *path_for(const struct work *work, const char *frame, const ch
 {
     const char *slash = strrchr(frame, '/'), *name = slash ? slash + 1 : frame;
     const char *dot = strrchr(name, '.');
-    return neph_arena_format(arena, "%s/%.*s.%s", work->request->shared.output,
+    return neph_arena_format(arena, "%s/%.*s.%s", work->folder,
                              (int)(dot ? (size_t)(dot - name) : strlen(name)), name, ending);
 }
 
@@ -336,7 +342,7 @@ static void note(struct work *work, const char *frame, const struct neph_image *
             printf("%s: metered %.4f EV, adapted to %.4f EV\n", frame, stats->metered_ev,
                    stats->adapted_ev);
     }
-    neph_json_add(&work->results, result);
+    neph_json_add(work->results, result);
 }
 
 static enum neph_status run(struct work *work, const struct neph_image *frame, bool is_first,
@@ -434,19 +440,19 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     return status;
 }
 
-static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
+static enum neph_status make_pictures(struct work *work, const char *const *words, int word_count,
+                                      struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &work->request->shared;
     enum neph_status status = find_settings(work, diag);
     if (!status)
-        status = neph_sequence_find(shared->operand_count, shared->operands, false, &work->frames,
-                                    diag);
+        status = neph_sequence_find(word_count, words, false, &work->frames, diag);
     struct neph_progress progress = neph_progress_start(shared->quiet || shared->json,
                                                         work->frames.count);
     if (!status)
         status = check_names(work, diag);
     if (!status)
-        status = neph_cli_open_folder(shared->output, diag);
+        status = neph_cli_open_folder(work->folder, diag);
     if (!status)
         status = neph_vulkan_open(&work->vulkan, diag);
     for (int i = 0; i < work->frames.count && !status; i++) {
@@ -461,24 +467,41 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
+/* Put a sequence through the chain, or list what there is. */
+static enum neph_status work_on(const struct request *request, const char *folder,
+                                const char *const *words, int word_count, json_t **results,
+                                struct neph_diag *diag)
 {
-    struct request request = {0};
-    neph_cli_parse(&syntax, argc, argv, &request);
-    struct work work = {.request = &request, .results = json_array()};
-    work.showing.params.seed = (uint64_t)request.seed;
-    work.showing.bits = request.bits;
+    struct work work = {.request = request, .folder = folder, .results = results};
+    work.showing.params.seed = (uint64_t)request->seed;
+    work.showing.bits = request->bits;
     enum neph_status status = find_chain(&work, diag);
-    if (!status && request.list)
-        status = request.chain ? list_chain(&work.showing.plan, request.shared.json, diag)
-                               : list_all(request.shared.json, diag);
+    if (!status && request->list)
+        status = request->chain ? list_chain(&work.showing.plan, request->shared.json, diag)
+                                : list_all(request->shared.json, diag);
     else if (!status)
-        status = make_pictures(&work, diag);
-    const enum neph_status printed = neph_cli_give_json(
-        work.results, !status && !request.list && request.shared.json, diag);
+        status = make_pictures(&work, words, word_count, diag);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
     neph_scene_destroy(work.scene);
     neph_showing_finish(&work.showing);
+    return status;
+}
+
+enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
+    json_t *results = json_array();
+    enum neph_status status = work_on(&request, shared->output, shared->operands,
+                                      shared->operand_count, &results, diag);
+    if (!status && request.reference.count > 0)
+        status = work_on(&request, neph_path_in(shared->output, "reference").text,
+                         request.reference.list, request.reference.count, &results, diag);
+    if (!status && !request.list && !shared->quiet)
+        neph_cli_say_where("post", shared->output);
+    const enum neph_status printed = neph_cli_give_json(
+        results, !status && !request.list && shared->json, diag);
     return status ? status : printed;
 }

@@ -17,12 +17,17 @@ enum { FRAMES, VIEWING, WRITING }; /* groups of the help */
 struct request {
     struct neph_cli_shared shared;
     struct neph_viewer view;
+    struct neph_cli_words reference;
     struct neph_cli_list quantities, overlays;
     double limit_mb;
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
+    {"reference", 0, NULL,
+     "The first set, which the others are compared with (default: the first of FRAMES); may be "
+     "given several times",
+     NEPH_CLI_WORDS, AT(reference)},
     {"layer", 0, NULL,
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(view.layer)},
@@ -90,13 +95,14 @@ static const struct neph_cli_syntax syntax = {
         "Lay frames of any renderer over each other in a page that opens from disk: EXR frames or "
         "PNG pictures, of one size.\v"
         "Each operand is a set: " NEPH_SEQUENCE_HELP ". Differences and maps are against the "
-        "first. In the page: zoom and pan down to pixels, values as they are in the files, wipe, "
+        "reference, else the first. In the page: zoom and pan down to pixels, values as they are "
+        "in the files, wipe, "
         "flip, differences on a fixed scale, exposure, maps of the metrics, and time; ? lists the "
         "keys. Its address holds what is looked at: copy it to show somebody.\n"
         "\n"
         "Examples:\n"
         "  neph view exact.exr march.exr -o page\n"
-        "  neph view reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
+        "  neph view -r reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
         "  neph view old.png new.png --overlay flip\n"
         "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
 };
@@ -117,15 +123,29 @@ static const char *label_of(const char *const *words, int count, int which)
     return words[which] + common;
 }
 
+/* The reference, if there is one, which may be of several words; then a set for each operand. */
 static enum neph_status find_sets(struct request *request, struct neph_diag *diag)
 {
-    const char *const *words = request->shared.operands;
-    const int count = request->shared.operand_count;
+    const struct neph_cli_words *reference = &request->reference;
+    const char *words[NEPH_VIEWER_SETS_MAX + 1];
+    const int first = reference->count > 0, count = first + request->shared.operand_count;
     struct neph_viewer *view = &request->view;
     enum neph_status status = NEPH_OK;
+    if (count > NEPH_VIEWER_SETS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "%d sets of frames with the reference; a page has "
+                         "%d at most",
+                         count, NEPH_VIEWER_SETS_MAX);
+    if (first)
+        words[0] = reference->list[0];
+    for (int i = first; i < count; i++)
+        words[i] = request->shared.operands[i - first];
     for (int i = 0; i < count && !status; i++) {
+        const bool is_reference = first && i == 0;
         view->sets[i].label = label_of(words, count, i);
-        status = neph_sequence_find(1, &words[i], view->by_position, &view->sets[i].frames, diag);
+        status = neph_sequence_find(is_reference ? reference->count : 1,
+                                    is_reference ? reference->list : &words[i], view->by_position,
+                                    &view->sets[i].frames, diag);
         view->set_count += !status;
     }
     return status;

@@ -210,14 +210,17 @@ static void answer(const struct request *request, const struct settled *sums,
         const struct settled *sum = &sums[order[i]];
         const char *name = request->presets.words[order[i]];
         const double error = 100.0 * sum->error / sum->scene_count;
+        const struct settled *next = i == 0 && preset_count > 1 ? &sums[order[1]] : NULL;
+        const bool is_alike = next && !is_before(sum, next);
         if (sum->settled_count == 0)
             neph_answer_add(answer, "%s: not settled after %d frames, final error %.3g %%", name,
                             request->frames, error);
         else
             neph_answer_add(answer,
-                            "%s: settled at frame %.3g, final error %.3g %% (means; settled "
-                            "in %d of %d scenes, 1 seed)",
-                            name, sum->frames / sum->settled_count, error, sum->settled_count,
+                            "%s%s: settled at frame %.3g, final error %.3g %% (means; settled in "
+                            "%d of %d scenes, 1 seed)",
+                            is_alike ? "not told apart from the next: " : "", name,
+                            sum->frames / sum->settled_count, error, sum->settled_count,
                             scene_count);
     }
 }

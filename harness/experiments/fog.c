@@ -187,16 +187,15 @@ static void answer(const struct neph_fog_study *study, struct neph_answer *answe
         const char *model = neph_fog_model_words[row->model];
         if (i == 0)
             neph_answer_add(answer,
-                            "%s of %s has the largest error of %d rows in %s: radiance "
-                            "%.1f %% (rms), %+.1f %% in the mean, against exact; closed "
-                            "forms, no noise",
-                            row->name, model, count, study->params->scene->name,
+                            "%s, %s: the largest error of %d rows in %s: radiance %.1f %% (rms), "
+                            "%+.1f %% in the mean, against exact; closed forms, no noise",
+                            model, row->name, count, study->params->scene->name,
                             100.0 * row->radiance_rms, 100.0 * row->radiance_bias);
         else
             neph_answer_add(answer,
-                            "%s of %s: radiance %.1f %% (rms), %+.1f %% in the mean; light "
-                            "of the fog over the sphere %+.1f %%",
-                            row->name, model, 100.0 * row->radiance_rms, 100.0 * row->radiance_bias,
+                            "%s, %s: radiance %.1f %% (rms), %+.1f %% in the mean; light of the "
+                            "fog over the sphere %+.1f %%",
+                            model, row->name, 100.0 * row->radiance_rms, 100.0 * row->radiance_bias,
                             100.0 * row->fog_light);
     }
 }

@@ -165,8 +165,9 @@ static const struct neph_cli_syntax syntax = {
            "--least.\n\n"
            "Examples:\n"
            "  neph pick height_fog_level --error 0.01\n"
+           "  neph pick voxel_grid --error 0.25 --ms 50\n"
+           "  neph render voxel_grid --config out/pick/pick.json --frames 48\n"
            "  neph pick cloud_below --error 0.3 --flicker 2 --engine march\n"
-           "  neph pick voxel_grid --error 0.25 --ms 50 -o out/cloud\n"
            "  neph pick voxel_grid --error 0.25 --only ours,march\n"
            "  neph pick --preset ours,fixed --half-life 2 --least flicker --size 96x54",
 };

@@ -505,7 +505,7 @@ static struct summary summarize(const struct study *study, int model)
 }
 
 /* Models by their mean error, the smallest first; those without a number last. */
-static void answer_models(const struct study *study, struct neph_answer *answer)
+static void answer_models(const struct study *study, double noise, struct neph_answer *answer)
 {
     struct summary models[NEPH_LIGHT_MODELS_MAX];
     int order[NEPH_LIGHT_MODELS_MAX];
@@ -522,15 +522,20 @@ static void answer_models(const struct study *study, struct neph_answer *answer)
     for (int i = 0; i < count; i++) {
         const struct summary *of = &models[order[i]];
         const char *name = study->request->models.words[order[i]];
+        const bool is_best = i == 0 && count > 1;
+        const bool is_told = is_best && fabs(models[order[1]].mean - of->mean) > noise;
         if (of->cells == 0)
             neph_answer_add(answer, "%s: not measured: %s", name,
                             study->cells[0].gaps[order[i]].because);
         else
             neph_answer_add(answer,
-                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d "
-                            "cells; within the limits in %d of %d",
-                            i == 0 && count > 1 ? "nearest: " : "", name, 100.0 * of->mean,
-                            100.0 * of->worst, of->cells, of->good, of->limited);
+                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d cells; "
+                            "within the limits in %d of %d%s",
+                            is_best ? "nearest: " : "", name, 100.0 * of->mean, 100.0 * of->worst,
+                            of->cells, of->good, of->limited,
+                            is_best && !is_told
+                                ? "; the next is not told apart, by the noise of the truth"
+                                : "");
     }
 }
 
@@ -539,7 +544,7 @@ static void answer(const struct study *study, struct neph_answer *answer)
     double noise = 0.0;
     for (int i = 0; i < study->cell_count; i++)
         noise += study->cells[i].noise / study->cell_count;
-    answer_models(study, answer);
+    answer_models(study, noise, answer);
     neph_answer_add(answer,
                     "truth: %s with a noise of %.2f %% in the mean; limits: mean %g %%, "
                     "worst %g %%, with the sun at %g degrees or higher",

@@ -139,7 +139,7 @@ static void answer_frames_pair(const struct neph_benchmark_frames_engine *a,
     const bool is_swapped = time_of(b)->median < time_of(a)->median;
     const struct neph_benchmark_frames_engine *fast = is_swapped ? b : a,
                                               *slow = is_swapped ? a : b;
-    neph_answer_add(answer, "%s%s: %.3g times as fast as %s, %.3g ms a frame against %.3g",
+    neph_answer_add(answer, "%s%s: %.3g times as fast as %s, %.3g ms a frame against %.3g ms",
                     time_of(fast)->high < time_of(slow)->low ? "" : "not told apart: ",
                     name_of(&fast->job, first), time_of(slow)->median / time_of(fast)->median,
                     name_of(&slow->job, second), 1e3 * time_of(fast)->median,

@@ -44,9 +44,8 @@ static int first_metric(const struct neph_flicker_study *study, int from)
     return -1;
 }
 
-/* "0.81 times (0.7 to 0.95) that of fixed: better, p = 0.03, in 7 of 9 scenes" */
-static const char *pair_words(const struct neph_flicker_study *study,
-                              const struct neph_study_pair *pair, int rival, char text[TEXT_SIZE])
+/* ": 0.81 times (0.7 to 0.95): better, p = 0.03, better in 7, worse in 2, alike in 0 scenes" */
+static const char *pair_words(const struct neph_study_pair *pair, char text[TEXT_SIZE])
 {
     char interval[NEPH_ANSWER_INTERVAL_SIZE] = "", p[32] = "";
     const double low = pair->has_interval ? pair->low : NAN,
@@ -56,27 +55,32 @@ static const char *pair_words(const struct neph_flicker_study *study,
     if (isfinite(pair->p_sign))
         snprintf(p, sizeof(p), pair->p_sign < 0.001 ? ", p < 0.001" : ", p = %.2g", pair->p_sign);
     if (isnan(pair->mean))
-        snprintf(text, TEXT_SIZE, "not measured in the same scene as %s",
-                 study->params->presets[rival]);
+        snprintf(text, TEXT_SIZE, ": not measured in the same scene");
     else
         snprintf(text, TEXT_SIZE,
-                 "%.3g times%s that of %s: %s%s, better in %d, worse in %d, alike in %d scenes",
-                 pow(10.0, pair->mean), interval, study->params->presets[rival],
-                 neph_answer_difference_word(low, high), p, pair->better, pair->worse, pair->alike);
+                 ": %.3g times%s: %s%s, better in %d, worse in %d, alike in %d scenes",
+                 pow(10.0, pair->mean), interval, neph_answer_difference_word(low, high), p,
+                 pair->better, pair->worse, pair->alike);
     return text;
 }
 
+/* Both values are geometric means over the scenes in which all presets have one. */
 static enum neph_status answer_pair(const struct neph_flicker_study *study, int metric, int best,
                                     int rival, const char *end, struct neph_answer *answer,
                                     struct neph_diag *diag)
 {
     char text[TEXT_SIZE];
+    const double scale = neph_study_metrics[metric].scale;
+    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
     struct neph_study_pair pair = {.mean = NAN};
-    const enum neph_status status = neph_study_pair(study, metric, 0, best, rival, &pair, diag);
+    enum neph_status status = neph_study_levels(study, metric, 0, levels, diag);
     if (!status)
-        neph_answer_add(answer, "%s: %s: %s%s", study->params->presets[best],
-                        neph_study_metrics[metric].title, pair_words(study, &pair, rival, text),
-                        end);
+        status = neph_study_pair(study, metric, 0, best, rival, &pair, diag);
+    if (!status)
+        neph_answer_add(answer, "%s: %s %.3g, %s %.3g%s%s", neph_study_metrics[metric].title,
+                        study->params->presets[best], scale * pow(10.0, levels[best].mean),
+                        study->params->presets[rival], scale * pow(10.0, levels[rival].mean),
+                        pair_words(&pair, text), end);
     return status;
 }
 

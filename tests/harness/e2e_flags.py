@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """One vocabulary of flags over all verbs, as docs/flags.md has it; old names warn."""
 import collections
+import pathlib
 import re
 import unittest
 
@@ -156,7 +157,7 @@ class Flags(unittest.TestCase):
             self.assertEqual(neph_case.run(*verb.split(), f"--{new}{value}", "--help").stderr, "")
 
 
-class OldForms(neph_case.NephCase):
+class Commands(neph_case.NephCase):
     in_folder = True
 
     def test_settings_of_extractors_with_a_dot(self):
@@ -189,6 +190,26 @@ class OldForms(neph_case.NephCase):
         self.neph("render", "absorbing_slab", "-e", "exact", "-e", "march", code=64,
                   said="not several")
         self.assertTrue((self.folder / "out/validate/store").is_dir())
+
+    def test_every_verb_says_where_its_results_are(self):
+        little = ("--size", "16x9")
+        frame = "out/render/height_fog_level_march_0000.exr"
+        for words, code, place in (
+                (("render", "height_fog_level", *little), 0, frame),
+                (("export", "absorbing_slab", *little), 0, "out/export"),
+                (("bake", "gaussian_blob", "--resolution", "2"), 0, "out/bake/gaussian_blob.vdb"),
+                (("view", "-r", frame, frame), 0, "out/view/index.html"),
+                (("post", frame, "-r", frame, "-p", "unreal"), 0, "out/post"),
+                (("conform", "--only", "height_fog_level", "-e", "march", *little), 0,
+                 "out/conform"),
+                (("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", *little), None,
+                 "out/validate/report/index.html")):
+            done = self.neph(*words, code=code)
+            self.assertIn(place, done.stdout + done.stderr)
+            self.assertTrue((self.folder / place).exists(), place)
+        shown = [(self.folder / "out/post" / name / pathlib.Path(frame).name).read_bytes()
+                 for name in ("", "reference")]
+        self.assertEqual(*shown)
 
     def test_a_store_of_before_is_named_once(self):
         words = ("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", "--size", "8x8",
