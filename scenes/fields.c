@@ -111,7 +111,7 @@ enum neph_status neph_also(const struct neph_reader *reader, enum neph_status fi
 
 bool neph_is_sound(const struct neph_reader *reader, const char *keys)
 {
-    return !neph_errors_are_full(reader->errors) &&
+    return reader->errors && !neph_errors_are_full(reader->errors) &&
            !neph_errors_concern(reader->errors, reader->path, keys);
 }
 
