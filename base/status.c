@@ -4,6 +4,7 @@
 #include "base/text.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -101,6 +102,17 @@ void neph_locate(struct neph_diag *diag, const char *file, int line, int column)
     neph_text_format(diag->file, sizeof(diag->file), "%s", file);
     diag->line = line;
     diag->column = column;
+}
+
+int neph_diag_format(const struct neph_diag *diag, const char *who, char *text, size_t size)
+{
+    char place[sizeof(diag->file) + 32];
+    snprintf(place, sizeof(place), "%s", who);
+    if (diag->file[0] && diag->line > 0)
+        snprintf(place, sizeof(place), "%s:%d:%d", diag->file, diag->line, diag->column);
+    const bool has_hint = diag->hint[0] != '\0';
+    return snprintf(text, size, "%s: %s\n%s%s%s", place, diag->message, has_hint ? "  hint: " : "",
+                    diag->hint, has_hint ? "\n" : "");
 }
 
 enum neph_status neph_fail_memory(struct neph_diag *diag)

@@ -10,6 +10,8 @@
 #ifndef NEPH_BASE_STATUS_H
 #define NEPH_BASE_STATUS_H
 
+#include <stddef.h>
+
 enum neph_status {
     NEPH_OK = 0,
     NEPH_ERR_USAGE,       /* the command line asks for something that does not exist */
@@ -36,6 +38,9 @@ struct neph_diag {
     char file[512];
     int line;   /* 1-based */
     int column; /* 1-based */
+    /* Further errors of the same file, as lines for a person: each with its position, message and
+     * hint. Empty when there is only the one above. */
+    char more[8192];
 };
 
 /* Fill `diag` (if not NULL) with a formatted message, clear its position, and return `status`:
@@ -58,6 +63,10 @@ void neph_move_paths(struct neph_diag *diag, const char *from, const char *to);
 
 /* Add the position in the user's input to a diag that already holds a message. */
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column);
+
+/* Write a diag as lines for a person: position, message, then the hint. `who` stands in place of the
+ * position when there is none. Returns the length, as snprintf(). */
+int neph_diag_format(const struct neph_diag *diag, const char *who, char *text, size_t size);
 
 /* Shorthand for an allocation failure. */
 enum neph_status neph_fail_memory(struct neph_diag *diag);

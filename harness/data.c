@@ -6,6 +6,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -67,33 +68,21 @@ char *neph_cache_path(void)
 }
 
 /* Gates hold numbers by the names of the metrics module, which the scenes module does not know. */
-static enum neph_status check_gates(const struct neph_scene *scene, const char *path,
-                                    struct neph_diag *diag)
+static bool may_limit(const char *metric, char *why, size_t size)
 {
-    for (int g = 0; g < scene->gate_count; g++) {
-        const struct neph_extractor *owner = NULL;
-        const bool is_there = neph_metric_find(scene->gates[g].metric, &owner);
-        if (is_there && !owner->costly && !owner->temporal)
-            continue;
-        neph_fail(diag, NEPH_ERR_INPUT, "gates[%d].metric: '%s' is %s", g, scene->gates[g].metric,
-                  is_there ? "not among the numbers of every picture" : "no metric");
-        neph_locate(diag, path, scene->gates[g].line, 1);
-        neph_hint(diag, "`neph metrics` lists them");
-        return NEPH_ERR_INPUT;
-    }
-    return NEPH_OK;
+    const struct neph_extractor *owner = NULL;
+    const bool is_there = neph_metric_find(metric, &owner);
+    if (is_there && !owner->costly && !owner->temporal)
+        return true;
+    snprintf(why, size, "is %s", is_there ? "not among the numbers of every picture" : "no metric");
+    return false;
 }
 
 static enum neph_status load(const char *path, struct neph_scene **scene, struct neph_diag *diag)
 {
-    struct neph_scene *loaded = NULL;
-    enum neph_status status = neph_scene_load(path, &loaded, diag);
-    if (!status)
-        status = check_gates(loaded, path, diag);
-    if (status)
-        neph_scene_destroy(loaded);
-    else
-        *scene = loaded;
+    const enum neph_status status = neph_scene_load_checked(path, may_limit, scene, diag);
+    if (!status && (*scene)->warning)
+        fprintf(stderr, "warning: %s\n", (*scene)->warning);
     return status;
 }
 

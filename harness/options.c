@@ -4,6 +4,8 @@
 #include "base/files.h"
 #include "base/image.h"
 #include "base/text.h"
+#include "harness/help.h"
+#include "harness/old_options.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,35 +15,80 @@
 #include <sys/types.h>
 
 /* A new kind does not compile before this file was looked through for it. */
-_Static_assert(NEPH_CLI_KIND_COUNT == 12, "a new kind");
+_Static_assert(NEPH_CLI_KIND_COUNT == 13, "a new kind");
 
-enum { ROWS_MAX = 48, KEY_FIRST = 0x100 }; /* keys of options without a letter lie above those */
+enum {
+    ROWS_MAX = 48,
+    OLD_MAX = 8,       /* old names of a verb's options */
+    KEY_FIRST = 0x100, /* keys of options without a letter lie above those */
+    KEY_OLD = 0x1000,  /* of an old name; its row in neph_old_options behind that */
+    KEY_USAGE = 0x2000,
+};
 
+/* Options that two verbs or more have, so that each has one letter, one form of its argument and,
+ * unless a verb has words of its own, one help: docs/flags.md. Rows without a kind have no place of
+ * their own: the row of the verb says where it is. */
 static const struct neph_cli_option shared_options[] = {
+    {"all", 0, NULL, "All numbers in place of the answer in ten lines", NEPH_CLI_FLAG,
+     .at = offsetof(struct neph_cli_shared, all)},
     {"blender", 0, "PATH",
      "Blender of engine cycles in place of NEPH_BLENDER: a program, or the folder of an unpacked "
      "archive; further ones, behind colons, are further engines",
      NEPH_CLI_WORD, .at = offsetof(struct neph_cli_shared, blender)},
+    {"by-position", 0, NULL,
+     .help = "Frames belong together by their place in the sequence, whatever their numbers"},
+    {"chain", 0, "FILE", .help = "Picture chain in place of the scene's; off: none"},
     {"csv", 0, "FILE", "Results as CSV", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, csv)},
-    {"engine", 'e', "NAME", "Engine; `neph engines` lists them", NEPH_CLI_WORD,
+    {"engine", 'e', "NAME[,NAME]", "Engine; `neph engines` lists them", NEPH_CLI_ONE,
      .at = offsetof(struct neph_cli_shared, engine)},
+    {"error", 0, "E", .help = "Relative RMSE of radiance against the truth"},
+    {"exposure", 0, "EV", .help = "Display value = 2^EV times radiance"},
+    {"fps", 0, "HZ", .help = "Frame rate of the display (default: what the frames say, else 60)"},
+    {"frames", 0, "N", .help = "Frames of the sequence"},
     {"jobs", 'j', "N", "Processes that render at the same time; results do not depend on it",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_cli_shared, jobs), .minimum = 1, .maximum = 256},
     {"json", 0, NULL, "Results as JSON on stdout", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, json)},
+    {"layer", 0, "NAME",
+     .help = "Radiance, depth and masks are the channels NAME.R and so on (Blender: "
+             "ViewLayer.Combined)"},
+    {"list", 0, NULL, .help = "Print what there is to choose from, and do nothing else"},
     {"markdown", 0, "FILE", "The tables into a file, too", NEPH_CLI_FILE,
      .at = offsetof(struct neph_cli_shared, markdown)},
+    {"model", 0, "NAME[,NAME]", .help = "Models to compare with the truth"},
+    {"only", 0, "NAME[,NAME]", .help = "Only these parts"},
     {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
      .at = offsetof(struct neph_cli_shared, output)},
-    {"quiet", 'q', NULL, "No progress", NEPH_CLI_FLAG,
+    {"page-limit", 0, "MB", .help = "The most that the page may take"},
+    {"ppd", 0, "N",
+     .help =
+         "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
+         "wide; a desk monitor has 40)"},
+    {"preset", 'p', "NAME[,NAME]", .help = "Preset: a set of settings by name, before any --set"},
+    {"quiet", 'q', NULL, "No progress; of an answer in ten lines only the first", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, quiet)},
-    {"set", 's', "KEY=VALUE", "A setting of the engine; may be given several times", NEPH_CLI_WORDS,
-     .at = offsetof(struct neph_cli_shared, settings)},
+    {"reference", 'r', "FILES", .help = "Frames that the others are compared with"},
+    {"repeat", 0, "N", .help = "How often the same work is timed"},
+    {"resolution", 0, "N", .help = "Nodes along the longest side of a voxel grid"},
+    {"retime", 0, NULL, .help = "Time again what DIR/times.json has times of"},
+    {"samples", 0, "N", .help = "Samples a pixel of the truth"},
+    {"seed", 0, "S", .help = "The first seed"},
+    {"seeds", 0, "N", .help = "How many seeds, from the first on"},
+    {"set", 's', "[ENGINE:]KEY=VALUE", "A setting of the engine; may be given several times",
+     NEPH_CLI_WORDS, .at = offsetof(struct neph_cli_shared, settings)},
     {"size", 0, "WxH", "Size in pixels", NEPH_CLI_SIZE,
      .at = offsetof(struct neph_cli_shared, size)},
+    {"stats", 0, NULL, .help = "What each frame has cost"},
+    {"steps", 0, "N", .help = "Steps of every view ray"},
+    {"suite", 0, "NAME", .help = "A set of scenes or tests by name"},
+    {"takes", 0, "NAME[,NAME]", .help = "What is rendered of a scene"},
+    {"tier", 0, "NAME", .help = "quick or full"},
     {"time-limit", 0, "S", "Seconds per child process", NEPH_CLI_INTEGER,
      .at = offsetof(struct neph_cli_shared, time_limit_s), .minimum = 1, .maximum = 1000000},
+    {"untimed", 0, NULL, .help = "No times: evaluations of density in place of them"},
+    {"warm-up", 0, "N", .help = "Frames before the first that is measured"},
+    {"white", 0, "CD_PER_M2", .help = "Luminance of the display value 1 (default: 100)"},
     {.name = NULL},
 };
 
@@ -63,7 +110,8 @@ struct parse {
     const struct neph_cli_syntax *syntax;
     struct neph_cli_option rows[ROWS_MAX]; /* complete */
     int row_count;
-    char *request; /* as bytes, for the offsets */
+    char *request;    /* as bytes, for the offsets */
+    const char *verb; /* "neph compare" */
 };
 
 /* ---- what arguments are made of -------------------------------------------------------------- */
@@ -157,34 +205,62 @@ static void take_size(const struct neph_cli_option *row, const char *argument, v
     *(struct neph_cli_size *)place = size;
 }
 
+static void take_one(const struct neph_cli_option *row, const char *argument, void *place,
+                     const struct argp_state *state)
+{
+    const char **word = place;
+    const bool is_default = !*word || (row->otherwise && *word == row->otherwise);
+    if (!is_default || strchr(argument, ','))
+        argp_error(state, "--%s '%s': there is one, not several, in this verb", row->name,
+                   argument);
+    *word = argument;
+}
+
+/* Splits the argument where it lies in argv, behind which nothing reads it whole. */
 static void take_list(const struct neph_cli_option *row, const char *argument, void *place,
                       const struct argp_state *state)
 {
-    (void)row;
-    (void)state;
-    ((struct neph_cli_list *)place)->argument = argument;
+    struct neph_cli_list *list = place;
+    char *rest = (char *)argument;
+    const int most = row->maximum > 0 ? (int)row->maximum : NEPH_CLI_LIST_MAX;
+    while (rest) {
+        if (list->count == most)
+            argp_error(state, "--%s has more than %d names", row->name, most);
+        const char *word = strsep(&rest, ",");
+        for (int i = 0; i < list->count; i++)
+            if (strcmp(list->words[i], word) == 0)
+                argp_error(state, "--%s: '%s' is twice in the list", row->name, word);
+        list->words[list->count++] = word;
+    }
 }
 
 static take_function *const take[] = {
-    [NEPH_CLI_FLAG] = take_flag,   [NEPH_CLI_WORD] = take_word,
-    [NEPH_CLI_FILE] = take_file,   [NEPH_CLI_OUTPUT] = take_output,
-    [NEPH_CLI_WORDS] = take_words, [NEPH_CLI_INTEGER] = take_integer,
-    [NEPH_CLI_REAL] = take_real,   [NEPH_CLI_SIZE] = take_size,
-    [NEPH_CLI_LIST] = take_list,   [NEPH_CLI_NUMBERS] = take_list,
+    [NEPH_CLI_FLAG] = take_flag,    [NEPH_CLI_WORD] = take_word,
+    [NEPH_CLI_FILE] = take_file,    [NEPH_CLI_OUTPUT] = take_output,
+    [NEPH_CLI_WORDS] = take_words,  [NEPH_CLI_INTEGER] = take_integer,
+    [NEPH_CLI_REAL] = take_real,    [NEPH_CLI_SIZE] = take_size,
+    [NEPH_CLI_NAMES] = take_list,   [NEPH_CLI_LIST] = take_list,
+    [NEPH_CLI_NUMBERS] = take_list, [NEPH_CLI_ONE] = take_one,
 };
 
 /* ---- the table ------------------------------------------------------------------------------- */
+
+static bool is_list(const struct neph_cli_option *row)
+{
+    return row->kind == NEPH_CLI_LIST || row->kind == NEPH_CLI_NUMBERS;
+}
 
 static struct neph_cli_option complete(const struct neph_cli_option *row)
 {
     const struct neph_cli_option *shared = shared_options;
     while (shared->name && strcmp(shared->name, row->name) != 0)
         shared++;
-    if (row->kind != NEPH_CLI_SHARED || !shared->name)
+    if (!shared->name)
         return *row;
-    struct neph_cli_option whole = *shared;
-    whole.argument = row->argument ? row->argument : whole.argument;
-    whole.help = row->help ? row->help : whole.help;
+    struct neph_cli_option whole = row->kind == NEPH_CLI_SHARED ? *shared : *row;
+    whole.letter = shared->letter;
+    whole.argument = row->argument ? row->argument : shared->argument;
+    whole.help = row->help ? row->help : shared->help;
     whole.otherwise = row->otherwise;
     whole.group = row->group;
     return whole;
@@ -201,7 +277,7 @@ static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
             *(int *)place = -1;
         if (row.kind == NEPH_CLI_REAL)
             *(double *)place = NAN;
-        if (row.otherwise && !row.presets)
+        if (row.otherwise && !is_list(&row) && row.kind != NEPH_CLI_NAMES)
             take[row.kind](&row, row.otherwise, place, NULL);
     }
 }
@@ -209,15 +285,21 @@ static void add_rows(struct parse *parse, const struct neph_cli_option *rows)
 static int key_of(const struct parse *parse, int row)
 {
     const struct neph_cli_option *option = &parse->rows[row];
-    if (option->kind == NEPH_CLI_ALIAS)
-        return 0; /* argp takes that of the row above */
     return option->letter ? option->letter : KEY_FIRST + row;
 }
 
 static const struct neph_cli_option *row_of(const struct parse *parse, int key)
 {
     for (int i = 0; i < parse->row_count; i++)
-        if (key != 0 && key_of(parse, i) == key)
+        if (key_of(parse, i) == key)
+            return &parse->rows[i];
+    return NULL;
+}
+
+static const struct neph_cli_option *row_named(const struct parse *parse, const char *name)
+{
+    for (int i = 0; i < parse->row_count; i++)
+        if (strcmp(parse->rows[i].name, name) == 0)
             return &parse->rows[i];
     return NULL;
 }
@@ -232,6 +314,56 @@ static void check_operands(const struct neph_cli_operands *operands,
     if (operands->surplus && shared->operand_count > operands->maximum)
         argp_error(state, "%s, not '%s' as well", operands->surplus,
                    shared->operands[operands->maximum]);
+}
+
+/* What stands for an option of presets; to free. NULL: memory is short. */
+static char *preset_names(const struct neph_cli_option *row)
+{
+    return neph_preset_names(row->presets, row->uses, row->otherwise ? row->otherwise : "",
+                             row->between ? row->between : ",");
+}
+
+static void print_help(const struct parse *parse)
+{
+    const struct neph_cli_syntax *syntax = parse->syntax;
+    struct neph_help_option options[ROWS_MAX + 2] = {
+        {.name = "help", .letter = '?', .text = "Give this help list", .group = -1},
+        {.name = "usage", .text = "Give a short usage message", .group = -1}};
+    char *names[ROWS_MAX] = {NULL};
+    for (int i = 0; i < parse->row_count; i++) {
+        const struct neph_cli_option *row = &parse->rows[i];
+        names[i] = row->presets ? preset_names(row) : NULL;
+        options[2 + i] = (struct neph_help_option){.name = row->name,
+                                                   .letter = row->letter,
+                                                   .argument = row->argument,
+                                                   .text = row->help,
+                                                   .otherwise = names[i] ? names[i]
+                                                                         : row->otherwise,
+                                                   .group = row->group};
+    }
+    const struct neph_help help = {
+        .verb = parse->verb,
+        .operands = syntax->operands ? syntax->operands->shown : NULL,
+        .doc = syntax->doc,
+        .options = options,
+        .option_count = parse->row_count + 2,
+    };
+    neph_help_print(&help, stdout);
+    for (int i = 0; i < parse->row_count; i++)
+        free(names[i]);
+}
+
+/* The row of a key; a warning where it is that of an old name. NULL: there is none. */
+static const struct neph_cli_option *row_of_key(const struct parse *parse, int key)
+{
+    if (key < KEY_OLD || key >= KEY_USAGE) /* keys of argp's own are above those here, or 0 */
+        return row_of(parse, key);
+    const struct neph_old_option *old = &neph_old_options[key - KEY_OLD];
+    char was[64], is[64];
+    snprintf(was, sizeof(was), "--%s", old->old);
+    snprintf(is, sizeof(is), "--%s", old->name);
+    neph_old_option_warn(parse->verb, was, is);
+    return row_named(parse, old->name);
 }
 
 static error_t parse_key(int key, char *argument, struct argp_state *state)
@@ -251,29 +383,17 @@ static error_t parse_key(int key, char *argument, struct argp_state *state)
             syntax->check(parse->request, state);
         return 0;
     }
-    const struct neph_cli_option *row = row_of(parse, key);
+    if (key == '?') {
+        print_help(parse);
+        exit(0);
+    }
+    if (key == KEY_USAGE)
+        argp_state_help(state, stdout, ARGP_HELP_USAGE | ARGP_HELP_EXIT_OK);
+    const struct neph_cli_option *row = row_of_key(parse, key);
     if (!row)
         return ARGP_ERR_UNKNOWN;
     take[row->kind](row, argument, parse->request + row->at, state);
     return 0;
-}
-
-/* What stands for an option of presets; to free. NULL: memory is short. */
-static char *preset_names(const struct neph_cli_option *row)
-{
-    return neph_preset_names(row->presets, row->uses, row->otherwise ? row->otherwise : "",
-                             row->between ? row->between : ",");
-}
-
-/* The help of an option with what stands for it when it is not given; argp frees what is new. */
-static char *describe(int key, const char *text, void *input)
-{
-    const struct neph_cli_option *row = row_of(input, key);
-    char *names = row && row->presets ? preset_names(row) : NULL;
-    const char *otherwise = names ? names : row ? row->otherwise : NULL;
-    char *said = otherwise ? neph_format("%s (default: %s)", text, otherwise) : (char *)text;
-    free(names);
-    return said;
 }
 
 static ssize_t write_clean(void *cookie, const char *bytes, size_t size)
@@ -301,32 +421,47 @@ static void run_argp(const struct argp *argp, int argc, char **argv, struct pars
         setvbuf(clean, NULL, _IOLBF, 0); /* whole lines: no character is cut in two */
         stderr = clean;
     }
-    argp_parse(argp, argc, argv, 0, NULL, parse);
+    argp_parse(argp, argc, argv, ARGP_NO_HELP, NULL, parse);
     stderr = terminal;
     if (clean)
         fclose(clean);
 }
 
-void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv, void *request)
+/* Options of a verb as argp takes them, and the old names, which no help shows. */
+static void list_options(const struct parse *parse, struct argp_option *options)
 {
-    struct parse parse = {.syntax = syntax, .request = request};
-    struct argp_option options[ROWS_MAX + 1] = {{0}};
-    add_rows(&parse, syntax->options);
-    add_rows(&parse, syntax->more);
-    for (int i = 0; i < parse.row_count; i++) {
-        const struct neph_cli_option *row = &parse.rows[i];
-        options[i] = (struct argp_option){.name = row->name,
-                                          .key = key_of(&parse, i),
+    const char *verb = strchr(parse->verb, ' ');
+    for (int i = 0; i < parse->row_count; i++) {
+        const struct neph_cli_option *row = &parse->rows[i];
+        *options++ = (struct argp_option){.name = row->name,
+                                          .key = key_of(parse, i),
                                           .arg = row->argument,
-                                          .flags = row->kind == NEPH_CLI_ALIAS ? OPTION_ALIAS : 0,
                                           .doc = row->help,
                                           .group = row->group};
     }
+    for (int i = 0, count = 0; verb && neph_old_options[i].verb && count < OLD_MAX; i++) {
+        const struct neph_old_option *old = &neph_old_options[i];
+        const struct neph_cli_option *row = row_named(parse, old->name);
+        if (strcmp(old->verb, verb + 1) != 0 || !row)
+            continue;
+        count++;
+        *options++ = (struct argp_option){
+            .name = old->old, .key = KEY_OLD + i, .arg = row->argument, .flags = OPTION_HIDDEN};
+    }
+    *options++ = (struct argp_option){.name = "help", .key = '?', .doc = "", .group = -1};
+    *options++ = (struct argp_option){.name = "usage", .key = KEY_USAGE, .doc = "", .group = -1};
+}
+
+void neph_cli_parse(const struct neph_cli_syntax *syntax, int argc, char **argv, void *request)
+{
+    struct parse parse = {.syntax = syntax, .request = request, .verb = argv[0]};
+    struct argp_option options[ROWS_MAX + OLD_MAX + 3] = {{0}};
+    add_rows(&parse, syntax->options);
+    add_rows(&parse, syntax->more);
+    list_options(&parse, options);
     const struct argp argp = {.options = options,
                               .parser = parse_key,
-                              .args_doc = syntax->operands ? syntax->operands->shown : NULL,
-                              .doc = syntax->doc,
-                              .help_filter = describe};
+                              .args_doc = syntax->operands ? syntax->operands->shown : NULL};
     run_argp(&argp, argc, argv, &parse);
     const struct neph_cli_shared *shared = request;
     if (shared->blender && setenv("NEPH_BLENDER", shared->blender, 1) != 0)
@@ -368,11 +503,6 @@ enum neph_status neph_cli_split(char *text, const char *what, int most, const ch
 
 /* ---- lists ----------------------------------------------------------------------------------- */
 
-static bool is_list(const struct neph_cli_option *row)
-{
-    return row->kind == NEPH_CLI_LIST || row->kind == NEPH_CLI_NUMBERS;
-}
-
 static enum neph_status read_numbers(const char *name, struct neph_cli_list *list,
                                      struct neph_diag *diag)
 {
@@ -385,16 +515,18 @@ static enum neph_status read_numbers(const char *name, struct neph_cli_list *lis
     return NEPH_OK;
 }
 
+/* What stands for a list that is not given; numbers. */
 static enum neph_status split_list(const struct neph_cli_option *row, struct neph_cli_list *list,
                                    struct neph_diag *diag)
 {
     const int most = row->maximum > 0 ? (int)row->maximum : NEPH_CLI_LIST_MAX;
-    if (!list->argument && !row->presets)
-        return NEPH_OK;
-    list->text = list->argument ? strdup(list->argument) : preset_names(row);
-    enum neph_status status = list->text ? neph_cli_split(list->text, row->name, most, list->words,
-                                                          &list->count, diag)
-                                         : neph_fail_memory(diag);
+    enum neph_status status = NEPH_OK;
+    if (list->count == 0 && (row->presets || row->otherwise)) {
+        list->text = row->presets ? preset_names(row) : strdup(row->otherwise);
+        status = list->text
+                     ? neph_cli_split(list->text, row->name, most, list->words, &list->count, diag)
+                     : neph_fail_memory(diag);
+    }
     if (!status && row->kind == NEPH_CLI_NUMBERS)
         status = read_numbers(row->name, list, diag);
     return status;

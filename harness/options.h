@@ -20,13 +20,12 @@ struct neph_cli_words {
     const char *list[NEPH_CLI_WORDS_MAX]; /* of argv */
 };
 
-/* Words of "A,B". */
+/* Words of "A,B", of an option that may be given several times. */
 struct neph_cli_list {
-    const char *argument; /* NULL: not given */
     int count;
-    const char *words[NEPH_CLI_LIST_MAX];
-    double numbers[NEPH_CLI_LIST_MAX]; /* of NEPH_CLI_NUMBERS */
-    char *text;                        /* that the words are in; owned */
+    const char *words[NEPH_CLI_LIST_MAX]; /* of argv, or of `text` */
+    double numbers[NEPH_CLI_LIST_MAX];    /* of NEPH_CLI_NUMBERS */
+    char *text; /* of the words that stand for a list that is not given; owned */
 };
 
 struct neph_cli_size {
@@ -36,8 +35,9 @@ struct neph_cli_size {
 /* What an option makes of its argument, and how its place tells that it was not given. What cannot
  * be read, or lies outside minimum..maximum, is a usage error. */
 enum neph_cli_kind {
-    NEPH_CLI_SHARED,  /* one of the options that several verbs have, by name: what this row leaves
-                         out is as in the table of options.c */
+    NEPH_CLI_SHARED,  /* as the option of that name in the table of options.c has it. An option of
+                         another kind with a name of that table has the table's letter, too, and its
+                         argument and help where the row has none */
     NEPH_CLI_FLAG,    /* bool */
     NEPH_CLI_WORD,    /* const char *; NULL */
     NEPH_CLI_FILE,    /* const char *, to write to; NULL. Not empty, as -o "$UNSET" is: that would
@@ -47,10 +47,12 @@ enum neph_cli_kind {
     NEPH_CLI_INTEGER, /* int; -1 */
     NEPH_CLI_REAL,    /* double; NaN. Any, when minimum and maximum are 0 */
     NEPH_CLI_SIZE,    /* struct neph_cli_size; 0 x 0 */
-    NEPH_CLI_LIST, /* struct neph_cli_list, of at most `maximum` words; empty. Its words are there
-                         after neph_cli_split_lists() */
+    NEPH_CLI_ONE,   /* const char *; NULL. One name: a second one, by comma or by another option of
+                        the name, is refused */
+    NEPH_CLI_NAMES, /* struct neph_cli_list, of at most `maximum` different words; empty */
+    NEPH_CLI_LIST,  /* the same; `otherwise` and `presets` are its words after
+                         neph_cli_split_lists() when none was given */
     NEPH_CLI_NUMBERS, /* the same, each word a finite number */
-    NEPH_CLI_ALIAS,   /* another name of the row above */
     NEPH_CLI_KIND_COUNT,
 };
 
@@ -79,7 +81,7 @@ struct neph_cli_shared {
     struct neph_cli_words settings;
     struct neph_cli_size size;
     int time_limit_s, jobs;
-    bool json, quiet;
+    bool json, quiet, all;
 };
 
 struct neph_cli_operands {
@@ -112,8 +114,8 @@ bool neph_cli_only_operand(struct neph_cli_shared *shared, int index);
 enum neph_status neph_cli_check_range(const char *option, int value, int minimum, int maximum,
                                       struct neph_diag *diag);
 
-/* Split the lists of a request. NEPH_ERR_USAGE: a word is twice in a list, a list has more than its
- * maximum, or a number is none. To be freed in any case. */
+/* Complete the lists of a request. NEPH_ERR_USAGE: a word is no number.
+ * To be freed in any case. */
 enum neph_status neph_cli_split_lists(const struct neph_cli_syntax *syntax, void *request,
                                       struct neph_diag *diag);
 void neph_cli_free_lists(const struct neph_cli_syntax *syntax, void *request);

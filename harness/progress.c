@@ -53,7 +53,8 @@ static void print_place(const struct neph_progress *progress, int ahead)
 {
     int done, total;
     neph_progress_count(progress, &done, &total);
-    fprintf(stderr, "[%d/%d] ", done + ahead, total);
+    const int place = done + ahead;
+    fprintf(stderr, "[%d/%d] ", place, place > total ? place : total);
 }
 
 /* What is being done may be named by a file. */
@@ -88,8 +89,7 @@ void neph_progress_begin(struct neph_progress *progress, const char *what)
 
 static void count_step(struct neph_progress *progress, double seconds)
 {
-    progress->kinds[progress->kind].done++;
-    progress->kinds[progress->kind].spent_s += seconds;
+    neph_progress_credit(progress, progress->kind, 1, seconds);
 }
 
 void neph_progress_step(struct neph_progress *progress, const char *what, const char *outcome,
@@ -129,6 +129,8 @@ void neph_progress_credit(struct neph_progress *progress, int kind, int steps, d
 {
     progress->kinds[kind].done += steps;
     progress->kinds[kind].spent_s += seconds;
+    if (progress->kinds[kind].done > progress->kinds[kind].total)
+        progress->kinds[kind].total = progress->kinds[kind].done;
 }
 
 void neph_progress_warn(const char *format, ...)

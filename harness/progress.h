@@ -54,7 +54,8 @@ void neph_progress_warn(const char *format, ...) __attribute__((format(printf, 1
 /* Wipe the terminal's line. */
 void neph_progress_end(const struct neph_progress *progress);
 
-/* Steps that are over, and all, over all kinds. */
+/* Steps that are over, and all, over all kinds. A step that was not expected raises both, so that
+ * no count passes its total. */
 void neph_progress_count(const struct neph_progress *progress, int *done, int *total);
 
 /* Seconds until all steps are over, at the pace so far; negative when nothing is known yet. */

@@ -235,7 +235,7 @@ static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph
     if (!status)
         status = neph_buffer_upload(vulkan, pairs, 0, nodes, bytes, diag);
     if (!status)
-        status = neph_buffer_see_texels(vulkan, 2, pairs, diag);
+        status = neph_buffer_see_texels(vulkan, pairs, diag);
     free(nodes);
     return status;
 }
@@ -258,8 +258,7 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
         .code_bytes = sizeof(samples_code),
         .buffer_count = sample_buffers,
         .image_count = 1,
-        .texels_count = 1,
-        .has_texel_images = true,
+        .texels_count = {[1] = 1}, /* pairs */
         .push_size_bytes = sizeof(struct neph_gpu_ceiling_run),
         .constant_count = 3,
         .constants = {by_texture, waits, vulkan->description.is_cpu},
@@ -335,7 +334,7 @@ static enum neph_status measure_samples(struct neph_vulkan *vulkan, const struct
     if (!status && vulkan->description.is_cpu)
         status = fill_pairs(vulkan, &sampled.pairs, diag);
     sampled.buffers[0].texels = sampled.pairs.texels;
-    sampled.pairs.texels = VK_NULL_HANDLE;
+    sampled.pairs.texels = (struct neph_texel_views){{VK_NULL_HANDLE}};
     if (!status)
         status = run_buffer(vulkan, &sampled, seconds, ceilings, diag);
     if (!status)

@@ -25,7 +25,6 @@ static const struct {
                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                             VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
     [NEPH_BUFFER_DEVICE] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT |
                                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                             0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT},
@@ -79,6 +78,9 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
     return result;
 }
 
+/* The smallest buffer that neph_buffer_see_texels() can show. */
+enum { TEXEL_BYTES_MAX = 4 * sizeof(uint32_t) };
+
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag)
@@ -90,7 +92,7 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     struct neph_buffer created = {.size_bytes = size_bytes};
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = size_bytes,
+        .size = size_bytes < TEXEL_BYTES_MAX ? TEXEL_BYTES_MAX : size_bytes,
         .usage = buffer_uses[use].usage,
         .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
     };
@@ -107,34 +109,40 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
     return NEPH_OK;
 }
 
-enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
+enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
                                         struct neph_buffer *buffer, struct neph_diag *diag)
 {
-    static const VkFormat formats[] = {
-        [1] = VK_FORMAT_R32_UINT, [2] = VK_FORMAT_R32G32_UINT, [4] = VK_FORMAT_R32G32B32A32_UINT};
-    const VkBufferViewCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
-        .buffer = buffer->handle,
-        .format = formats[texel_words],
-        .range = VK_WHOLE_SIZE,
-    };
-    const size_t texels = buffer->size_bytes / ((size_t)texel_words * sizeof(uint32_t));
+    static const VkFormat formats[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32G32_UINT,
+                                       VK_FORMAT_R32G32B32A32_UINT};
+    _Static_assert(sizeof(formats) / sizeof(formats[0]) == NEPH_GPU_TEXEL_FORMATS, "a format each");
+    const size_t words = buffer->size_bytes / sizeof(uint32_t);
     if (!vulkan->description.is_cpu)
         return NEPH_OK;
-    if (texels > vulkan->limits.maxTexelBufferElements)
+    if (words > vulkan->limits.maxTexelBufferElements)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a kernel would have to see %zu texels; the device allows %u", texels,
+                         "a kernel would have to see %zu texels; the device allows %u", words,
                          vulkan->limits.maxTexelBufferElements);
-    const VkResult result = vulkan->api.vkCreateBufferView(vulkan->device, &info, NULL,
-                                                           &buffer->texels);
-    return result == VK_SUCCESS ? NEPH_OK : neph_vulkan_fail(result, "see texels", diag);
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++) {
+        const VkBufferViewCreateInfo info = {
+            .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+            .buffer = buffer->handle,
+            .format = formats[f],
+            .range = VK_WHOLE_SIZE,
+        };
+        const VkResult result = vulkan->api.vkCreateBufferView(vulkan->device, &info, NULL,
+                                                               &buffer->texels.formats[f]);
+        if (result != VK_SUCCESS)
+            return neph_vulkan_fail(result, "see texels", diag);
+    }
+    return NEPH_OK;
 }
 
 void neph_buffer_destroy(const struct neph_vulkan *vulkan, struct neph_buffer *buffer)
 {
     if (buffer->handle)
         neph_kernel_sets_forget_buffer(vulkan, buffer->handle);
-    vulkan->api.vkDestroyBufferView(vulkan->device, buffer->texels, NULL);
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++)
+        vulkan->api.vkDestroyBufferView(vulkan->device, buffer->texels.formats[f], NULL);
     vulkan->api.vkDestroyBuffer(vulkan->device, buffer->handle, NULL);
     vulkan->api.vkFreeMemory(vulkan->device, buffer->memory, NULL); /* unmaps it too */
     if (buffer->memory)
@@ -195,7 +203,8 @@ static struct neph_kernel_bound bound_by(const struct neph_kernel *kernel,
     struct neph_kernel_bound bound = {.buffers = {VK_NULL_HANDLE}};
     for (int i = 0; i < neph_kernel_buffer_count(&kernel->params); i++) {
         bound.buffers[i] = dispatch->buffers[i]->handle;
-        bound.texels[i] = dispatch->buffers[i]->texels;
+        for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++)
+            bound.texels[f][i] = dispatch->buffers[i]->texels.formats[f];
     }
     for (int i = 0; i < kernel->params.image_count; i++) {
         bound.images[i] = dispatch->images[i]->view;

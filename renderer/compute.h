@@ -26,13 +26,18 @@ enum neph_buffer_use {
     NEPH_BUFFER_USE_COUNT,
 };
 
+/* A buffer as texels of one, two and four words; none on a GPU. */
+struct neph_texel_views {
+    VkBufferView formats[NEPH_GPU_TEXEL_FORMATS];
+};
+
 /* One storage buffer in its own allocation. */
 struct neph_buffer {
     VkBuffer handle;
     VkDeviceMemory memory;
     size_t size_bytes;
-    void *mapped;        /* coherent; NULL for NEPH_BUFFER_DEVICE */
-    VkBufferView texels; /* neph_buffer_see_texels(); else none */
+    void *mapped;                   /* coherent; NULL for NEPH_BUFFER_DEVICE */
+    struct neph_texel_views texels; /* by neph_buffer_see_texels() */
 };
 
 /* NEPH_ERR_UNSUPPORTED: larger than the device allows a kernel to see. Zero-initialise `buffer`;
@@ -41,12 +46,13 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
                                     size_t size_bytes, const char *name, struct neph_buffer *buffer,
                                     struct neph_diag *diag);
 
-/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of 1, 2 or 4 whole numbers of 32
+/* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of one, two and four words of 32
  * bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for each, and
- * such a texel in a few instructions for all. Shaders have them as usamplerBuffer, which does not
- * say how many words a texel has. On a GPU nothing is done.
- * NEPH_ERR_UNSUPPORTED: it has more texels than the device lets a kernel see. */
-enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan, int texel_words,
+ * such a texel in a few instructions for all. All descriptors of an array must have the array's
+ * format, so kernels have an array of each (from NEPH_GPU_TEXELS_BINDING on), and a buffer all three
+ * views: none stands in for another. On a GPU nothing is done.
+ * NEPH_ERR_UNSUPPORTED: it has more words than the device lets a kernel see. */
+enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
                                         struct neph_buffer *buffer, struct neph_diag *diag);
 
 /* Among `allowed_types`, a bit each, the first type of memory that has what is needed, and what is

@@ -295,9 +295,9 @@ static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
         first += own;
     }
     if (!status)
-        status = neph_buffer_see_texels(vulkan, 2, &gpu->pairs, diag);
+        status = neph_buffer_see_texels(vulkan, &gpu->pairs, diag);
     gpu->buffers[NEPH_GPU_VALUES_BUFFER].texels = gpu->pairs.texels;
-    gpu->pairs.texels = VK_NULL_HANDLE;
+    gpu->pairs.texels = (struct neph_texel_views){{VK_NULL_HANDLE}};
     return status;
 }
 

@@ -29,15 +29,9 @@ VkDescriptorType neph_kernel_binding_type(const struct neph_kernel_params *param
                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
-VkDescriptorType neph_kernel_texel_type(const struct neph_kernel_params *params)
-{
-    return params->has_texel_images ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
-                                    : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-}
-
 static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_kernel *kernel)
 {
-    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 2];
+    VkDescriptorSetLayoutBinding bindings[NEPH_KERNEL_BUFFERS_MAX + 1 + NEPH_GPU_TEXEL_FORMATS];
     const int array = kernel->params.buffer_count, image_count = kernel->params.image_count;
     int binding_count = neph_kernel_binding_count(&kernel->params);
     for (int i = 0; i < binding_count; i++)
@@ -54,13 +48,16 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
             .descriptorCount = (uint32_t)image_count,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
-    if (kernel->params.texels_count > 0)
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++) {
+        if (kernel->params.texels_count[f] == 0)
+            continue;
         bindings[binding_count++] = (VkDescriptorSetLayoutBinding){
-            .binding = NEPH_GPU_TEXELS_BINDING,
-            .descriptorType = neph_kernel_texel_type(&kernel->params),
-            .descriptorCount = (uint32_t)kernel->params.texels_count,
+            .binding = (uint32_t)(NEPH_GPU_TEXELS_BINDING + f),
+            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+            .descriptorCount = (uint32_t)kernel->params.texels_count[f],
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
+    }
     const VkDescriptorSetLayoutCreateInfo set = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
         .bindingCount = (uint32_t)binding_count,
@@ -228,7 +225,8 @@ static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
                                             const struct neph_kernel_params *params)
 {
     struct neph_kernel_params own = *params;
-    own.texels_count = vulkan->description.is_cpu ? params->texels_count : 0;
+    if (!vulkan->description.is_cpu)
+        memset(own.texels_count, 0, sizeof(own.texels_count));
     for (int i = 0; i < NEPH_KERNEL_CONSTANTS_MAX; i++)
         own.constants[i] &= i < params->constant_count ? neph_shader_constant_bits(params->code, i)
                                                        : 0u;

@@ -21,13 +21,13 @@ struct neph_kernel_params {
     const char *name;     /* unique to the shader */
     const uint32_t *code; /* shaders/NAME.comp.inc; borrowed while the device lives */
     size_t code_bytes;
-    int buffer_count;       /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
-    int uniform_count;      /* .. the first of them, which are uniform ones */
-    int array_count;        /* more of them, an array at binding buffer_count; 0: none */
-    int image_count;        /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
-    int texels_first;       /* the first buffer that a kernel of a CPU sees as texels, too .. */
-    int texels_count;       /* .. and how many, an array at NEPH_GPU_TEXELS_BINDING; 0: none */
-    bool has_texel_images;  /* they are images of one format, faster on lavapipe; else of any */
+    int buffer_count;  /* at set 0, bindings 0 .. count-1: storage buffers but for .. */
+    int uniform_count; /* .. the first of them, which are uniform ones */
+    int array_count;   /* more of them, an array at binding buffer_count; 0: none */
+    int image_count;   /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
+    /* A kernel of a CPU sees buffers from texels_first on as texels, too (neph_buffer_see_texels()):
+     * so many of them in the array of each format. */
+    int texels_first, texels_count[NEPH_GPU_TEXEL_FORMATS];
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */
     uint32_t constants[NEPH_KERNEL_CONSTANTS_MAX];
@@ -69,6 +69,5 @@ enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct nep
 int neph_kernel_buffer_count(const struct neph_kernel_params *params);
 int neph_kernel_binding_count(const struct neph_kernel_params *params);
 VkDescriptorType neph_kernel_binding_type(const struct neph_kernel_params *params, int binding);
-VkDescriptorType neph_kernel_texel_type(const struct neph_kernel_params *params);
 
 #endif

@@ -28,7 +28,7 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
                              struct kernel_set *set)
 {
     const uint32_t uniforms = (uint32_t)kernel->params.uniform_count;
-    VkDescriptorPoolSize sizes[4] = {
+    VkDescriptorPoolSize sizes[3 + NEPH_GPU_TEXEL_FORMATS] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
          (uint32_t)neph_kernel_buffer_count(&kernel->params) - uniforms},
     };
@@ -38,9 +38,10 @@ static VkResult allocate_set(const struct neph_vulkan *vulkan, const struct neph
     if (kernel->params.image_count > 0)
         sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                                                      (uint32_t)kernel->params.image_count};
-    if (kernel->params.texels_count > 0)
-        sizes[size_count++] = (VkDescriptorPoolSize){neph_kernel_texel_type(&kernel->params),
-                                                     (uint32_t)kernel->params.texels_count};
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++)
+        if (kernel->params.texels_count[f] > 0)
+            sizes[size_count++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+                                                         (uint32_t)kernel->params.texels_count[f]};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
@@ -88,17 +89,18 @@ static void write_texels(const struct neph_kernel *kernel, const struct neph_ker
                          VkDescriptorSet set)
 {
     const struct neph_vulkan *vulkan = kernel->vulkan;
-    const int count = kernel->params.texels_count;
-    const VkWriteDescriptorSet write = {
-        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = set,
-        .dstBinding = NEPH_GPU_TEXELS_BINDING,
-        .descriptorCount = (uint32_t)count,
-        .descriptorType = neph_kernel_texel_type(&kernel->params),
-        .pTexelBufferView = bound->texels + kernel->params.texels_first,
-    };
-    if (count > 0)
-        vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
+    for (int f = 0; f < NEPH_GPU_TEXEL_FORMATS; f++) {
+        const VkWriteDescriptorSet write = {
+            .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+            .dstSet = set,
+            .dstBinding = (uint32_t)(NEPH_GPU_TEXELS_BINDING + f),
+            .descriptorCount = (uint32_t)kernel->params.texels_count[f],
+            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER,
+            .pTexelBufferView = bound->texels[f] + kernel->params.texels_first,
+        };
+        if (write.descriptorCount > 0)
+            vulkan->api.vkUpdateDescriptorSets(vulkan->device, 1, &write, 0, NULL);
+    }
 }
 
 static void write_buffers(const struct neph_kernel *kernel, const struct neph_kernel_bound *bound,

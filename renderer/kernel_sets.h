@@ -11,7 +11,7 @@
 /* As many of each as the kernel's params say. */
 struct neph_kernel_bound {
     VkBuffer buffers[NEPH_KERNEL_BUFFERS_MAX]; /* those of the array come last */
-    VkBufferView texels[NEPH_KERNEL_BUFFERS_MAX];
+    VkBufferView texels[NEPH_GPU_TEXEL_FORMATS][NEPH_KERNEL_BUFFERS_MAX];
     VkImageView images[NEPH_KERNEL_IMAGES_MAX];
     VkSampler samplers[NEPH_KERNEL_IMAGES_MAX];
 };

@@ -24,7 +24,7 @@ SPEC_ID = 1
 ALL_BITS = 0xFFFFFFFF
 # To take a texel buffer of an array by a number that is not known, which lavapipe does not offer:
 # the front end asks for it wherever a function is told the number, and has it known in the end.
-IDLE_CAPABILITY = 5304  # UniformTexelBufferArrayDynamicIndexing
+IDLE_CAPABILITY = 5305  # StorageTexelBufferArrayDynamicIndexing
 
 
 def instructions(words):

@@ -70,8 +70,7 @@ static enum neph_status get_kernel(struct neph_sun_fill *fill, const struct neph
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .texels_first = NEPH_GPU_VALUES_BUFFER,
-        .texels_count = 1,
-        .has_texel_images = true,
+        .texels_count = {[1] = 1}, /* pairs */
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
         .constant_count = NEPH_MARCH_CONSTANTS,
     };

@@ -65,14 +65,9 @@ static enum neph_status make_camera_key(struct neph_written_scene *written, stru
     return neph_arena_check(&written->scene.arena, diag);
 }
 
-static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_t *node,
-                                    const struct neph_record *record, void *target)
+static enum neph_status check_place(const struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_scene *scene)
 {
-    struct neph_written_scene *written = target;
-    struct neph_scene *scene = &written->scene;
-    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    if (status)
-        return status;
     const bool has_position = neph_reader_has(reader, node, "position_m");
     const bool has_target = neph_reader_has(reader, node, "look_at_m");
     if (scene->camera_keys && (has_position || has_target))
@@ -82,6 +77,12 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
         return neph_refuse(reader, "", "give position_m and look_at_m, or keys");
     if (scene->camera_keys && scene->camera_keys[0].cut)
         return neph_refuse(reader, "keys[0].cut", "the first key has none before it to cut from");
+    return NEPH_OK;
+}
+
+static enum neph_status check_lens(const struct neph_reader *reader, const yaml_node_t *node,
+                                   const struct neph_scene *scene)
+{
     if (neph_reader_has(reader, node, "vertical_fov_deg") ==
         neph_reader_has(reader, node, "orthographic_height_m"))
         return neph_refuse(reader, "", "give either vertical_fov_deg or orthographic_height_m");
@@ -89,7 +90,24 @@ static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_
         return neph_refuse(reader, "keys",
                            "an orthographic camera stands still: motion vectors know perspective "
                            "cameras alone");
-    status = neph_check_direction(reader, "up", scene->camera_up);
+    return NEPH_OK;
+}
+
+static enum neph_status read_camera(struct neph_reader *reader, const yaml_node_t *node,
+                                    const struct neph_record *record, void *target)
+{
+    struct neph_written_scene *written = target;
+    struct neph_scene *scene = &written->scene;
+    enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    const bool has_place = neph_is_sound(reader, "position_m look_at_m keys");
+    const bool has_lens = neph_is_sound(reader, "vertical_fov_deg orthographic_height_m keys");
+    const bool has_up = neph_is_sound(reader, "up");
+    if (has_place)
+        status = neph_also(reader, status, check_place(reader, node, scene));
+    if (has_lens)
+        status = neph_also(reader, status, check_lens(reader, node, scene));
+    if (has_up)
+        status = neph_also(reader, status, neph_check_direction(reader, "up", scene->camera_up));
     if (!status && !scene->camera_keys)
         status = make_camera_key(written, reader->diag);
     scene->camera_up = neph_vec3_normalize(scene->camera_up);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/fields.h"
 
+#include "scenes/errors.h"
 #include "scenes/spelling.h"
 
 #include <math.h>
@@ -94,7 +95,22 @@ enum neph_status neph_refuse(const struct neph_reader *reader, const char *path,
     neph_fail(reader->diag, NEPH_ERR_INPUT, "%s%s%s", whole, *whole ? ": " : "", message);
     neph_document_locate(reader->document, neph_document_find(reader->document, whole),
                          reader->diag);
+    neph_errors_attribute(reader->errors, whole);
     return NEPH_ERR_INPUT;
+}
+
+enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
+                           enum neph_status next)
+{
+    if (next)
+        neph_errors_keep(reader->errors, next, reader->path);
+    return first ? first : next;
+}
+
+bool neph_is_sound(const struct neph_reader *reader, const char *keys)
+{
+    return !neph_errors_are_full(reader->errors) &&
+           !neph_errors_concern(reader->errors, reader->path, keys);
 }
 
 /* The message is in place; add where, and the note if there is no better hint. */
@@ -307,9 +323,10 @@ static enum neph_status read_numbers(struct neph_reader *reader, const yaml_node
                                      const struct neph_field *field, int count, double *numbers)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !status; i++) {
+    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
-        status = read_number(reader, item_of(reader, node, i), field, true, &numbers[i]);
+        const yaml_node_t *item = item_of(reader, node, i);
+        status = neph_also(reader, status, read_number(reader, item, field, true, &numbers[i]));
         leave(reader, before);
     }
     return status;
@@ -336,10 +353,11 @@ static enum neph_status read_entries(struct neph_reader *reader, const yaml_node
                                      const struct neph_record *record, int count, char *entries)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !status; i++) {
+    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
-        status = read_record(reader, item_of(reader, node, i), record,
-                             entries + (size_t)i * record->size);
+        char *entry = entries + (size_t)i * record->size;
+        status = neph_also(reader, status,
+                           read_record(reader, item_of(reader, node, i), record, entry));
         leave(reader, before);
     }
     return status;
@@ -434,13 +452,19 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
     return read_sequence(reader, node, field, target);
 }
 
+static struct neph_spelling spelling_of(const yaml_node_t *key, const struct neph_field *fields)
+{
+    struct neph_spelling spelling = neph_spelling_of(neph_document_text(key));
+    for (int i = 0; fields[i].key; i++)
+        neph_spelling_offer(&spelling, fields[i].key);
+    return spelling;
+}
+
 static enum neph_status refuse_unknown(const struct neph_reader *reader, const yaml_node_t *key,
                                        const struct neph_field *fields)
 {
     char quote[NEPH_QUOTE_SIZE], known[512] = "";
-    struct neph_spelling spelling = neph_spelling_of(neph_document_text(key));
-    for (int i = 0; fields[i].key; i++)
-        neph_spelling_offer(&spelling, fields[i].key);
+    const struct neph_spelling spelling = spelling_of(key, fields);
     describe_keys(fields, known, sizeof(known));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "unknown key '%s' in %s; known keys: %s",
               neph_document_quote(spelling.word, quote), here(reader), known);
@@ -467,6 +491,7 @@ static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_no
     neph_field_describe(field, expected, sizeof(expected));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
               expected);
+    neph_errors_attribute(reader->errors, reader->path);
     leave(reader, before);
     return refuse(reader, mapping, field);
 }
@@ -492,9 +517,26 @@ static enum neph_status read_pair(struct neph_reader *reader, const yaml_node_t 
     if (first != value)
         return refuse_twice(reader, first, key);
     const size_t before = enter_key(reader, name);
-    const enum neph_status status = read_value(reader, value, field, target);
+    const enum neph_status status = neph_also(reader, NEPH_OK,
+                                              read_value(reader, value, field, target));
     leave(reader, before);
     return status;
+}
+
+/* A key of the mapping that is not known, and nearest to this one. */
+static bool is_misspelled(const struct neph_reader *reader, const yaml_node_t *mapping,
+                          const struct neph_field *fields, const struct neph_field *field)
+{
+    for (const yaml_node_pair_t *pair = mapping->data.mapping.pairs.start;
+         pair < mapping->data.mapping.pairs.top; pair++) {
+        const yaml_node_t *key = yaml_document_get_node(&reader->document->yaml, pair->key);
+        if (field_of(fields, neph_document_text(key)))
+            continue;
+        const struct neph_spelling spelling = spelling_of(key, fields);
+        if (spelling.nearest && !strcmp(spelling.nearest, field->key))
+            return true;
+    }
+    return false;
 }
 
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
@@ -507,11 +549,12 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
     neph_fields_default(fields, target);
     enum neph_status status = NEPH_OK;
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-         pair < node->data.mapping.pairs.top && !status; pair++)
-        status = read_pair(reader, node, pair, fields, target);
-    for (int i = 0; fields[i].key && !status; i++)
-        if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key))
-            status = refuse_missing(reader, node, &fields[i]);
+         pair < node->data.mapping.pairs.top && !neph_errors_are_full(reader->errors); pair++)
+        status = neph_also(reader, status, read_pair(reader, node, pair, fields, target));
+    for (int i = 0; fields[i].key && !neph_errors_are_full(reader->errors); i++)
+        if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key) &&
+            !is_misspelled(reader, node, fields, &fields[i]))
+            status = neph_also(reader, status, refuse_missing(reader, node, &fields[i]));
     return status;
 }
 

@@ -79,14 +79,26 @@ struct neph_field {
 struct neph_reader {
     struct neph_document *document;
     struct neph_arena *arena; /* of texts and lists */
-    struct neph_diag *diag;
+    struct neph_diag *diag;   /* of the error that is being reported */
+    struct neph_errors *errors;
     char path[NEPH_FIELD_PATH_MAX]; /* of what is being read: "media[0].homogeneous" */
 };
 
 /* The mapping into `target`, which is 0 or was read before: every key known and given once, every
- * value of its type and in its range, what must be there is there, the rest has its default. */
+ * value of its type and in its range, what must be there is there, the rest has its default. All
+ * errors of the mapping are kept in the reader; the status is that of the first. */
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
+
+/* What needs several keys of a document, after all were read; `so_far` is the status of that. */
+typedef enum neph_status neph_document_check(struct neph_reader *reader, enum neph_status so_far,
+                                             void *target);
+
+/* The whole document into `target`, as neph_read_fields() does, and its check. Fills the diag with
+ * all errors, in the order of their lines. */
+enum neph_status neph_read_document(struct neph_document *document, struct neph_arena *arena,
+                                    const struct neph_field *fields, neph_document_check *check,
+                                    void *target, struct neph_diag *diag);
 
 /* A mapping with exactly one of its keys; `what` is its name for a person. */
 enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t *node,
@@ -102,6 +114,15 @@ bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mappin
  * for as much of the path as the file has. Returns NEPH_ERR_INPUT. */
 enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
                              ...) __attribute__((format(printf, 3, 4)));
+
+/* Keep the error of a check in the reader and go on with the next check. `next` is the status of the
+ * check that just ran, `first` that of the checks before it. Returns the first that is an error. */
+enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
+                           enum neph_status next);
+
+/* Whether these keys of the mapping that is being read were read without an error. They are
+ * separated by spaces. */
+bool neph_is_sound(const struct neph_reader *reader, const char *keys);
 
 /* A path made on the spot: neph_at("layers[%d].height_m", i).text */
 struct neph_path {

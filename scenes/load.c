@@ -8,10 +8,13 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "scenes/bake.h"
+#include "scenes/errors.h"
 #include "scenes/hash_text.h"
 #include "scenes/media.h"
+#include "scenes/volume_scene.h"
 #include "scenes/words.h"
 
+#include <ctype.h>
 #include <locale.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -23,13 +26,21 @@
 
 #define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
 
-enum { TITLE_MAX = 120, GATES_MAX = 64, PATH_TEXT_MAX = 1000 };
+enum {
+    NAME_MAX_BYTES = 64,
+    TITLE_MAX = 120,
+    DESCRIPTION_MAX = 4000,
+    GATES_MAX = 64,
+    PATH_TEXT_MAX = 1000
+};
 
 /* --- Texts --- */
 
+static const char name_characters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
+
 bool neph_is_identifier(const char *text)
 {
-    return strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(text);
+    return strspn(text, name_characters) == strlen(text);
 }
 
 /* Shorter directions are refused: their normalised form would be noise. */
@@ -50,21 +61,59 @@ static bool has_control(const char *text, const char *except)
     return has_line || strchr(text, '\t') || neph_text_first_unfit(text, length) < length;
 }
 
-static enum neph_status check_names(const struct neph_reader *reader,
-                                    const struct neph_scene *scene, const char *stem)
+/* A scene without a name is called like its file. */
+static enum neph_status finish_name(struct neph_reader *reader, struct neph_written_scene *written)
 {
+    struct neph_scene *scene = &written->scene;
     char quote[NEPH_QUOTE_SIZE], stem_quote[NEPH_QUOTE_SIZE];
-    neph_document_quote(scene->name, quote);
-    if (!neph_is_identifier(scene->name))
-        return neph_refuse(reader, "name", "'%s' is not a name; use a-z, 0-9 and _ alone", quote);
-    if (strcmp(scene->name, stem))
-        return neph_refuse(reader, "name", "'%s' differs from the name of the file, '%s.yaml'",
-                           quote, neph_document_quote(stem, stem_quote));
+    char *stem = neph_scene_name_of(scene->path);
+    if (!stem)
+        return neph_fail_memory(reader->diag);
+    const bool is_fit = *stem && strlen(stem) <= NAME_MAX_BYTES && neph_is_identifier(stem);
+    enum neph_status status = NEPH_OK;
+    neph_document_quote(stem, stem_quote);
+    neph_document_quote(scene->name ? scene->name : stem, quote);
+    if (scene->name && !neph_is_identifier(scene->name))
+        status = neph_refuse(reader, "name", "'%s' is not a name; use only a-z, 0-9 and _", quote);
+    else if (scene->name && strcmp(scene->name, stem))
+        status = neph_refuse(reader, "name", "'%s' differs from the name of the file, '%s.yaml'",
+                             quote, stem_quote);
+    else if (!is_fit)
+        status = neph_refuse(reader, "",
+                             "the name of the file, '%s', names the scene, and it is not a name; "
+                             "rename the file: 1 to %d of a-z, 0-9 and _, and .yaml",
+                             stem_quote, NAME_MAX_BYTES);
+    else if (!scene->name)
+        scene->name = neph_arena_text(reader->arena, stem);
+    free(stem);
+    return status;
+}
+
+/* The older name of the key is accepted, with a warning. */
+static enum neph_status finish_texts(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    struct neph_scene *scene = &written->scene;
+    enum neph_status status = NEPH_OK;
     if (has_control(scene->title, ""))
-        return neph_refuse(reader, "title", "a title is one line without control characters");
-    if (has_control(scene->physics, "\n"))
-        return neph_refuse(reader, "physics", "control characters in the text");
-    return NEPH_OK;
+        status = neph_refuse(reader, "title", "a title is one line without control characters");
+    if (written->old_description && scene->description)
+        return neph_also(reader, status,
+                         neph_refuse(reader, "physics",
+                                     "physics is the older name of description, which is given, "
+                                     "too; leave physics out"));
+    if (written->old_description) {
+        const yaml_node_t *node = neph_document_find(reader->document, "physics");
+        scene->description = written->old_description;
+        scene->warning = neph_arena_format(reader->arena,
+                                           "%s:%zu: the key `physics` is now called `description`",
+                                           reader->errors->file, node->start_mark.line + 1);
+    }
+    if (!scene->description)
+        scene->description = "";
+    return has_control(scene->description, "\n")
+               ? neph_also(reader, status,
+                           neph_refuse(reader, "description", "control characters in the text"))
+               : status;
 }
 
 /* --- Gates --- */
@@ -139,13 +188,17 @@ static const struct neph_record display_record = {.size = sizeof(struct neph_sce
                                                   .fields = display_fields};
 
 const struct neph_field neph_scene_fields[] = {
-    {"name", NEPH_TEXT, SCENE(name), .note = "a-z, 0-9 and _; the file's stem", .least = 1,
-     .most = 64, .hashing = NEPH_NOT_HASHED},
+    {"name", NEPH_TEXT, SCENE(name), .note = "a-z, 0-9 and _; the name of the file without .yaml",
+     .least = 1, .most = NAME_MAX_BYTES, .standard = "the name of the file",
+     .hashing = NEPH_NOT_HASHED},
     {"title", NEPH_TEXT, SCENE(title), .note = "one line", .least = 1, .most = TITLE_MAX,
      .hashing = NEPH_NOT_HASHED},
-    {"physics", NEPH_TEXT, SCENE(physics),
-     .note = "what the scene isolates and which truth applies", .least = 1, .most = 4000,
-     .hashing = NEPH_NOT_HASHED},
+    {"description", NEPH_TEXT, SCENE(description),
+     .note = "what the scene isolates and which truth applies", .least = 1, .most = DESCRIPTION_MAX,
+     .standard = "none", .hashing = NEPH_NOT_HASHED},
+    {"physics", NEPH_TEXT, offsetof(struct neph_written_scene, old_description),
+     .note = "the older name of `description`; warns", .least = 1, .most = DESCRIPTION_MAX,
+     .standard = "none", .hashing = NEPH_NOT_HASHED},
     {"camera", NEPH_RECORD, .record = &neph_camera_record},
     {"frames", NEPH_RECORD, .record = &neph_frames_record, .standard = ""},
     {"sun", NEPH_RECORD, .record = &neph_sun_record, .standard = "no sun"},
@@ -196,10 +249,10 @@ void neph_scene_print_keys(FILE *file)
 }
 
 /* From the folder of the scene on. */
-static enum neph_status find_chain(const struct neph_reader *reader, const char *path,
-                                   struct neph_scene *scene)
+static enum neph_status finish_chain(struct neph_reader *reader, struct neph_written_scene *written)
 {
-    const char *slash = strrchr(path, '/');
+    struct neph_scene *scene = &written->scene;
+    const char *path = scene->path, *slash = strrchr(path, '/');
     if (!scene->chain)
         return NEPH_OK;
     if (has_control(scene->chain, ""))
@@ -211,51 +264,102 @@ static enum neph_status find_chain(const struct neph_reader *reader, const char 
     return neph_arena_check(reader->arena, reader->diag);
 }
 
-static enum neph_status finish(struct neph_reader *reader, const char *path,
-                               struct neph_written_scene *written)
+static enum neph_status finish_lights(struct neph_reader *reader,
+                                      struct neph_written_scene *written)
 {
-    struct neph_scene *scene = &written->scene;
-    char *stem = neph_scene_name_of(path);
-    scene->path = neph_arena_text(reader->arena, path);
-    scene->failing = &written->failing;
-    scene->injections = &written->injections;
-    enum neph_status status = stem && !reader->arena->is_short ? check_names(reader, scene, stem)
-                                                               : neph_fail_memory(reader->diag);
-    free(stem);
-    neph_finish_sun(written);
-    if (!status)
-        status = find_chain(reader, path, scene);
-    if (!status)
-        status = neph_finish_solids(reader, written);
-    if (!status)
-        status = neph_check_lights(reader, scene);
-    if (!status)
-        status = neph_check_motion(reader, scene);
-    if (!status)
-        status = neph_check_injections(reader, scene);
-    if (!status)
-        status = neph_check_fog_look(reader, scene);
-    return status ? status : neph_scene_hash(scene, reader->diag);
+    return neph_check_lights(reader, &written->scene);
 }
 
-/* Whose sweep the file is read at a point of; NULL: as it is. */
-struct swept {
-    const struct neph_failing *failing;
+static enum neph_status finish_views(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    return neph_check_views(reader, &written->scene);
+}
+
+static enum neph_status finish_wind(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    return neph_check_wind(reader, &written->scene);
+}
+
+static enum neph_status finish_injections(struct neph_reader *reader,
+                                          struct neph_written_scene *written)
+{
+    return neph_check_injections(reader, &written->scene);
+}
+
+static enum neph_status finish_fog_look(struct neph_reader *reader,
+                                        struct neph_written_scene *written)
+{
+    return neph_check_fog_look(reader, &written->scene);
+}
+
+static enum neph_status finish_gates(struct neph_reader *reader, struct neph_written_scene *written)
+{
+    const struct neph_scene *scene = &written->scene;
+    enum neph_status status = NEPH_OK;
+    char why[128], quote[NEPH_QUOTE_SIZE];
+    for (int g = 0; g < scene->gate_count && written->check; g++) {
+        if (written->check(scene->gates[g].metric, why, sizeof(why)))
+            continue;
+        neph_refuse(reader, neph_at("gates[%d].metric", g).text, "'%s' %s",
+                    neph_document_quote(scene->gates[g].metric, quote), why);
+        neph_hint(reader->diag, "`neph metrics` lists them");
+        status = neph_also(reader, status, NEPH_ERR_INPUT);
+    }
+    return status;
+}
+
+/* What needs several keys of the scene, in this order. A step is left out where one of its keys has
+ * an error: its own error could follow from that. */
+static const struct {
+    const char *keys; /* separated by spaces */
+    enum neph_status (*run)(struct neph_reader *reader, struct neph_written_scene *written);
+} finish_steps[] = {
+    {"name", finish_name},
+    {"title description physics", finish_texts},
+    {"display", finish_chain},
+    {"solids scattering", neph_finish_solids},
+    {"solids lights", finish_lights},
+    {"camera frames solids", finish_views},
+    {"wind frames media", finish_wind},
+    {"inject camera media", finish_injections},
+    {"fog_look media", finish_fog_look},
+    {"gates", finish_gates},
+};
+
+static enum neph_status finish(struct neph_reader *reader, enum neph_status so_far, void *written_)
+{
+    struct neph_written_scene *written = written_;
+    struct neph_scene *scene = &written->scene;
+    scene->failing = &written->failing;
+    scene->injections = &written->injections;
+    if (neph_is_sound(reader, "sun"))
+        neph_finish_sun(written);
+    enum neph_status status = neph_arena_check(reader->arena, reader->diag);
+    for (size_t i = 0; i < sizeof(finish_steps) / sizeof(finish_steps[0]); i++)
+        if (neph_is_sound(reader, finish_steps[i].keys))
+            status = neph_also(reader, status, finish_steps[i].run(reader, written));
+    return so_far || status ? status : neph_scene_hash(scene, reader->diag);
+}
+
+/* How a file is read. */
+struct reading {
+    const struct neph_failing *failing; /* whose sweep it is read at a point of; NULL: as it is */
     int point;
+    neph_gate_metric_check *check;
 };
 
 static enum neph_status load_document(struct neph_document *document, const char *path,
-                                      struct neph_scene **scene, struct neph_diag *diag)
+                                      neph_gate_metric_check *check, struct neph_scene **scene,
+                                      struct neph_diag *diag)
 {
     struct neph_written_scene *written = calloc(1, sizeof(*written));
     if (!written)
         return neph_fail_memory(diag);
-    struct neph_reader reader = {
-        .document = document, .arena = &written->scene.arena, .diag = diag};
-    enum neph_status status = neph_read_fields(&reader, neph_document_root(document),
-                                               neph_scene_fields, written);
-    if (!status)
-        status = finish(&reader, path, written);
+    struct neph_arena *arena = &written->scene.arena;
+    written->check = check;
+    written->scene.path = neph_arena_text(arena, path);
+    const enum neph_status status = neph_read_document(document, arena, neph_scene_fields, finish,
+                                                       written, diag);
     if (status)
         neph_scene_destroy(&written->scene);
     else
@@ -264,7 +368,7 @@ static enum neph_status load_document(struct neph_document *document, const char
 }
 
 static enum neph_status load_text(const char *path, const char *text, size_t size,
-                                  const struct swept *swept, struct neph_scene **scene,
+                                  const struct reading *reading, struct neph_scene **scene,
                                   struct neph_diag *diag)
 {
     struct neph_document document;
@@ -272,32 +376,42 @@ static enum neph_status load_text(const char *path, const char *text, size_t siz
                                                  NEPH_DOCUMENT_DEPTH_MAX, diag);
     if (status)
         return status;
-    if (swept)
-        status = neph_failing_put_point(&document, swept->failing, swept->point, diag);
+    if (reading->failing)
+        status = neph_failing_put_point(&document, reading->failing, reading->point, diag);
     if (!status)
-        status = load_document(&document, path, scene, diag);
+        status = load_document(&document, path, reading->check, scene, diag);
     neph_document_finish(&document);
     return status;
 }
 
-static enum neph_status load_file(const char *path, const struct swept *swept,
+static enum neph_status read_text(const char *path, char **text, size_t *size,
+                                  struct neph_diag *diag)
+{
+    if (!neph_is_volume_scene(path))
+        return neph_file_read(path, NEPH_DOCUMENT_MAX_BYTES, text, size, diag);
+    const char *slash = strrchr(path, '/');
+    const enum neph_status status = neph_volume_scene_text(path, slash ? slash + 1 : path, text,
+                                                           diag);
+    if (!status)
+        *size = strlen(*text);
+    return status;
+}
+
+static enum neph_status load_file(const char *path, const struct reading *reading,
                                   struct neph_scene **scene, struct neph_diag *diag)
 {
+    /* Numbers have a decimal point, whatever the locale of the caller. */
+    locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    if (!c_locale)
+        return neph_fail_memory(diag);
+    locale_t before = uselocale(c_locale);
     char *text = NULL;
     size_t size = 0;
-    enum neph_status status = neph_file_read(path, NEPH_DOCUMENT_MAX_BYTES, &text, &size, diag);
-    if (status)
-        return status;
-    /* Numbers have a decimal point, whatever the locale of whoever called. */
-    locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (c_locale) {
-        locale_t before = uselocale(c_locale);
-        status = load_text(path, text, size, swept, scene, diag);
-        uselocale(before);
-        freelocale(c_locale);
-    } else {
-        status = neph_fail_memory(diag);
-    }
+    enum neph_status status = read_text(path, &text, &size, diag);
+    if (!status)
+        status = load_text(path, text, size, reading, scene, diag);
+    uselocale(before);
+    freelocale(c_locale);
     free(text);
     return status;
 }
@@ -305,14 +419,21 @@ static enum neph_status load_file(const char *path, const struct swept *swept,
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag)
 {
-    return load_file(path, NULL, scene, diag);
+    return neph_scene_load_checked(path, NULL, scene, diag);
+}
+
+enum neph_status neph_scene_load_checked(const char *path, neph_gate_metric_check *check,
+                                         struct neph_scene **scene, struct neph_diag *diag)
+{
+    const struct reading reading = {.check = check};
+    return load_file(path, &reading, scene, diag);
 }
 
 enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point,
                                        struct neph_scene **made, struct neph_diag *diag)
 {
-    const struct swept swept = {scene->failing, point};
-    return load_file(scene->path, &swept, made, diag);
+    const struct reading reading = {.failing = scene->failing, .point = point};
+    return load_file(scene->path, &reading, made, diag);
 }
 
 /* --- Names and end --- */
@@ -322,7 +443,12 @@ char *neph_scene_name_of(const char *path)
     const char *slash = strrchr(path, '/');
     const char *start = slash ? slash + 1 : path;
     const char *dot = strrchr(start, '.');
-    return dot ? strndup(start, (size_t)(dot - start)) : strdup(start);
+    char *name = dot ? strndup(start, (size_t)(dot - start)) : strdup(start);
+    for (char *at = name; at && *at && neph_is_volume_scene(path); at++)
+        *at = (char)(strchr(name_characters, tolower((unsigned char)*at))
+                         ? tolower((unsigned char)*at)
+                         : '_');
+    return name;
 }
 
 void neph_scene_destroy(struct neph_scene *scene)

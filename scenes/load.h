@@ -20,6 +20,8 @@ struct neph_written_scene {
     struct neph_written_solid *solids; /* fences are one */
     struct neph_failing failing;
     struct neph_injections injections;
+    const char *old_description;   /* by the key's older name */
+    neph_gate_metric_check *check; /* NULL: metrics of gates are not checked */
 };
 
 /* All keys of a scene file, read into a struct neph_written_scene. */
@@ -71,10 +73,10 @@ void neph_movers_hash(const struct neph_scene *scene, FILE *text);
 enum neph_status neph_check_lights(const struct neph_reader *reader,
                                    const struct neph_scene *scene);
 
-/* What needs the finished scene: cameras of all frames outside solids and never degenerate, wind
+/* What needs the finished scene: cameras of all frames outside solids and never degenerate; wind
  * that moves media and not too far. */
-enum neph_status neph_check_motion(const struct neph_reader *reader,
-                                   const struct neph_scene *scene);
+enum neph_status neph_check_views(const struct neph_reader *reader, const struct neph_scene *scene);
+enum neph_status neph_check_wind(const struct neph_reader *reader, const struct neph_scene *scene);
 
 #define NEPH_KEY_FRAME_MAX 1e5
 

@@ -74,13 +74,21 @@ static const struct neph_field light_fields[] = {
 const struct neph_record neph_light_record = {.size = sizeof(struct neph_light),
                                               .fields = light_fields};
 
+static enum neph_status check_light(const struct neph_reader *reader,
+                                    const struct neph_scene *scene, int index)
+{
+    for (int s = 0; s < scene->solid_count; s++)
+        if (neph_solid_contains(&scene->solids[s], scene->lights[index].position_m))
+            return neph_refuse(reader, neph_at("lights[%d].position_m", index).text,
+                               "the light is inside a solid, which would hide all of it; move it "
+                               "out");
+    return NEPH_OK;
+}
+
 enum neph_status neph_check_lights(const struct neph_reader *reader, const struct neph_scene *scene)
 {
+    enum neph_status status = NEPH_OK;
     for (int i = 0; i < scene->light_count; i++)
-        for (int s = 0; s < scene->solid_count; s++)
-            if (neph_solid_contains(&scene->solids[s], scene->lights[i].position_m))
-                return neph_refuse(reader, neph_at("lights[%d].position_m", i).text,
-                                   "the light is inside a solid, which would hide all of it; move "
-                                   "it out");
-    return NEPH_OK;
+        status = neph_also(reader, status, check_light(reader, scene, i));
+    return status;
 }

@@ -92,12 +92,15 @@ enum neph_status neph_check_extent(const struct neph_reader *reader, const char 
                                    const struct neph_bounds *bounds)
 {
     const double *low_m = &bounds->min_m.x, *high_m = &bounds->max_m.x;
-    for (int axis = 0; axis < 3; axis++)
+    enum neph_status status = NEPH_OK;
+    for (int axis = 0; axis < 3; axis++) {
+        const struct neph_path path = neph_at("%s%smax_m[%d]", owner, *owner ? "." : "", axis);
         if (!(high_m[axis] > low_m[axis]))
-            return neph_refuse(reader,
-                               neph_at("%s%smax_m[%d]", owner, *owner ? "." : "", axis).text,
-                               "%g m is not above min_m, %g m", high_m[axis], low_m[axis]);
-    return NEPH_OK;
+            status = neph_also(reader, status,
+                               neph_refuse(reader, path.text, "%g m is not above min_m, %g m",
+                                           high_m[axis], low_m[axis]));
+    }
+    return status;
 }
 
 static enum neph_status check_optics(const struct neph_reader *reader, const yaml_node_t *node,
@@ -132,20 +135,37 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
     return NEPH_OK;
 }
 
+/* neph_also() of a check whose error may have no position: it gets that of the medium. */
+static enum neph_status also_at(struct neph_reader *reader, const yaml_node_t *node,
+                                enum neph_status first, enum neph_status next)
+{
+    if (next && reader->diag->line == 0)
+        neph_document_locate(reader->document, node, reader->diag);
+    return neph_also(reader, first, next);
+}
+
+static bool are_sound(const struct neph_reader *reader, const struct neph_field *fields)
+{
+    for (; fields->key; fields++)
+        if (!neph_is_sound(reader, fields->key))
+            return false;
+    return true;
+}
+
+/* `status` is that of the keys. What depends on keys with errors is left out. */
 static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *node,
                                const struct neph_medium_form *form,
-                               struct neph_written_medium *written)
+                               struct neph_written_medium *written, enum neph_status status)
 {
     struct neph_medium *medium = &written->medium;
-    enum neph_status status = neph_check_extent(reader, "bounds", &medium->bounds);
-    if (!status)
-        status = check_optics(reader, node, medium);
-    if (!status && form->finish)
-        status = form->finish(reader, node, written);
+    if (neph_is_sound(reader, "bounds"))
+        status = neph_also(reader, status, neph_check_extent(reader, "bounds", &medium->bounds));
+    if (neph_is_sound(reader, "phase asymmetry_g extinction_color"))
+        status = neph_also(reader, status, check_optics(reader, node, medium));
+    if (form->finish && are_sound(reader, form->fields))
+        status = also_at(reader, node, status, form->finish(reader, node, written));
     if (!status && written->voxels)
-        status = make_voxels(medium, written->voxels, reader->diag);
-    if (status && reader->diag && reader->diag->line == 0)
-        neph_document_locate(reader->document, node, reader->diag);
+        status = also_at(reader, node, status, make_voxels(medium, written->voxels, reader->diag));
     return status;
 }
 
@@ -162,8 +182,7 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
     written->medium.kind = choice->kind;
     written->medium.bounds = everywhere;
     enum neph_status status = neph_read_fields(reader, node, fields, written);
-    if (!status)
-        status = finish(reader, node, choice->form, written);
+    status = finish(reader, node, choice->form, written, status);
     neph_medium_finish(medium); /* of another form in the same entry */
     *medium = written->medium;  /* what is half made is freed with the scene */
     return status;

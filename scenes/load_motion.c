@@ -131,20 +131,21 @@ static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *
     struct neph_written_scene *written = target;
     struct neph_scene *scene = &written->scene;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
-    if (status)
+    if (!neph_is_sound(reader, "keys"))
         return status;
     const bool has_direction = neph_reader_has(reader, node, "direction");
     const bool has_irradiance = neph_reader_has(reader, node, "irradiance_w_per_m2");
     if (scene->sun_keys && (has_direction || has_irradiance))
         return neph_refuse(reader, "keys",
                            "give either keys or direction and irradiance_w_per_m2, not both");
-    if (!scene->sun_keys && !(has_direction && has_irradiance))
+    if (!scene->sun_keys && !(has_direction && has_irradiance) && neph_is_sound(reader, ""))
         return neph_refuse(reader, "", "give direction and irradiance_w_per_m2, or keys");
     scene->sun.present = true;
-    if (!scene->sun_keys)
-        return neph_check_direction(reader, "direction", written->sun.direction);
-    for (int i = 0; i < scene->sun_key_count && !status; i++)
-        status = check_sun_key(reader, scene->sun_keys, i);
+    if (!scene->sun_keys && has_direction && neph_is_sound(reader, "direction"))
+        return neph_also(reader, status,
+                         neph_check_direction(reader, "direction", written->sun.direction));
+    for (int i = 0; i < scene->sun_key_count; i++)
+        status = neph_also(reader, status, check_sun_key(reader, scene->sun_keys, i));
     return status;
 }
 
@@ -217,10 +218,11 @@ const struct neph_record neph_wind_record = {
 /* --- In the finished scene --- */
 
 /* The wind must have something to move, and must leave it where renderers can still see it. */
-static enum neph_status check_drift(const struct neph_reader *reader,
-                                    const struct neph_scene *scene)
+enum neph_status neph_check_wind(const struct neph_reader *reader, const struct neph_scene *scene)
 {
     bool any = false;
+    if (scene->wind_key_count == 0)
+        return NEPH_OK;
     char forms[256] = "";
     for (int i = 0; i < scene->medium_count; i++)
         any |= neph_medium_drifts(&scene->media[i]);
@@ -239,7 +241,7 @@ static enum neph_status check_drift(const struct neph_reader *reader,
     return NEPH_OK;
 }
 
-enum neph_status neph_check_motion(const struct neph_reader *reader, const struct neph_scene *scene)
+enum neph_status neph_check_views(const struct neph_reader *reader, const struct neph_scene *scene)
 {
     enum neph_status status = NEPH_OK;
     if (scene->advance_count > 0 && scene->pause_count > 0)
@@ -249,7 +251,5 @@ enum neph_status neph_check_motion(const struct neph_reader *reader, const struc
         status = neph_check_view(reader, scene, scene->camera_keys[i].frame);
     for (int frame = 0; frame < scene->frame_count && !status; frame++)
         status = neph_check_view(reader, scene, neph_scene_time_frame(scene, frame));
-    if (!status && scene->wind_key_count > 0)
-        status = check_drift(reader, scene);
     return status;
 }

@@ -230,6 +230,8 @@ static enum neph_status read_fence(struct neph_reader *reader, const yaml_node_t
     return fence->rail_count > 0 ? check_rails(reader, fence) : NEPH_OK;
 }
 
+static const char surface_keys[] = "metalness roughness";
+
 static enum neph_status check_surface(const struct neph_reader *reader, const yaml_node_t *node,
                                       const struct neph_surface *surface)
 {
@@ -251,9 +253,11 @@ static enum neph_status read_box(struct neph_reader *reader, const yaml_node_t *
     struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
     enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_BOX;
-    if (!status)
-        status = check_surface(reader, node, &solid->surface);
-    return status ? status : neph_check_extent(reader, "", &solid->box);
+    if (neph_is_sound(reader, surface_keys))
+        status = neph_also(reader, status, check_surface(reader, node, &solid->surface));
+    if (neph_is_sound(reader, "min_m max_m"))
+        status = neph_also(reader, status, neph_check_extent(reader, "", &solid->box));
+    return status;
 }
 
 static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_t *node,
@@ -262,7 +266,9 @@ static enum neph_status read_sphere(struct neph_reader *reader, const yaml_node_
     struct neph_solid *solid = &((struct neph_written_solid *)target)->solid;
     const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
     solid->kind = NEPH_SOLID_SPHERE;
-    return status ? status : check_surface(reader, node, &solid->surface);
+    return neph_is_sound(reader, surface_keys)
+               ? neph_also(reader, status, check_surface(reader, node, &solid->surface))
+               : status;
 }
 
 static const struct neph_record box_record = {.fields = box_fields, .read = read_box};
@@ -369,21 +375,21 @@ static enum neph_status finish_movers(struct neph_reader *reader,
 static enum neph_status check_metals(const struct neph_reader *reader,
                                      const struct neph_written_scene *written)
 {
+    enum neph_status status = NEPH_OK;
     if (written->scene.scattering == NEPH_SCATTERING_MULTIPLE)
         return NEPH_OK;
     for (int i = 0; i < written->solid_count; i++) {
         const struct neph_solid *solid = &written->solids[i].solid;
+        const char *kind = solid->kind == NEPH_SOLID_BOX ? "box" : "sphere";
         if (solid->surface.metalness > 0.0)
-            return neph_refuse(
-                reader,
-                neph_at("solids[%d].%s.metalness", i,
-                        solid->kind == NEPH_SOLID_BOX ? "box" : "sphere")
-                    .text,
-                "a metal shows the light of other surfaces, and scattering is %s: say "
-                "scattering: multiple",
-                neph_scattering_name(written->scene.scattering));
+            status = neph_also(
+                reader, status,
+                neph_refuse(reader, neph_at("solids[%d].%s.metalness", i, kind).text,
+                            "a metal shows the light of other surfaces, and scattering is %s: say "
+                            "scattering: multiple",
+                            neph_scattering_name(written->scene.scattering)));
     }
-    return NEPH_OK;
+    return status;
 }
 
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written)

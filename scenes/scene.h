@@ -267,10 +267,11 @@ struct neph_injections; /* the real-time renderer: scenes/injection.h */
 struct neph_scene {
     struct neph_arena arena; /* has what follows, but for grids and horizons */
 
-    const char *path;    /* the file it came from */
-    const char *name;    /* a plain identifier [a-z0-9_]+ */
-    const char *title;   /* one line */
-    const char *physics; /* what the scene isolates and which truth applies */
+    const char *path;        /* the file it came from */
+    const char *name;        /* a plain identifier [a-z0-9_]+ */
+    const char *title;       /* one line */
+    const char *description; /* what the scene isolates and which truth applies; "": none */
+    const char *warning;     /* of an older spelling in the file, for a person; NULL: none */
 
     int camera_key_count; /* >= 1 */
     struct neph_camera_key *camera_keys;
@@ -328,9 +329,19 @@ struct neph_scene {
     char hash[NEPH_HASH_HEX_SIZE];
 };
 
-/* Read and check a scene file. Every error names file, line, column, value and allowed range. */
+/* Read and check a scene file. A .vdb in its place is the scene of neph_volume_scene_text(). All
+ * errors of the file are in the diag, by their lines: the first as its message, the others in
+ * `more`. Each names file, line, column, value and allowed range. */
 enum neph_status neph_scene_load(const char *path, struct neph_scene **scene,
                                  struct neph_diag *diag);
+
+/* Whether a gate may limit the metric of this name; if not, `why` says the reason: "is no metric".
+ */
+typedef bool neph_gate_metric_check(const char *metric, char *why, size_t size);
+
+/* The same, with a check of the metrics of gates, which scenes do not know. */
+enum neph_status neph_scene_load_checked(const char *path, neph_gate_metric_check *check,
+                                         struct neph_scene **scene, struct neph_diag *diag);
 
 /* The file of `scene` read anew, at a point of its sweep (scenes/failing.h). Errors as of loading:
  * a point may be no scene. */
@@ -340,7 +351,8 @@ enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point
 /* All keys of a scene file, as a table of Markdown: what scenes/README.md holds. */
 void neph_scene_print_keys(FILE *file);
 
-/* The name that the scene in this file must have: "folder/name.yaml" -> "name". For the caller to
+/* The name that the scene in this file must have: "folder/name.yaml" -> "name". That of a .vdb is in
+ * lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". For the caller to
  * free; NULL when memory is short. */
 char *neph_scene_name_of(const char *path);
 

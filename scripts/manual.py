@@ -1,20 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """manual.py NEPH PAGE COMPLETION: man page and bash completion out of the --help of all verbs."""
-import os
 import pathlib
 import re
 import subprocess
 import sys
 
-# One line for each option and paragraph: wrapping is for who shows them.
-WIDE = {**os.environ, "ARGP_HELP_FMT": "rmargin=10000,opt-doc-col=70,dup-args=0"}
-OPTION = re.compile(
-    r"^ +(?:-(?P<letter>\S), +|)(?P<names>--\S+(?: --\S+)*)  +(?P<help>.*)$")
+OPTION = re.compile(r"^  (?:-(?P<letter>\S), |    )(?P<name>--\S+)(?: +(?P<help>.*))?$")
+TEXT_COLUMN = 29  # of the texts of options, as harness/help.c has it
 
 
 def ask(neph, *words):
-    done = subprocess.run([neph, *words], env=WIDE, capture_output=True, text=True, check=True)
+    done = subprocess.run([neph, *words], capture_output=True, text=True, check=True)
     return done.stdout
 
 
@@ -24,7 +21,7 @@ def listed(text):
 
 
 class Verb:
-    """What argp says of one: usages, paragraphs before the options, options, paragraphs behind."""
+    """The help of one: usages, lines before the options, options, lines behind them."""
 
     def __init__(self, neph, *words):
         self.name = " ".join(words)
@@ -34,13 +31,15 @@ class Verb:
             if re.match(r"Usage: |  or:  ", line):
                 self.usages.append(line[7:].strip())
             elif option:
-                self.options.append((option["letter"], option["names"].split(", "), option["help"]))
-            elif not line.startswith("Mandatory or optional arguments"):
+                self.options.append([option["letter"], option["name"], option["help"] or ""])
+            elif self.options and not self.after and line.startswith(TEXT_COLUMN * " "):
+                self.options[-1][2] = f"{self.options[-1][2]} {line.strip()}".strip()
+            elif line or self.after or not self.options:  # none between groups of options
                 (self.after if self.options else self.before).append(line)
 
     def words(self):
-        for letter, names, _ in self.options:
-            yield from (["-" + letter] if letter else []) + [name.split("=")[0] for name in names]
+        for letter, name, _ in self.options:
+            yield from (["-" + letter] if letter else []) + [name.split("=")[0]]
 
 
 # ---- the page ------------------------------------------------------------------------------------
@@ -80,8 +79,8 @@ def page(version, top, verbs):
         yield from (f".B {roff(usage)}\n.br" for usage in verb.usages)
         yield ".PP"
         yield from paragraphs(verb.before)
-        for letter, names, text in verb.options:
-            yield described(", ".join((["-" + letter] if letter else []) + names), text)
+        for letter, name, text in verb.options:
+            yield described(", ".join((["-" + letter] if letter else []) + [name]), text)
         yield ".PP"
         yield from paragraphs(verb.after)
     yield f".SH EXIT STATUS\n{roff(' '.join(codes.split()).removeprefix('Exit codes: '))}"
@@ -95,7 +94,7 @@ _neph()
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} words=
     local verb=${COMP_WORDS[1]}
     [[ $verb == study && $COMP_CWORD -gt 2 ]] && verb="study ${COMP_WORDS[2]}"
-    if [[ $before == -e || $before == --engine || $before == --engines ]]; then
+    if [[ $before == -e || $before == --engine ]]; then
         words="@engines@"
     elif [[ $COMP_CWORD -eq 1 ]]; then
         words="@verbs@"

@@ -4,9 +4,11 @@
  */
 #include "harness/cli/cli.h"
 
+#include "base/arena.h"
 #include "base/files.h"
 #include "harness/data.h"
 #include "harness/engines/bakes.h"
+#include "harness/old_options.h"
 #include "scenes/media.h"
 #include "scenes/volume_file.h"
 
@@ -26,23 +28,25 @@ static const struct neph_cli_option options[] = {
      "it is)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, resolution),
      .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
-    {.name = "output", .argument = "FILE", .help = "FILE.vdb (OpenVDB) or FILE.df3 (POV-Ray)"},
+    {.name = "output", .help = "Folder of SCENE.vdb, without FILE", .otherwise = "out/bake"},
     {.name = "json"},
+    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},
 };
 
-static void check(const void *request, const struct argp_state *state)
-{
-    const struct neph_cli_shared *shared = request;
-    if (!shared->output)
-        argp_error(state, "write where? -o FILE.vdb or -o FILE.df3");
-}
+static const struct neph_cli_operands operands = {
+    .shown = "SCENE [FILE]",
+    .minimum = 1,
+    .maximum = 2,
+    .missing = "which scene? `neph scenes` lists the catalogue",
+    .surplus = "one scene and one file",
+};
 
 static const struct neph_cli_syntax syntax = {
     .options = options,
-    .operands = &neph_cli_one_scene,
-    .check = check,
-    .doc = "Write a medium of a scene as a file of voxels, and say what that costs: the grid is "
+    .operands = &operands,
+    .doc = "Write a medium of a scene as a file of voxels, FILE.vdb (OpenVDB) or FILE.df3 "
+           "(POV-Ray), and say what that costs: the grid is "
            "held against the medium at random places, and along random chords by their exact "
            "optical depths. So the error of a renderer that is given the file can be told from "
            "the error of the file.\v"
@@ -52,8 +56,8 @@ static const struct neph_cli_syntax syntax = {
            "in place with `interpolate 1`, `scale (size + 2) * spacing` and `translate origin - "
            "spacing`.\n\n"
            "Examples:\n"
-           "  neph bake gaussian_blob -o blob.vdb\n"
-           "  neph bake my_clouds.yaml --medium 2 --resolution 256 -o clouds.df3 --json",
+           "  neph bake gaussian_blob blob.vdb\n"
+           "  neph bake my_clouds.yaml clouds.df3 --medium 2 --resolution 256 --json",
 };
 
 struct result {
@@ -142,32 +146,61 @@ static void print_result(const char *path, const char *entry, const struct resul
     printf("  in a scene file, with an albedo: %s\n", entry);
 }
 
+/* The file to write to, of the arena. -o FILE was how it was named. */
+static enum neph_status choose_file(const struct neph_cli_shared *shared,
+                                    const struct neph_scene *scene, struct neph_arena *arena,
+                                    const char **path, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    const bool is_old = shared->operand_count == 1 &&
+                        neph_volume_has_known_extension(shared->output);
+    *path = shared->operand_count > 1 ? shared->operands[1] : shared->output;
+    if (is_old)
+        neph_old_option_warn("neph bake", "-o FILE", "neph bake SCENE FILE");
+    if (shared->operand_count == 1 && !is_old) {
+        status = neph_dir_create(shared->output, diag);
+        *path = neph_arena_format(arena, "%s/%s.vdb", shared->output, scene->name);
+        return status ? status : neph_arena_check(arena, diag);
+    }
+    if (neph_volume_has_known_extension(*path))
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no volume file that neph knows", *path);
+    neph_hint(diag, "FILE.vdb for OpenVDB, FILE.df3 for POV-Ray");
+    return NEPH_ERR_USAGE;
+}
+
+static enum neph_status tell(const char *path, const struct result *result, bool json,
+                             struct neph_diag *diag)
+{
+    char *entry = volume_entry(path, result);
+    enum neph_status status = entry ? NEPH_OK : neph_fail_memory(diag);
+    if (!status && json)
+        status = neph_json_print(result_json(path, entry, result), diag);
+    else if (!status)
+        print_result(path, entry, result);
+    free(entry);
+    return status;
+}
+
 enum neph_status neph_cli_bake(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
-    const char *output = request.shared.output;
+    const char *path = NULL;
+    struct neph_arena arena = {NULL};
     struct neph_scene *scene = NULL;
     struct result result = {.medium = NULL};
-    if (!neph_volume_has_known_extension(output)) {
-        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no volume file that neph knows", output);
-        neph_hint(diag, "-o FILE.vdb for OpenVDB, -o FILE.df3 for POV-Ray");
-        return NEPH_ERR_USAGE;
-    }
     enum neph_status status = neph_data_load_scene(request.shared.operands[0], &scene, diag);
+    if (!status)
+        status = choose_file(&request.shared, scene, &arena, &path, diag);
     if (!status)
         status = bake(&request, scene, &result, diag);
     if (!status)
-        status = neph_volume_write(output, result.bake.grid, diag);
-    char *entry = status ? NULL : volume_entry(output, &result);
-    if (!status && !entry)
-        status = neph_fail_memory(diag);
-    if (!status && !request.shared.json)
-        print_result(output, entry, &result);
-    else if (!status)
-        status = neph_json_print(result_json(output, entry, &result), diag);
-    free(entry);
+        status = neph_volume_write(path, result.bake.grid, diag);
+    if (!status)
+        status = tell(path, &result, request.shared.json, diag);
     neph_bake_finish(&result.bake);
     neph_scene_destroy(scene);
+    neph_arena_finish(&arena);
     return status;
 }

@@ -28,7 +28,7 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, who)},
     {"night", 0, "N", "accept: the night (default: the last)", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, night), .minimum = 1, .maximum = 1e9},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/nightly"},
     {.name = "json"},
     {.name = "quiet", .help = "Accepted; this verb prints results alone"},
     {.name = NULL},

@@ -9,8 +9,7 @@
 #include "harness/engines/engines.h"
 #include "harness/experiment/experiment.h"
 #include "harness/progress.h"
-#include "harness/run/benchmark.h"
-#include "harness/run/benchmark_frames.h"
+#include "harness/run/benchmark_answer.h"
 #include "renderer/shortcuts.h"
 #include "scenes/bake.h"
 #include "scenes/horizon.h"
@@ -26,9 +25,10 @@ _Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
-    const char *engines, *preset, *chain;
-    double rung_s, error;    /* NaN: not given */
-    int frame_count, voxels; /* 0: not given */
+    const char *preset, *chain;
+    struct neph_cli_list engines;
+    double rung_s, error;   /* NaN: not given */
+    int repeat, resolution; /* -1: not given */
     bool without_ceilings;
     struct neph_scene *scene;
     struct both *both;
@@ -54,40 +54,40 @@ struct both {
 };
 
 static const struct neph_cli_option options[] = {
-    {"engines", 'e', "A,B",
+    {"engine", 0, NULL,
      "Engines; of those with noise the first is the one that the others are measured by (default: "
      "tracer and the Cycles of each Blender)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, engines)},
-    {"frames", 0, "N",
-     "How many pictures of march*, realtime and screen are timed, in 10 s at most (default: 200)",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, frame_count), .minimum = 1,
+     NEPH_CLI_NAMES, .at = offsetof(struct request, engines)},
+    {"repeat", 0, NULL,
+     "How often a frame of march*, realtime and screen is timed, in 10 s at most (default: 200)",
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, repeat), .minimum = 1,
      .maximum = NEPH_BENCHMARK_FRAMES_MAX},
-    {"preset", 'p', "NAME",
-     "Engines realtime and screen: a set of settings by name, before any --set", NEPH_CLI_WORD,
-     .at = offsetof(struct request, preset)},
-    {"chain", 0, "FILE",
+    {"preset", 0, NULL, "Engines realtime and screen: a set of settings by name, before any --set",
+     NEPH_CLI_ONE, .at = offsetof(struct request, preset)},
+    {"chain", 0, NULL,
      "Time this picture chain behind their pictures, in place of the scene's; off: none",
      NEPH_CLI_WORD, .at = offsetof(struct request, chain)},
-    {.name = "size", .otherwise = "96x54"},
+    {.name = "size", .otherwise = "192x108"},
     {"seconds", 0, "S",
      "About how long the last of four rungs takes, each half the one above it (default: 4)",
      NEPH_CLI_REAL, .at = offsetof(struct request, rung_s), .minimum = 0.01, .maximum = 10000},
-    {"error", 0, "E",
+    {"error", 0, NULL,
      "In place of --seconds: rungs of each engine up to this relative RMSE, from three times it on",
      NEPH_CLI_REAL, .at = offsetof(struct request, error), .minimum = 1e-4, .maximum = 1.0},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine; may be given several times"},
-    {"voxels", 0, "N",
+    {"resolution", 0, NULL,
      "First turn every medium but fog into a voxel grid of N nodes along its longest side, so that "
      "all engines render the same one",
-     NEPH_CLI_INTEGER, .at = offsetof(struct request, voxels), .minimum = NEPH_BAKE_RESOLUTION_MIN,
-     .maximum = NEPH_GRID_SIDE_MAX},
+     NEPH_CLI_INTEGER, .at = offsetof(struct request, resolution),
+     .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
     {"no-ceilings", 0, NULL,
      "Do not measure what the device can do at most, which takes a GPU 15 s: no shares of it",
      NEPH_CLI_FLAG, .at = offsetof(struct request, without_ceilings)},
     {.name = "blender"},
-    {.name = "output", .help = "Folder for scratch files", .otherwise = "out"},
+    {.name = "output", .help = "Folder for scratch files", .otherwise = "out/benchmark"},
+    {.name = "all", .help = "All rungs, passes and shares of what the device can do"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -97,40 +97,31 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
     .doc =
-        "How long engines take, each in the way that it is used.\v"
-        "Engines with noise (tracer, oracle, cycles): for the same noise, on the same cores in "
-        "one run: noise^2 x time of each, and how many times the time of the first the others "
-        "need. Noise is measured between two seeds, error against two independent references of "
-        "the tracer, whose own noise so falls out. Time is rendering alone, each engine's start "
-        "(kernels compiled, grids read) apart; starting Blender itself is in neither. Intervals "
-        "hold 95 %, from the scatter of the four rungs; keep the machine quiet. The bias is what "
-        "no time removes. The time to a stated error, bias included, is interpolated between "
-        "rungs; where it lies off the ladder, that is said. With --error each engine climbs until "
-        "it is there, however long that takes.\n\n"
-        "Engines march*, realtime and screen: pictures in flight one after the other (screen waits "
-        "for each), nothing read "
-        "back, after a second of warm-up, and where the scene rests until that is known: median, "
-        "10 % and 90 % of the time of a picture and of its passes on the device. Beside them the "
-        "error (rel_rmse against the march of "
-        "the same lighting at its defaults), and what part the pass gets of what the device can "
-        "do at most: bytes copied, or voxel grids sampled from a buffer or, with "
-        "grid_sampling=texture, by the texture unit, measured in the same run. Samples are also "
-        "measured one ray a lane where each place depends on the sample before it, as in a plain "
-        "loop that cannot look ahead, and beside them what arithmetic the device can do: a pass "
-        "whose samples take as long as the multiply-adds and exponentials around them waits for "
-        "these. With a picture chain (display.chain of the scene, or --chain) --size is that of "
-        "the display, and the last picture goes through the chain as often: a line for each "
-        "stage.\n\n"
+        "Measure how long engines take, and say which is faster and by how much.\v"
+        "Engines with noise (tracer, oracle, cycles): the time to the same noise, on the same "
+        "cores "
+        "in one run, and how many times as long the others take as the first. Noise is measured "
+        "between two seeds; error is measured against two independent references of the tracer, "
+        "so that the noise of the references cancels. Time is rendering only: the start of an "
+        "engine (kernels compiled, grids read) is a number of its own, and starting Blender is in "
+        "neither. Intervals are 95 %, from the scatter of the four rungs: keep the machine quiet. "
+        "The time to a stated error, bias included, is interpolated between rungs. With --error "
+        "each engine gets more samples until it reaches that error, however long that takes.\n\n"
+        "Engines march*, realtime and screen: frames in flight one after the other (screen waits "
+        "for each), without reading them back, after a second of warm-up: median, 10 % and 90 % of "
+        "the time of a frame and of its passes on the device; the error (rel_rmse against the ray "
+        "marcher with the same lighting at its defaults); and the share of the device's limits "
+        "that each pass reaches: bytes copied, or voxel grid samples from a buffer or from the "
+        "texture unit, measured in the same run. With a picture chain (display.chain of the scene, "
+        "or --chain) --size is the size of the display, and each stage has a line in --all.\n\n"
         "Examples:\n"
         "  neph benchmark slab_multiple_thin\n"
-        "  neph benchmark gaussian_blob --voxels 64 --seconds 10\n"
+        "  neph benchmark gaussian_blob --resolution 64 --seconds 10\n"
         "  neph benchmark grid_cloud_multiple --error 0.01 --size 48x27\n"
         "  neph benchmark voxel_grid -e tracer,oracle --json\n"
         "  neph benchmark height_fog_up --set cycles:step=0.1\n"
-        "  neph benchmark cloud_below -e march_octaves,realtime -p ours "
-        "-s realtime:lighting=octaves --size 1920x1080\n"
-        "  neph benchmark surface_rough -e screen -p fast --chain walk_out_chain.yaml "
-        "--size 1920x1080",
+        "  neph benchmark cloud_below -e march_octaves,realtime -p ours --all\n"
+        "  neph benchmark surface_rough -e screen -p fast --size 640x360",
 };
 
 /* --- the scene ---------------------------------------------------------------------------- */
@@ -297,31 +288,29 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
 }
 
 /* The tracer, and as many Blenders as there is room for. */
-static void list_default(char names[256])
+static int list_default(const char *names[NEPH_ENGINE_COUNT])
 {
-    int count, room = NEPH_BENCHMARK_ENGINES_MAX - 1;
+    int count, listed = 0;
     const struct neph_engine *const *engines = neph_engines(&count);
-    snprintf(names, 256, "tracer");
-    for (int i = 0; i < count; i++) {
-        const size_t length = strlen(names);
-        if (neph_engine_is(engines[i], "cycles") && room-- > 0)
-            snprintf(names + length, 256 - length, ",%s", engines[i]->name);
-    }
+    names[listed++] = "tracer";
+    for (int i = 0; i < count && listed < NEPH_BENCHMARK_ENGINES_MAX; i++)
+        if (neph_engine_is(engines[i], "cycles"))
+            names[listed++] = engines[i]->name;
+    return listed;
 }
 
 static enum neph_status fill_both(const struct request *request, struct neph_shared_device *device,
                                   struct neph_diag *diag)
 {
     struct both *both = request->both;
-    char names[256];
-    if (request->engines)
-        snprintf(names, sizeof(names), "%s", request->engines);
-    else
-        list_default(names);
-    char *rest = names;
+    const char *engines[NEPH_ENGINE_COUNT];
+    int count = request->engines.count;
+    if (count == 0)
+        count = list_default(engines);
+    const char *const *names = request->engines.count > 0 ? request->engines.words : engines;
     enum neph_status status = NEPH_OK;
-    for (char *name = strsep(&rest, ","); name && !status; name = strsep(&rest, ","))
-        status = add_engine(name, request, device, diag);
+    for (int i = 0; i < count && !status; i++)
+        status = add_engine(names[i], request, device, diag);
     if (!status && request->preset && !any_has_presets(both))
         status = neph_fail(diag, NEPH_ERR_USAGE, "preset '%s': none of the engines has presets",
                            request->preset);
@@ -596,8 +585,8 @@ static void warn_of_idle(const struct request *request, const struct both *both)
     if (both->noise.engine_count == 0 && !(isnan(request->error) && isnan(request->rung_s)))
         neph_progress_warn("--%s has no effect: none of the engines has noise",
                            isnan(request->error) ? "seconds" : "error");
-    if (both->frames.engine_count == 0 && request->frame_count > 0)
-        neph_progress_warn("--frames has no effect: none of the engines' pictures can be in "
+    if (both->frames.engine_count == 0 && request->repeat > 0)
+        neph_progress_warn("--repeat has no effect: none of the engines' pictures can be in "
                            "flight");
 }
 
@@ -612,8 +601,7 @@ static enum neph_status measure(const struct request *request, struct neph_diag 
     both->noise.aim = aim_of(request);
     if (both->frames.engine_count > 0)
         status = neph_benchmark_frames_run(
-            &both->frames, request->frame_count > 0 ? request->frame_count : usual_frame_count,
-            quiet, diag);
+            &both->frames, request->repeat > 0 ? request->repeat : usual_frame_count, quiet, diag);
     if (!status && both->noise.engine_count > 0)
         status = neph_benchmark_run(&both->noise, quiet, diag);
     return status;
@@ -628,6 +616,14 @@ static void print(const struct both *both, FILE *out)
     print_left_out(both, out);
 }
 
+static void answer(const struct both *both, struct neph_answer *answer)
+{
+    neph_benchmark_frames_answer(&both->frames, answer);
+    neph_benchmark_answer(&both->noise, answer);
+    for (int i = 0; i < both->left_out_count; i++)
+        neph_answer_add(answer, "left out: %s", both->left_out[i].why.message);
+}
+
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct request *request = request_;
@@ -638,8 +634,8 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
         return neph_fail_memory(diag);
     const enum neph_status status = neph_data_load_scene(request->shared.operands[0],
                                                          &request->scene, diag);
-    return status || request->voxels < 1 ? status
-                                         : to_voxels(request->scene, request->voxels, diag);
+    return status || request->resolution < 1 ? status
+                                             : to_voxels(request->scene, request->resolution, diag);
 }
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
@@ -659,6 +655,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     neph_cli_end_scratch(scratch, status, diag);
     if (!status && publication->text)
         print(request->both, publication->text);
+    if (!status)
+        answer(request->both, &publication->answer);
     if (!status && request->shared.json)
         publication->json = json_of(request->both);
     return status;

@@ -52,6 +52,11 @@ void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
         neph_hint(diag, "its logs are in %s", path.text);
 }
 
+void neph_cli_say_where(const char *verb, const char *folder)
+{
+    fprintf(stderr, "neph %s: results are in %s\n", verb, folder);
+}
+
 json_t *neph_cli_options_json(const struct neph_option *options)
 {
     json_t *list = json_array();

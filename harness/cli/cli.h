@@ -63,6 +63,9 @@ void neph_cli_print_presets(const struct neph_preset *presets, int indent);
 json_t *neph_cli_post_stages_json(void);
 void neph_cli_post_print_stages(const char *indent);
 
+/* Print on stderr that the results of a verb are in that folder. */
+void neph_cli_say_where(const char *verb, const char *folder);
+
 /* Print JSON on stdout where it is wanted; consumes the reference in any case. */
 enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag);
 

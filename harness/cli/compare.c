@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
  * `neph compare REFERENCE TEST`: error of frames, each by itself; and
- * `neph flicker --reference REFERENCE... TEST...`: how a sequence moves where it should not.
+ * `neph flicker [-r REFERENCE] [BEFORE] TEST`: how a sequence moves where it should not.
  */
 #include "harness/cli/cli.h"
 
-#include "base/arena.h"
+#include "base/clock.h"
+#include "harness/cli/compare_choice.h"
+#include "harness/cli/compare_page.h"
+#include "harness/cli/compare_sides.h"
+#include "harness/compare/alone.h"
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
+#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -20,10 +25,11 @@
 /* The shared settings are of extractors. */
 struct request {
     struct neph_cli_shared shared;
-    bool temporal;                               /* `neph flicker` */
-    struct neph_cli_words references;            /* of `neph flicker` */
-    struct neph_cli_words metrics, above, below; /* the latter two limits */
-    const char *mask, *csv, *maps, *layer;
+    bool temporal; /* `neph flicker` */
+    struct neph_cli_words references;
+    struct neph_cli_list metrics;
+    struct neph_cli_words above, below; /* limits */
+    const char *mask, *csv, *junit, *page, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
     double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: as usual */
@@ -35,49 +41,43 @@ enum { MEASURING, VIEWING, JUDGING, WRITING }; /* groups of the help */
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"metric", 'm', "NAME",
-     "An extractor, one of its metrics, or 'all'; may be given several times; `neph metrics` lists "
-     "them",
-     NEPH_CLI_WORDS, AT(metrics)},
+    {"reference", 0, NULL,
+     "The reference: one frame, or as many as the test has; may be given several times",
+     NEPH_CLI_WORDS, AT(references)},
+    {"metric", 'm', "NAME[,NAME]",
+     "Extractors, some of their metrics, or 'all'; `neph metrics` lists them", NEPH_CLI_NAMES,
+     AT(metrics)},
     {.name = "set",
-     .argument = "EXTRACTOR.KEY=VALUE",
-     .help = "A setting of an extractor, such as lag.step_frame=40"},
+     .argument = "EXTRACTOR:KEY=VALUE",
+     .help = "A setting of an extractor, such as lag:step_frame=40; may be given several times"},
     {"mask", 0, "NAME|FILE",
      "Only this mask: a name (all, sky, depth_edge, ...; `neph metrics --masks`), or a picture "
      "that is above 0.5 inside",
      NEPH_CLI_WORD, AT(mask)},
-    {"layer", 0, "NAME",
-     "Radiance, depth and masks are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
-     NEPH_CLI_WORD, AT(layer)},
+    {"layer", .kind = NEPH_CLI_WORD, AT(layer)},
     {"rings", 0, NULL,
      "Also the masks of rings at depth edges, by distance and side (flicker always takes them, and "
      "shows them with this)",
      NEPH_CLI_FLAG, AT(rings)},
-    {"second-reference", 0, "WORD",
+    {"second-reference", 0, "FILES",
      "The reference by another seed: takes the reference's own noise out of squared errors; or, "
-     "with lag.old=second, the same scene without its step",
+     "with lag:old=second, the same scene without its step",
      NEPH_CLI_WORD, AT(second)},
-    {"versus", 0, "WORD",
-     "Another test of the same frames: each number's difference, test - other, paired frame by "
-     "frame, or tile by tile where a sequence has one number, with intervals and corrected "
-     "p-values",
+    {"versus", 0, "FILES",
+     "Another test of the same frames, as BEFORE: both values and their difference, test - other, "
+     "paired frame by frame, or tile by tile where a sequence has one number, with intervals and "
+     "corrected p-values",
      NEPH_CLI_WORD, AT(versus)},
     {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER, AT(warm_up_frames), "0",
      0, 1000000},
     {"by-position", 0, NULL,
      "Frames belong together by their place in the sequence, whatever their numbers", NEPH_CLI_FLAG,
      AT(by_position)},
-    {"fps", 0, "HZ",
-     "Frame rate of the display (default: 60; of flicker what the frames say, else 30)",
-     NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
-    {"ppd", 0, "N",
-     "Pixels per degree of the display (default: 67.02, 0.7 m from a screen 0.7 m and 3840 px "
-     "wide; of flicker 60; a desk monitor has 40)",
-     NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
-    {"exposure", 0, "EV", "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
+    {"fps", .kind = NEPH_CLI_REAL, AT(frame_rate_hz), .group = VIEWING},
+    {"ppd", .kind = NEPH_CLI_REAL, AT(pixels_per_degree), .group = VIEWING},
+    {"exposure", 0, NULL, "Display value = 2^EV times radiance (default: 0)", NEPH_CLI_REAL,
      AT(exposure_ev), .group = VIEWING},
-    {"white", 0, "CD_PER_M2", "Luminance of the display value 1 (default: 100)", NEPH_CLI_REAL,
-     AT(white_cd_per_m2), .group = VIEWING},
+    {"white", .kind = NEPH_CLI_REAL, AT(white_cd_per_m2), .group = VIEWING},
     {"fail-above", 0, "[QUANTITY:]METRIC[@MASK]=LIMIT",
      "Exit with 1 when |value| is above the limit, such as radiance:rel_rmse@all=0.01 (quantity "
      "and mask as here when left out); may be given several times",
@@ -90,14 +90,18 @@ static const struct neph_cli_option options[] = {
     {"negative-ok", 0, NULL,
      "Values below 0 are no reason to stop: a filter with negative lobes made them", NEPH_CLI_FLAG,
      AT(negative_is_fine), .group = JUDGING},
-    {"all", 0, NULL, "The table of all numbers and findings in place of the ten lines",
-     NEPH_CLI_FLAG, AT(all), .group = WRITING},
+    {"all", 0, NULL, "The table of all numbers and findings behind the first line", NEPH_CLI_FLAG,
+     AT(all), .group = WRITING},
     {.name = "json", .group = WRITING},
     {"csv", 0, "FILE", "Results as CSV; '-': on stdout, in place of the table", NEPH_CLI_FILE,
      AT(csv), .group = WRITING},
+    {"junit", 0, "FILE", "JUnit XML: a test case for each limit", NEPH_CLI_FILE, AT(junit),
+     .group = WRITING},
     {"maps", 0, "DIR",
      "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png",
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
+    {"page", 0, "DIR", "An HTML page with charts over time, maps, the worst frames and all numbers",
+     NEPH_CLI_OUTPUT, AT(page), .group = WRITING},
     {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),
      .group = WRITING},
@@ -105,144 +109,62 @@ static const struct neph_cli_option options[] = {
 };
 #undef AT
 
-static const struct neph_cli_option flicker_options[] = {
-    {"reference", 'r', "WORD",
-     "The reference: one frame, or as many as the test has; may be given several times",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, references)},
-    {.name = NULL},
-};
+static const struct neph_cli_operands compare_operands = {.shown = "[REFERENCE|BEFORE] TEST"};
 
-static const struct neph_cli_operands compare_operands = {
-    .shown = "REFERENCE TEST",
-    .minimum = 2,
-    .maximum = 2,
-    .missing = "two images or sequences are needed: REFERENCE TEST",
-    .surplus = "a reference and a test (quote patterns)",
-};
-
-static const struct neph_cli_operands flicker_operands = {
-    .shown = "--reference REFERENCE... TEST..."};
-
-static void check_flicker(const void *request_, const struct argp_state *state)
-{
-    const struct request *request = request_;
-    if (request->references.count == 0 || request->shared.operand_count == 0)
-        argp_error(state, "both are needed: --reference REFERENCE and TEST");
-}
+static const struct neph_cli_operands flicker_operands = {.shown = "[BEFORE] TEST"};
 
 static const struct neph_cli_syntax compare_syntax = {
     .options = options,
     .operands = &compare_operands,
     .doc =
-        "Measure the error of TEST against REFERENCE: EXR frames on linear data, or PNG pictures.\v"
-        "Each is " NEPH_SEQUENCE_HELP ". Values that are not finite, or negative, are an error "
-        "before anything else. The sign is test - reference. PNG pictures are decoded from sRGB. "
-        "Frames are files: pipes, and so <(COMMAND) of a shell, are refused.\n"
+        "Measure the error of TEST against a reference: EXR frames on linear data, or PNG "
+        "pictures.\v"
+        "-r names the reference; without it, the first operand is the reference. With it, two "
+        "operands are BEFORE and TEST: is TEST better? Each is " NEPH_SEQUENCE_HELP ". Values that "
+        "are not finite, or negative, are an error before anything else. The sign is test - "
+        "reference. PNG pictures are decoded from sRGB. Frames are files: pipes, and so <(COMMAND) "
+        "of a shell, are refused.\n"
         "\n"
         "Examples:\n"
         "  neph compare exact.exr march.exr\n"
+        "  neph compare -r ref.png before.png after.png\n"
+        "  neph compare -r full/ before/ after/ --page out/compare\n"
         "  neph compare exact.exr march.exr --json --mask depth_edge\n"
-        "  neph compare old.png new.png --metric flip --maps out --fail-above flip_mean=0.05\n"
-        "  neph compare reference.exr 'night/frame.*.exr' --csv errors.csv",
+        "  neph compare old.png new.png -m flip --maps out/maps --fail-above flip_mean=0.05\n"
+        "  neph compare -r reference.exr 'night/frame.*.exr' --csv errors.csv",
 };
 
 static const struct neph_cli_syntax flicker_syntax = {
-    .options = flicker_options,
-    .more = options,
-    .check = check_flicker,
+    .options = options,
     .operands = &flicker_operands,
     .doc =
         "Measure the flicker of a sequence: amplitude at the periods of a four-frame cycle, noise, "
         "visibility at the frame rate of the display, change that the reference does not have, "
         "and lag: half-life and ghosts (with a step or a cut in the reference), gain and delay "
-        "(with "
-        "light that goes up and down), ghosts behind moving edges (with motion vectors).\v"
-        "Each is " NEPH_SEQUENCE_HELP ". Frames are counted from the first after --warm-up; only "
+        "(with light that goes up and down), ghosts behind moving edges (with motion vectors).\v"
+        "Two sequences are BEFORE and TEST: does TEST flicker less? Without a reference (-r) they "
+        "are compared with each other, and change of the scene itself counts as flicker. Each "
+        "is " NEPH_SEQUENCE_HELP ". Frames are counted from the first after --warm-up; only "
         "whole cycles of four are measured, and 128 frames make good intervals. Flicker without "
         "the lag beside it says little: a picture that never changes does not flicker; `neph "
-        "scenes "
-        "NAME --variant sun_step` makes scenes to measure it with. "
+        "scenes NAME --variant sun_step` makes scenes to measure it with. "
         "Exit code 1 when frames are frozen, 2 when they are too few.\n\n"
         "Examples:\n"
-        "  neph flicker --reference still.exr 'taa/frame.*.exr' --warm-up 44\n"
-        "  neph flicker --reference 'full/*.exr' 'fast/*.exr' --mask depth_edge --maps out\n"
-        "  neph flicker --reference lights/ taa/ -s lag.step_frame=16 --metric lag\n"
-        "  neph flicker --reference sines/ taa/ --warm-up 64 -s follow.period_1=32 -m follow\n"
-        "  neph flicker --reference ref.png 'game/*.png' --fps 30 --fail-above "
-        "a4_p95@all=0.0157",
+        "  neph flicker before/ after/\n"
+        "  neph flicker -r full/ before/ after/ --page out/flicker\n"
+        "  neph flicker -r still.exr 'taa/frame.*.exr' --warm-up 44\n"
+        "  neph flicker -r full/ fast/ --mask depth_edge --maps out/maps\n"
+        "  neph flicker -r lights/ taa/ -s lag:step_frame=16 -m lag\n"
+        "  neph flicker -r sines/ taa/ --warm-up 64 -s follow:period_1=32 -m follow\n"
+        "  neph flicker -r ref.png game/ --fps 30 --fail-above a4_p95@all=0.0157",
 };
 
 /* ---- what to measure ------------------------------------------------------------------------- */
 
-/* The extractor of that name, or of a metric of that name; NULL: there is none. */
-static const struct neph_extractor *find_extractor(const char *word)
-{
-    const struct neph_extractor *extractor = neph_extractor_find(word);
-    if (!extractor)
-        neph_metric_find(word, &extractor);
-    return extractor;
-}
-
-static struct neph_meter_choice *find_choice(struct neph_comparison *comparison,
-                                             const struct neph_extractor *extractor)
-{
-    for (int i = 0; i < comparison->choice_count; i++)
-        if (comparison->choices[i].extractor == extractor)
-            return &comparison->choices[i];
-    return NULL;
-}
-
-static void choose(struct neph_comparison *comparison, const struct neph_extractor *extractor)
-{
-    if (!find_choice(comparison, extractor) && comparison->choice_count < NEPH_CHOICES_MAX)
-        comparison->choices[comparison->choice_count++] = (struct neph_meter_choice){
-            extractor, neph_options_default(extractor->options)};
-}
-
-static enum neph_status choose_word(struct neph_comparison *comparison, const char *word,
-                                    struct neph_diag *diag)
-{
-    const struct neph_extractor *extractor = find_extractor(word);
-    if (extractor) {
-        choose(comparison, extractor);
-        return NEPH_OK;
-    }
-    if (strcmp(word, "all") != 0) {
-        neph_fail(diag, NEPH_ERR_USAGE, "there is no extractor or metric '%s'", word);
-        neph_hint(diag, "`neph metrics` lists them");
-        return NEPH_ERR_USAGE;
-    }
-    for (int i = 0; i < neph_extractor_count(); i++)
-        choose(comparison, neph_extractor_at(i));
-    return NEPH_OK;
-}
-
-static enum neph_status apply_setting(struct neph_comparison *comparison, const char *text,
-                                      struct neph_diag *diag)
-{
-    char name[64], owner[96];
-    const char *dot = strchr(text, '.'), *equals = strchr(text, '=');
-    if (!dot || !equals || dot > equals || (size_t)(dot - text) >= sizeof(name))
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s' is not EXTRACTOR.KEY=VALUE", text);
-    snprintf(name, sizeof(name), "%.*s", (int)(dot - text), text);
-    const struct neph_extractor *extractor = neph_extractor_find(name);
-    if (!extractor)
-        return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
-                         name);
-    choose(comparison, extractor); /* who sets something wants it */
-    snprintf(owner, sizeof(owner), "extractor %s", name);
-    return neph_options_set(extractor->options, owner, dot + 1,
-                            &find_choice(comparison, extractor)->settings, diag);
-}
-
-/* What was given, over what is usual of single frames or of sequences. */
+/* What was given, over the defaults. */
 static struct neph_viewing viewing_of(const struct request *request)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    if (request->temporal) {
-        viewing.frame_rate_hz = 30.0;
-        viewing.pixels_per_degree = 60.0;
-    }
     const struct {
         double given, *value;
     } conditions[] = {
@@ -293,10 +215,27 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
         const struct neph_extractor *extractor = NULL;
         status = parse_limit(request, i, &limit, diag);
         if (!status && neph_metric_find(limit.metric, &extractor))
-            choose(comparison, extractor);
+            neph_choose(comparison, extractor);
         comparison->detail_masks |= !status && neph_mask_is_detail(limit.mask);
     }
     return status;
+}
+
+/* What was named can be measured without a reference where there is none. */
+static enum neph_status check_reference(const struct request *request,
+                                        const struct neph_comparison *comparison,
+                                        struct neph_diag *diag)
+{
+    const char *needing = request->second ? "--second-reference" : NULL;
+    for (int i = 0; i < comparison->choice_count && comparison->without_reference; i++)
+        if (!neph_extractor_needs_no_reference(comparison->choices[i].extractor))
+            needing = comparison->choices[i].extractor->name;
+    if (!comparison->without_reference || !needing)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE,
+              "%s needs a reference; without one there are flicker, cycles and seen", needing);
+    neph_hint(diag, "name the reference: -r FILES");
+    return NEPH_ERR_USAGE;
 }
 
 static enum neph_status choose_extractors(struct neph_comparison *comparison,
@@ -304,26 +243,33 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = choose_word(comparison, request->metrics.list[i], diag);
+        status = neph_choose_word(comparison, request->metrics.words[i], diag);
     for (int i = 0; i < neph_extractor_count() && request->metrics.count == 0; i++) {
         const struct neph_extractor *extractor = neph_extractor_at(i);
-        if (!extractor->costly && extractor->temporal == request->temporal)
-            choose(comparison, extractor);
+        if (!extractor->costly && extractor->temporal == request->temporal &&
+            (!comparison->without_reference || neph_extractor_needs_no_reference(extractor)))
+            neph_choose(comparison, extractor);
     }
     for (int i = 0; i < request->shared.settings.count && !status; i++)
-        status = apply_setting(comparison, request->shared.settings.list[i], diag);
-    return status ? status : choose_limited(comparison, request, diag);
+        status = neph_choose_setting(comparison, request->shared.settings.list[i], diag);
+    if (!status)
+        status = choose_limited(comparison, request, diag);
+    return status ? status : check_reference(request, comparison, diag);
 }
 
-/* All but the sequences of reference and test. */
-static enum neph_status prepare(const struct request *request, struct neph_comparison *comparison,
-                                struct neph_diag *diag)
+/* Takes the sequences of reference and test over. */
+static enum neph_status prepare(const struct request *request, struct neph_sides *sides,
+                                struct neph_comparison *comparison, struct neph_diag *diag)
 {
     if (request->shared.json && request->csv && strcmp(request->csv, "-") == 0)
         return neph_fail(diag, NEPH_ERR_USAGE, "--json and --csv - are both for stdout");
     *comparison = (struct neph_comparison){
+        .reference = sides->reference,
+        .without_reference = sides->without_reference,
+        .test = sides->test,
+        .with_movement = request->temporal,
         .viewing = viewing_of(request),
-        .own_frame_rate = request->temporal && isnan(request->frame_rate_hz),
+        .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
         .mask = wanted_mask(request),
         .mask_file = names_mask_file(request) ? request->mask : NULL,
@@ -336,51 +282,12 @@ static enum neph_status prepare(const struct request *request, struct neph_compa
         .quiet = request->shared.quiet,
         .negative_allowed = request->negative_is_fine ? SIZE_MAX : 0,
     };
+    sides->reference = sides->test = (struct neph_sequence){.count = 0};
     const enum neph_status status = choose_extractors(comparison, request, diag);
     return status || !request->second
                ? status
                : neph_sequence_find(1, &request->second, request->by_position, &comparison->second,
                                     diag);
-}
-
-/* What a shell has expanded behind --reference is put back where it belongs. */
-static enum neph_status find_split(const struct request *request,
-                                   struct neph_comparison *comparison, struct neph_arena *arena,
-                                   struct neph_diag *diag)
-{
-    const int given = request->references.count, count = request->shared.operand_count;
-    const char *const *words = request->shared.operands;
-    bool *is_reference = neph_arena_zeroed(arena, (size_t)count, sizeof(*is_reference));
-    const char **references = neph_arena_zeroed(arena, (size_t)(given + count), sizeof(*words));
-    const char **tests = neph_arena_zeroed(arena, (size_t)count, sizeof(*words));
-    enum neph_status status = neph_arena_check(arena, diag);
-    if (!status)
-        status = neph_sequence_split(given, request->references.list, count, words, is_reference,
-                                     diag);
-    if (status)
-        return status;
-    int reference_count = given, test_count = 0;
-    memcpy(references, request->references.list, (size_t)given * sizeof(*words));
-    for (int i = 0; i < count; i++)
-        if (is_reference[i])
-            references[reference_count++] = words[i];
-        else
-            tests[test_count++] = words[i];
-    status = neph_sequence_find(reference_count, references, request->by_position,
-                                &comparison->reference, diag);
-    return status ? status
-                  : neph_sequence_find(test_count, tests, request->by_position, &comparison->test,
-                                       diag);
-}
-
-static enum neph_status find_pair(const struct request *request, struct neph_comparison *comparison,
-                                  struct neph_diag *diag)
-{
-    const char *const *words = request->shared.operands;
-    const enum neph_status status = neph_sequence_find(1, words, request->by_position,
-                                                       &comparison->reference, diag);
-    return status ? status
-                  : neph_sequence_find(1, words + 1, request->by_position, &comparison->test, diag);
 }
 
 /* ---- which numbers to show ------------------------------------------------------------------- */
@@ -395,14 +302,15 @@ static bool is_wanted(const struct neph_measurement *number, const void *context
     neph_metric_find(metric, &owner);
     bool named = request->metrics.count == 0;
     for (int i = 0; i < request->metrics.count; i++) {
-        const char *word = request->metrics.list[i];
+        const char *word = request->metrics.words[i];
         named |= strcmp(word, "all") == 0 || strcmp(word, owner->name) == 0 ||
                  strcmp(word, metric) == 0;
     }
     for (int i = 0; i < request->shared.settings.count; i++) {
         const char *setting = request->shared.settings.list[i];
         const size_t length = strlen(owner->name);
-        named |= strncmp(setting, owner->name, length) == 0 && setting[length] == '.';
+        named |= strncmp(setting, owner->name, length) == 0 &&
+                 (setting[length] == '.' || setting[length] == ':');
     }
     return named;
 }
@@ -434,72 +342,115 @@ static bool is_for_people(const struct request *request)
     return !request->shared.json && (!request->csv || strcmp(request->csv, "-") != 0);
 }
 
-static enum neph_status print_all(const struct request *request,
-                                  const struct neph_compared *compared, struct neph_diag *diag)
+/* What is at work between the words and the answer. */
+struct work {
+    const struct request *request;
+    const struct neph_sides *sides;
+    struct neph_comparison asked[NEPH_PAGE_SIDES]; /* of the test, and of the other one */
+    struct neph_compared compared[NEPH_PAGE_SIDES];
+    struct neph_cli_page page;
+    struct neph_junit *junit;
+};
+
+/* What stands behind the first line. */
+static const char *find_note(const struct neph_sides *sides, struct neph_arena *arena)
 {
-    enum neph_status status = NEPH_OK;
-    if (compared->numbers.count == 0 && request->mask)
-        return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "nothing to measure over the mask '%s': the reference has no such pixels, "
-                         "or lacks the layer that it is made from",
-                         request->mask);
-    if (request->shared.json)
+    if (sides->without_reference)
+        return neph_alone_unknown;
+    return sides->reference_word ? neph_arena_format(arena, "reference: %s", sides->reference_word)
+                                 : NULL;
+}
+
+static struct neph_verdict_form make_form(const struct work *work, struct neph_arena *arena)
+{
+    const struct request *request = work->request;
+    return (struct neph_verdict_form){
+        .mask = wanted_mask(request),
+        .test = work->sides->test_name,
+        .other = work->sides->other_name,
+        .note = find_note(work->sides, arena),
+        .lines_used = limit_count(request),
+        .is_brief = request->shared.quiet || request->all,
+        .shows_metrics = request->metrics.count > 0,
+    };
+}
+
+static void print_people(const struct work *work, const struct neph_verdict_form *form)
+{
+    const struct request *request = work->request;
+    const struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
+    if (compared->numbers.count > 0)
+        neph_verdict(compared, form, stdout);
+    if (!request->all || request->shared.quiet)
+        return;
+    if (form->note)
+        printf("%s\n", form->note);
+    neph_comparison_print(compared, request->rings || request->mask, request->metrics.count > 0);
+}
+
+static enum neph_status write_page(struct work *work, struct neph_verdict_form form,
+                                   struct neph_diag *diag)
+{
+    const bool has_other = work->compared[NEPH_PAGE_OTHER].asked;
+    form.is_brief = false;
+    form.lines_used = 0;
+    form.is_on_page = true;
+    return neph_cli_page_write(&work->page, work->junit->name, &form,
+                               &work->compared[NEPH_PAGE_TEST],
+                               has_other ? &work->compared[NEPH_PAGE_OTHER] : NULL, diag);
+}
+
+static enum neph_status print_all(struct work *work, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    const struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
+    struct neph_arena arena = {0};
+    const struct neph_verdict_form form = make_form(work, &arena);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (!status && compared->numbers.count == 0 && request->mask)
+        status = neph_fail(
+            diag, NEPH_ERR_UNSUPPORTED,
+            "nothing to measure over the mask '%s': the reference has no such pixels, "
+            "or lacks the layer that it is made from",
+            request->mask);
+    else if (!status && request->shared.json)
         status = neph_json_print(neph_compared_json(compared), diag);
-    else if (is_for_people(request) && request->all)
-        neph_comparison_print(compared, request->rings || request->mask,
-                              request->metrics.count > 0);
-    else if (is_for_people(request))
-        neph_verdict_print(compared, &(struct neph_verdict_form){
-                                         .mask = wanted_mask(request),
-                                         .lines_used = limit_count(request),
-                                         .is_brief = request->shared.quiet,
-                                         .shows_metrics = request->metrics.count > 0,
-                                     });
-    return request->csv && !status ? neph_comparison_write_csv(request->csv, compared, diag)
-                                   : status;
-}
-
-/* Found before anything is measured. */
-static enum neph_status find_versus(const struct request *request,
-                                    const struct neph_comparison *comparison,
-                                    struct neph_sequence *other, struct neph_diag *diag)
-{
-    if (!request->versus)
-        return NEPH_OK;
-    enum neph_status status = neph_sequence_find(1, &request->versus, request->by_position, other,
-                                                 diag);
-    if (!status && other->count != comparison->test.count)
-        status = neph_fail(diag, NEPH_ERR_INPUT,
-                           "%d frames of the other test, %d of the test: as many are needed",
-                           other->count, comparison->test.count);
-    if (!status && !request->by_position)
-        status = neph_sequence_check_numbers(&comparison->test, "the test", other, "the other test",
-                                             diag);
+    else if (!status && is_for_people(request))
+        print_people(work, &form);
+    fflush(stdout);
+    if (!status && request->csv)
+        status = neph_comparison_write_csv(request->csv, compared, diag);
+    if (!status)
+        status = write_page(work, form, diag);
+    neph_arena_finish(&arena);
     return status;
 }
 
-/* Compares with the other test, too, and keeps the differences alone. `compared` has only what was
- * asked for: p-values are corrected for these. */
-static enum neph_status add_versus(const struct request *request,
-                                   const struct neph_comparison *comparison,
-                                   const struct neph_sequence *other_test,
-                                   struct neph_compared *compared, struct neph_diag *diag)
+/* Compares with the other test, too. The numbers are only those that were asked for: p-values are
+ * corrected for these. Frozen frames of the other test fail after the comparison. */
+static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
 {
-    struct neph_comparison other = *comparison;
-    struct neph_compared beside = {0};
-    other.test = *other_test;
-    other.maps_directory = NULL;
-    enum neph_status status = neph_comparison_run(&other, true, &beside, diag);
-    if (status == NEPH_ERR_GATE && beside.asked)
-        neph_hint(diag, "these are frames of --versus; if they are meant to be frozen, say "
-                        "--frozen-ok");
+    struct neph_comparison *other = &work->asked[NEPH_PAGE_OTHER];
+    struct neph_compared *compared = work->compared, *beside = &work->compared[NEPH_PAGE_OTHER];
+    *other = work->asked[NEPH_PAGE_TEST];
+    other->test = work->sides->other;
+    other->maps_directory = NULL;
+    if (work->request->temporal)
+        neph_cli_page_take(&work->page, NEPH_PAGE_OTHER, other);
+    const enum neph_status judged = neph_comparison_run(other, true, beside, diag);
+    enum neph_status status = beside->asked && judged == NEPH_ERR_GATE ? NEPH_OK : judged;
+    if (judged == NEPH_ERR_GATE && beside->asked)
+        neph_hint(diag, "these are frames of '%s'; if they are meant to be frozen, say --frozen-ok",
+                  work->sides->other_name);
     if (!status) {
-        select_wanted(request, &beside);
-        status = neph_versus(&compared->numbers, &beside.numbers, &compared->versus, diag);
-        compared->has_versus = !status;
+        select_wanted(work->request, beside);
+        status = neph_versus(&compared->numbers, &beside->numbers, &compared->versus, diag);
     }
-    neph_compared_finish(&beside);
-    return status;
+    if (!status)
+        status = neph_versus_add_movement(&compared->movement, &beside->movement, &compared->versus,
+                                          diag);
+    compared->has_versus = !status;
+    return status ? status : judged;
 }
 
 static bool has_numbers_of(const struct neph_compared *compared,
@@ -518,7 +469,7 @@ static bool has_numbers_of(const struct neph_compared *compared,
 static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
                                     struct neph_diag *diag)
 {
-    const struct neph_extractor *extractor = find_extractor(word);
+    const struct neph_extractor *extractor = neph_find_extractor(word);
     if (!extractor || has_numbers_of(compared, extractor)) /* "all" is none */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";
@@ -536,7 +487,7 @@ static enum neph_status check_all(const struct request *request,
     if (request->metrics.count == 0 && request->temporal)
         status = check_taken("flicker", compared, diag);
     for (int i = 0; i < request->metrics.count && !status; i++)
-        status = check_taken(request->metrics.list[i], compared, diag);
+        status = check_taken(request->metrics.words[i], compared, diag);
     for (int i = 0; i < limit_count(request) && !status; i++) {
         struct neph_limit limit;
         status = parse_limit(request, i, &limit, diag);
@@ -551,44 +502,103 @@ static void print_limits(const struct request *request, const struct neph_compar
     for (int i = 0; i < limit_count(request); i++) {
         struct neph_limit limit;
         if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
-            neph_verdict_print_limit(&compared->numbers, &limit);
+            neph_verdict_limit(&compared->numbers, &limit, stdout);
     }
 }
 
-/* Limits hold of all numbers, and are spoken of after those that are shown. */
-static enum neph_status tell(const struct request *request,
-                             const struct neph_comparison *comparison,
-                             const struct neph_sequence *other, enum neph_status status,
-                             struct neph_compared *compared, struct neph_diag *diag)
+/* ---- JUnit ----------------------------------------------------------------------------------- */
+
+static const char *junit_group(const struct request *request, struct neph_junit *junit)
 {
+    const struct neph_cli_shared *shared = &request->shared;
+    return neph_arena_format(&junit->arena, "%s %s", junit->name,
+                             shared->operand_count > 0 ? shared->operands[shared->operand_count - 1]
+                                                       : "");
+}
+
+/* A test case for each limit: of what was measured, or of nothing, where `why` says why. */
+static void add_limits(const struct request *request, const struct neph_measurements *measured,
+                       const struct neph_diag *why, struct neph_junit *junit)
+{
+    for (int i = 0; i < limit_count(request); i++) {
+        struct neph_limit limit;
+        if (parse_limit(request, i, &limit, NULL) == NEPH_OK)
+            neph_limit_add_case(measured, &limit, junit_group(request, junit), why->message, junit);
+    }
+}
+
+/* Also a case for the run where it fails for another reason than a limit, such as frozen frames, or
+ * has no limits. */
+static void add_run(const struct request *request, enum neph_status status,
+                    const struct neph_diag *why, struct neph_junit *junit)
+{
+    if (status || limit_count(request) == 0)
+        neph_junit_add(junit, junit_group(request, junit), "measured",
+                       status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED, status ? why->message : "");
+}
+
+/* Limits hold of all numbers, and are spoken of before those that are shown. */
+static enum neph_status tell(struct work *work, enum neph_status status, struct neph_diag *diag)
+{
+    const struct request *request = work->request;
+    struct neph_compared *compared = &work->compared[NEPH_PAGE_TEST];
     struct neph_diag late = {.line = 0};
     const enum neph_status checked = check_all(request, compared, &late);
     if (is_for_people(request))
         print_limits(request, compared);
+    add_limits(request, &compared->numbers, diag, work->junit);
     select_wanted(request, compared);
-    if (!status && request->versus)
-        status = add_versus(request, comparison, other, compared, diag);
-    const enum neph_status printed = print_all(request, compared, status ? NULL : diag);
+    if (work->sides->other.count > 0 && (!status || status == NEPH_ERR_GATE)) {
+        const enum neph_status versus = add_versus(work, status ? NULL : diag);
+        status = status ? status : versus;
+    }
+    const enum neph_status printed = print_all(work, status ? NULL : diag);
     status = status ? status : printed;
+    add_run(request, status, diag, work->junit);
     if (status || !checked)
         return status;
     *diag = late;
     return checked;
 }
 
+/* ---- all of it ------------------------------------------------------------------------------- */
+
 static enum neph_status measure(const struct request *request,
-                                const struct neph_comparison *comparison, struct neph_diag *diag)
+                                const struct neph_comparison *comparison,
+                                const struct neph_sides *sides, struct neph_junit *junit,
+                                struct neph_diag *diag)
 {
-    struct neph_compared compared = {0};
-    struct neph_sequence other = {0};
-    enum neph_status status = find_versus(request, comparison, &other, diag);
+    struct work work = {.request = request, .sides = sides, .junit = junit};
+    struct neph_comparison *asked = &work.asked[NEPH_PAGE_TEST];
+    struct neph_compared *compared = &work.compared[NEPH_PAGE_TEST];
+    *asked = *comparison;
+    enum neph_status status = neph_sides_check(sides, comparison, diag);
     if (!status)
-        status = neph_comparison_run(comparison, request->versus, &compared, diag);
-    if (compared.asked)
-        status = tell(request, comparison, &other, status, &compared, diag);
-    neph_sequence_finish(&other);
-    neph_compared_finish(&compared);
+        status = neph_cli_page_begin(request->page, &work.page, diag);
+    if (!status && request->temporal)
+        neph_cli_page_take(&work.page, NEPH_PAGE_TEST, asked);
+    if (!status)
+        status = neph_comparison_run(asked, sides->other.count > 0, compared, diag);
+    if (compared->asked)
+        status = tell(&work, status, diag);
+    for (int side = 0; side < NEPH_PAGE_SIDES; side++)
+        neph_compared_finish(&work.compared[side]);
+    neph_cli_page_end(&work.page);
     return status;
+}
+
+/* Nothing is written for a command line that makes no sense. */
+static enum neph_status write_junit(const struct request *request, enum neph_status status,
+                                    struct neph_junit *junit, struct neph_diag *diag)
+{
+    if (!request->junit || status == NEPH_ERR_USAGE)
+        return status;
+    if (junit->count == 0) { /* it did not come to measuring */
+        add_limits(request, NULL, diag, junit);
+        add_run(request, limit_count(request) == 0 ? status : NEPH_OK, diag, junit);
+    }
+    const enum neph_status written = neph_junit_write(junit, request->junit, status ? NULL : diag);
+    return status ? status : written;
 }
 
 static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal, int argc,
@@ -596,16 +606,29 @@ static enum neph_status run(const struct neph_cli_syntax *syntax, bool temporal,
 {
     struct request request = {.temporal = temporal};
     struct neph_comparison comparison = {.choice_count = 0};
-    struct neph_arena arena = {0};
+    struct neph_sides sides = {.without_reference = false};
+    struct neph_junit junit = {.name = temporal ? "neph flicker" : "neph compare"};
     neph_cli_parse(syntax, argc, argv, &request);
-    enum neph_status status = prepare(&request, &comparison, diag);
+    const double start_s = neph_wall_s();
+    const struct neph_side_words words = {
+        .references = request.references.list,
+        .reference_count = request.references.count,
+        .operands = request.shared.operands,
+        .operand_count = request.shared.operand_count,
+        .versus = request.versus,
+        .by_position = request.by_position,
+        .is_flicker = temporal,
+    };
+    enum neph_status status = neph_sides_find(&words, request.warm_up_frames, &sides, diag);
     if (!status)
-        status = temporal ? find_split(&request, &comparison, &arena, diag)
-                          : find_pair(&request, &comparison, diag);
+        status = prepare(&request, &sides, &comparison, diag);
     if (!status)
-        status = measure(&request, &comparison, diag);
+        status = measure(&request, &comparison, &sides, &junit, diag);
+    junit.seconds = neph_wall_s() - start_s;
+    status = write_junit(&request, status, &junit, diag);
+    neph_junit_finish(&junit);
     neph_comparison_finish(&comparison);
-    neph_arena_finish(&arena);
+    neph_sides_finish(&sides);
     return status;
 }
 

@@ -13,21 +13,22 @@
 
 struct request {
     struct neph_cli_shared shared; /* operands: two folders to compare; none: render */
-    struct neph_cli_words scenes;
+    struct neph_cli_list engines, only;
     int pictures, samples;
 };
 
 static const struct neph_cli_option options[] = {
     {.name = "size", .otherwise = "1920x1080"},
-    {"scene", 0, "SCENE",
-     "A file, or a name of the catalogue; may be given several times (default: the catalogue and "
-     "scenes/stress)",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, scenes)},
-    {"engine",
-     .help = "One of march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
-             "march_diffused, march_similarity, march_slab, fog_look, tracer, realtime (default: "
-             "all)"},
-    {"frames", 0, "N", "Pictures of realtime, counted all and the last kept", NEPH_CLI_INTEGER,
+    {"only", 0, NULL,
+     "Only these scenes: files, or names of the catalogue and of scenes/stress (default: all of "
+     "both)",
+     NEPH_CLI_NAMES, .at = offsetof(struct request, only)},
+    {"engine", 0, NULL,
+     "Some of march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
+     "march_diffused, march_similarity, march_slab, fog_look, tracer, realtime (default: "
+     "all)",
+     NEPH_CLI_NAMES, .at = offsetof(struct request, engines)},
+    {"frames", 0, NULL, "Frames of realtime, counted all and the last kept", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, pictures), .otherwise = "6", .minimum = 1, .maximum = 1000},
     {"samples", 0, "N", "Paths per pixel of tracer", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, samples), .otherwise = "16", .minimum = 2, .maximum = 1000000},
@@ -54,33 +55,32 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Render every scene at a real size with every engine of ours that runs on a Vulkan "
-        "device, and count what is not finite or below zero: exit 1 if anything is. Or hold two "
-        "such folders, of two devices, against each other: exit 1 if a picture is further apart "
-        "than float32 and each engine's own decisions explain; --scene and --engine compare a "
-        "part.\v"
-        "DIR gets SCENE.json with counts, means and hashes of whole pictures, and 48x27 pixels "
-        "of each as EXR: small enough to carry from one machine to another. Scenes may be "
-        "rendered by several runs into one folder. The device is lavapipe unless "
-        "NEPH_VULKAN_DEVICE names part of another's name.\n\n"
-        "Examples:\n"
-        "  NEPH_VULKAN_DEVICE=nvidia neph conform -o gpu\n"
-        "  NEPH_VULKAN_DEVICE=nvidia neph conform --size 3840x2160 --scene cloud_below -o gpu4k\n"
-        "  neph conform --size 192x108 -o cpu\n"
-        "  neph conform cpu gpu",
+    .doc = "Render every scene at a real size with every engine of ours that runs on a Vulkan "
+           "device, and count what is not finite or below zero: exit 1 if anything is. Or hold two "
+           "such folders, of two devices, against each other: exit 1 if a picture is further apart "
+           "than float32 and each engine's own decisions explain; --only and --engine compare a "
+           "part.\v"
+           "DIR gets SCENE.json with counts, means and hashes of whole pictures, and 48x27 pixels "
+           "of each as EXR: small enough to carry from one machine to another. Scenes may be "
+           "rendered by several runs into one folder. The device is lavapipe unless "
+           "NEPH_VULKAN_DEVICE names part of another's name.\n\n"
+           "Examples:\n"
+           "  NEPH_VULKAN_DEVICE=nvidia neph conform -o gpu\n"
+           "  NEPH_VULKAN_DEVICE=nvidia neph conform --size 3840x2160 --only cloud_below -o gpu4k\n"
+           "  neph conform --size 192x108 -o cpu\n"
+           "  neph conform cpu gpu",
 };
 
 /* --- render ------------------------------------------------------------------------------- */
 
 /* The scenes that were asked for, or all that there are; of the arena. */
-static enum neph_status list_scenes(const struct neph_cli_words *asked, struct neph_arena *arena,
+static enum neph_status list_scenes(const struct neph_cli_list *asked, struct neph_arena *arena,
                                     struct neph_conform_params *params, struct neph_diag *diag)
 {
     const char **names = neph_arena_zeroed(arena, NEPH_CLI_WORDS_MAX, sizeof(*names));
     enum neph_status status = names ? NEPH_OK : neph_fail_memory(diag);
     params->skip_absent = asked->count == 0;
-    params->scenes = asked->count > 0 ? asked->list : names;
+    params->scenes = asked->count > 0 ? asked->words : names;
     params->scene_count = asked->count;
     for (int which = 0; asked->count == 0 && which < NEPH_DATA_SCENES_COUNT && !status; which++) {
         char **list = NULL;
@@ -120,7 +120,8 @@ static enum neph_status render(const struct request *request, const struct neph_
     const struct neph_cli_shared *shared = &request->shared;
     struct neph_arena arena = {NULL};
     struct neph_conform_params params = {.folder = run->output,
-                                         .engine = shared->engine,
+                                         .engines = request->engines.words,
+                                         .engine_count = request->engines.count,
                                          .width_px = shared->size.width_px,
                                          .height_px = shared->size.height_px,
                                          .pictures = request->pictures,
@@ -128,12 +129,14 @@ static enum neph_status render(const struct request *request, const struct neph_
                                          .device = run->device,
                                          .quiet = run->quiet || shared->json};
     int expected = 0, sound = 0;
-    enum neph_status status = list_scenes(&request->scenes, &arena, &params, diag);
+    enum neph_status status = list_scenes(&request->only, &arena, &params, diag);
     if (!status)
         status = neph_conform_render(&params, &publication->json, diag);
     neph_arena_finish(&arena);
     if (status)
         return status;
+    if (!params.quiet)
+        neph_cli_say_where("conform", run->output);
     neph_conform_count(publication->json, &expected, &sound);
     if (publication->text) {
         print_wrong(publication->json, publication->text);
@@ -174,8 +177,8 @@ static enum neph_status compare(const struct request *request, struct neph_publi
                                 struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
-    const struct neph_conform_part part = {shared->engine, request->scenes.list,
-                                           request->scenes.count};
+    const struct neph_conform_part part = {request->engines.words, request->engines.count,
+                                           request->only.words, request->only.count};
     const enum neph_status status = neph_conform_compare(shared->operands[0], shared->operands[1],
                                                          &part, &publication->json, diag);
     if (status)

@@ -21,25 +21,26 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME",
+    {"preset", 0, NULL,
      "Preset of engine realtime to begin with; `neph engines realtime` "
      "lists them",
-     NEPH_CLI_WORD, .at = offsetof(struct request, preset), .otherwise = "ours"},
+     NEPH_CLI_ONE, .at = offsetof(struct request, preset), .otherwise = "ours"},
     {.name = "set",
      .help = "A setting of engine realtime, in all presets; may be given several "
              "times"},
-    {.name = "size", .otherwise = "640x360"},
-    {"frames", 0, "N", "Leave after N frames", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "320x180"},
+    {"frames", 0, NULL, "Leave after N frames", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, frame_count), .minimum = 1, .maximum = FRAMES_MAX},
     {"keys", 0, "KEYS",
      "Press these keys, one after the other: KEY or KEY*FRAMES, such as \"w*60 x .*8 p\", . for "
      "none. The camera then moves by the scene's frame rate and not by the clock: the same flight "
      "again, to compare times and pictures",
      NEPH_CLI_WORD, .at = offsetof(struct request, keys)},
-    {"seed", 0, "N", "Random seed (default: one of the scene's own)", NEPH_CLI_INTEGER,
+    {"seed", 0, NULL, "Random seed (default: one of the scene's own)", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, seed), .minimum = 0, .maximum = INT_MAX},
-    {.name = "output", .help = "Folder for pictures and recorded paths", .otherwise = "."},
+    {.name = "output", .help = "Folder for pictures and recorded paths", .otherwise = "out/fly"},
     {.name = "json"},
+    {.name = "quiet", .help = "No name of each picture and path as it is written"},
     {.name = NULL},
 };
 
@@ -57,7 +58,7 @@ static const struct neph_cli_syntax syntax = {
         "2 and a display. At the end come the number of frames and the median of their times.\n\n"
         "Examples:\n"
         "  neph fly fence_backlit\n"
-        "  neph fly cloud_below --size 320x180 --preset unity -s lighting=octaves\n"
+        "  neph fly cloud_below --size 640x360 --preset unity -s lighting=octaves\n"
         "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 

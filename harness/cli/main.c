@@ -83,6 +83,7 @@ static void print_diag(const char *verb, enum neph_status status, const struct n
                 diag->message[0] ? diag->message : neph_status_name(status));
     if (diag->hint[0])
         fprintf(stderr, "  hint: %s\n", diag->hint);
+    fputs(diag->more, stderr);
 }
 
 /* What did not arrive is an error, whatever the verb thinks; but one problem is enough. */

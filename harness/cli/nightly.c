@@ -9,6 +9,7 @@
 #include "harness/night/output.h"
 #include "harness/night/page.h"
 #include "harness/night/send.h"
+#include "harness/old_options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +24,8 @@ static const size_t pictures_limit_bytes = 50000000;
 struct request {
     struct neph_cli_shared shared;
     const char *tier, *revision, *executor, *step;
-    struct neph_cli_words only, engines, slurm;
+    struct neph_cli_list only, engines;
+    struct neph_cli_words slurm;
     double minutes;
     int against, seed;
     bool lists, once, reports;
@@ -32,15 +34,15 @@ struct request {
 static const struct neph_cli_option options[] = {
     {"tier", 0, "NAME", "quick, or full: the whole catalogue, all checks and all scenarios",
      NEPH_CLI_WORD, .at = offsetof(struct request, tier), .otherwise = "quick"},
-    {"only", 0, "TEXT", "Only steps whose name has TEXT in it; may be given several times",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, only)},
+    {"only", 0, NULL, "Only steps with one of these texts in their name", NEPH_CLI_NAMES,
+     .at = offsetof(struct request, only)},
     {"minutes", 0, "M", "No step begins that does not fit into so many (default: all steps)",
      NEPH_CLI_REAL, .at = offsetof(struct request, minutes), .minimum = 0.01, .maximum = 1e5},
     {"revision", 0, "TEXT", "What the sources are called; scripts/nightly asks git", NEPH_CLI_WORD,
      .at = offsetof(struct request, revision)},
     {"against", 0, "N", "Compare with night N (default: the last that was accepted)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, against), .minimum = 1, .maximum = 1e9},
-    {"seed", 0, "N", "The N-th seed of engines that draw paths, in the catalogue (default: 1)",
+    {"seed", 0, NULL, "The S-th seed of engines that draw paths, in the catalogue (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct request, seed), .minimum = 1, .maximum = 1000000},
     {"once", 0, NULL, "Run no step a second time", NEPH_CLI_FLAG,
      .at = offsetof(struct request, once)},
@@ -56,14 +58,13 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, .at = offsetof(struct request, reports)},
     {"list", 0, NULL, "Print the steps and run none", NEPH_CLI_FLAG,
      .at = offsetof(struct request, lists)},
-    {"engine", 'e', "NAME",
-     "An engine more for the catalogue, such as command; may be given several times",
-     NEPH_CLI_WORDS, .at = offsetof(struct request, engines)},
+    {"engine", 0, NULL, "Further engines for the catalogue, such as command", NEPH_CLI_NAMES,
+     .at = offsetof(struct request, engines)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine in the catalogue, as if it were the default"},
     {.name = "size", .help = "Of the catalogue, sweeps and speeds, in place of the plan's"},
-    {.name = "output", .help = "Folder of the store and of nightly/", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and of nightly/", .otherwise = "out/nightly"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -137,6 +138,8 @@ static enum neph_status tell(const struct request *request, const struct neph_ni
             fputs(summary, stdout);
         free(summary);
     }
+    if (!status && !request->shared.quiet)
+        neph_cli_say_where("nightly", neph_path_in(output, "nightly").text);
     if (status || night->comparison.passes)
         return status;
     return neph_fail(diag, NEPH_ERR_GATE, "the night %s; %s/nightly has all of it",
@@ -194,7 +197,8 @@ static enum neph_status read_report(const char *output, int64_t night, json_t **
 }
 
 static enum neph_status send(const struct request *request, const struct neph_night_params *params,
-                             char **words, struct neph_store *store, struct neph_diag *diag)
+                             const char *const *words, struct neph_store *store,
+                             struct neph_diag *diag)
 {
     struct neph_slurm_settings settings = {NULL};
     int64_t night = 0;
@@ -202,8 +206,7 @@ static enum neph_status send(const struct request *request, const struct neph_ni
     enum neph_status status = neph_slurm_read_settings(request->slurm.list, request->slurm.count,
                                                        &settings, diag);
     if (!status)
-        status = neph_night_send(params, &settings, (const char *const *)words, store, &night,
-                                 diag);
+        status = neph_night_send(params, &settings, words, store, &night, diag);
     if (!status)
         status = read_report(params->output, night, &report, diag);
     if (!status)
@@ -217,9 +220,10 @@ static enum neph_status send(const struct request *request, const struct neph_ni
 }
 
 static enum neph_status run(const struct request *request, struct neph_night_params *params,
-                            char **words, struct neph_diag *diag)
+                            const char *const *words, struct neph_diag *diag)
 {
     struct neph_store *store = NULL;
+    neph_old_output_warn(params->output);
     enum neph_status status = neph_store_open(neph_path_in(params->output, "store").text, &store,
                                               diag);
     if (!status)
@@ -232,18 +236,23 @@ static enum neph_status run(const struct request *request, struct neph_night_par
 enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
-    /* argp sorts them; a job says them again. */
-    char **words = calloc((size_t)argc + 1, sizeof(*words));
-    if (!words)
-        return neph_fail_memory(diag);
-    memcpy(words, argv + 1, (size_t)(argc - 1) * sizeof(*words));
+    struct neph_arena arena = {NULL};
+    /* Jobs are told them again: parsing sorts argv, and splits lists in it. */
+    const char **words = neph_arena_zeroed(&arena, (size_t)argc + 1, sizeof(*words));
+    for (int i = 1; i < argc && words; i++)
+        words[i - 1] = neph_arena_text(&arena, argv[i]);
+    enum neph_status status = neph_arena_check(&arena, diag);
+    if (status) {
+        neph_arena_finish(&arena);
+        return status;
+    }
     neph_cli_parse(&syntax, argc, argv, &request);
     const struct neph_cli_shared *shared = &request.shared;
     struct neph_night_params params = {.plan = {.tier = request.tier,
-                                                .only = request.only.list,
+                                                .only = request.only.words,
                                                 .only_count = request.only.count,
                                                 .seed = request.seed > 0 ? request.seed : 1,
-                                                .engines = request.engines.list,
+                                                .engines = request.engines.words,
                                                 .engine_count = request.engines.count,
                                                 .settings = shared->settings.list,
                                                 .setting_count = shared->settings.count,
@@ -257,11 +266,11 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
                                        .once = request.once,
                                        .reports = request.reports,
                                        .quiet = shared->quiet || shared->json};
-    enum neph_status status = look_at_plan(&params.plan, request.lists, diag);
+    status = look_at_plan(&params.plan, request.lists, diag);
     if (!status && request.step)
         status = neph_night_run_step(&params, request.step, diag);
     else if (!status && !request.lists)
         status = run(&request, &params, words, diag);
-    free(words);
+    neph_arena_finish(&arena);
     return status;
 }

@@ -14,6 +14,7 @@
 #include "harness/progress.h"
 #include "harness/run/chain_times.h"
 #include "harness/run/showing.h"
+#include "metrics/extractor.h"
 #include "metrics/validity.h"
 #include "renderer/post/display.h"
 
@@ -25,6 +26,7 @@
 
 struct request {
     struct neph_cli_shared shared;
+    struct neph_cli_words reference;
     const char *preset, *chain, *scene, *layer;
     int repeat;
     int seed, bits; /* bits: -1: by the encoding */
@@ -34,19 +36,25 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
+    {"reference", 0, NULL,
+     "Frames that the others will be compared with: the same chain, from its beginning, puts them "
+     "into DIR/reference; may be given several times",
+     NEPH_CLI_WORDS, AT(reference)},
     {"list", 0, NULL, "Stages, settings and presets, and nothing else", NEPH_CLI_FLAG, AT(list)},
-    {"preset", 'p', "NAME", "A set of settings by name, before any --set", NEPH_CLI_WORD,
+    {"preset", 0, NULL, "A set of settings of the chain by name, before any --set", NEPH_CLI_ONE,
      AT(preset), "off"},
     {"chain", 0, "FILE",
      "Order, settings and volumes of the chain; --set goes on top of its settings", NEPH_CLI_WORD,
      AT(chain)},
     {"scene", 0, "SCENE", "Whose camera is in the chain's volumes, at the number of each frame",
      NEPH_CLI_WORD, AT(scene)},
-    {.name = "set", .help = "A setting of the chain; may be given several times"},
+    {.name = "set",
+     .argument = "KEY=VALUE",
+     .help = "A setting of the chain; may be given several times"},
     {"layer", 0, "NAME", "Radiance is the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(layer)},
-    {"seed", 0, "N", "Of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
-    {"fps", 0, "HZ", "Frames a second, for auto_exposure (default: what they say, else 30)",
+    {"seed", 0, NULL, "Seed of the grain", NEPH_CLI_INTEGER, AT(seed), "0", 0, INT_MAX},
+    {"fps", 0, NULL, "Frames a second, for auto_exposure (default: what they say, else 60)",
      NEPH_CLI_REAL, AT(rate_hz), .minimum = 1e-3, .maximum = 1e4},
     {"png", 0, NULL, "A PNG beside each EXR", NEPH_CLI_FLAG, AT(png)},
     {"bits", 0, "N", "Of a channel of the PNG, 8 to 16 (default: 8, for an HDR display 10)",
@@ -57,7 +65,7 @@ static const struct neph_cli_option options[] = {
      "Times that each frame goes through the chain; --stats has median, 10 and 90 % and least of "
      "them, after a second of warm-up",
      NEPH_CLI_INTEGER, AT(repeat), "1", 1, NEPH_CHAIN_REPEATS_MAX},
-    {.name = "output", .help = "Folder of the pictures", .otherwise = "post"},
+    {.name = "output", .help = "Folder of the pictures", .otherwise = "out/post"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -89,12 +97,12 @@ static const struct neph_cli_syntax syntax = {
         "FRAMES: " NEPH_SEQUENCE_HELP ". R G B are scene-linear radiance. DIR gets an EXR of each "
         "by its own name: the linear light that the display makes of the picture, 1 being its "
         "white, or with encode=pq peak_nits, which `neph compare`, `flicker` and `view` know as a "
-        "display's. Put the reference "
-        "through the same chain before you compare. Without tone mapping it is still radiance.\n\n"
+        "display's. --reference puts a reference "
+        "through the same chain. Without tone mapping it is still radiance.\n\n"
         "The device is lavapipe unless NEPH_VULKAN_DEVICE names part of another's name.\n\n"
         "Examples:\n"
         "  neph post --list\n"
-        "  neph post out/cloud.exr -p unreal -s exposure_ev=1 --png\n"
+        "  neph post cloud.exr -p unreal -s exposure_ev=1 --png\n"
         "  neph post 'half/frame.*.exr' -s upscale=lanczos -s screen_percent=50 -o full\n"
         "  neph post 'walk/frame.*.exr' -p unreal -s auto_exposure=on --png\n"
         "  neph post 'walk/frame.*.exr' --chain chain.yaml --scene walk.yaml",
@@ -195,7 +203,8 @@ struct work {
     struct neph_scene *scene; /* owned; NULL: none */
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
-    json_t *results;
+    const char *folder; /* of the pictures */
+    json_t **results;   /* of the caller */
 };
 
 static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
@@ -252,7 +261,7 @@ static const char *path_for(const struct work *work, const char *frame, const ch
 {
     const char *slash = strrchr(frame, '/'), *name = slash ? slash + 1 : frame;
     const char *dot = strrchr(name, '.');
-    return neph_arena_format(arena, "%s/%.*s.%s", work->request->shared.output,
+    return neph_arena_format(arena, "%s/%.*s.%s", work->folder,
                              (int)(dot ? (size_t)(dot - name) : strlen(name)), name, ending);
 }
 
@@ -333,7 +342,7 @@ static void note(struct work *work, const char *frame, const struct neph_image *
             printf("%s: metered %.4f EV, adapted to %.4f EV\n", frame, stats->metered_ev,
                    stats->adapted_ev);
     }
-    neph_json_add(&work->results, result);
+    neph_json_add(work->results, result);
 }
 
 static enum neph_status run(struct work *work, const struct neph_image *frame, bool is_first,
@@ -358,7 +367,7 @@ static double frame_rate_hz(const struct work *work, const struct neph_image *fr
     const double said_hz = neph_frame_rate_hz(frame);
     if (!isnan(work->request->rate_hz))
         return work->request->rate_hz;
-    return isnan(said_hz) ? 30.0 : said_hz;
+    return isnan(said_hz) ? NEPH_VIEWING_DEFAULTS.frame_rate_hz : said_hz;
 }
 
 /* The chain is one of linear Rec.709: its tables of colours and its luminance are. */
@@ -431,19 +440,19 @@ static enum neph_status make(struct work *work, int index, struct neph_diag *dia
     return status;
 }
 
-static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
+static enum neph_status make_pictures(struct work *work, const char *const *words, int word_count,
+                                      struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &work->request->shared;
     enum neph_status status = find_settings(work, diag);
     if (!status)
-        status = neph_sequence_find(shared->operand_count, shared->operands, false, &work->frames,
-                                    diag);
+        status = neph_sequence_find(word_count, words, false, &work->frames, diag);
     struct neph_progress progress = neph_progress_start(shared->quiet || shared->json,
                                                         work->frames.count);
     if (!status)
         status = check_names(work, diag);
     if (!status)
-        status = neph_cli_open_folder(shared->output, diag);
+        status = neph_cli_open_folder(work->folder, diag);
     if (!status)
         status = neph_vulkan_open(&work->vulkan, diag);
     for (int i = 0; i < work->frames.count && !status; i++) {
@@ -458,24 +467,41 @@ static enum neph_status make_pictures(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
+/* Put a sequence through the chain, or list what there is. */
+static enum neph_status work_on(const struct request *request, const char *folder,
+                                const char *const *words, int word_count, json_t **results,
+                                struct neph_diag *diag)
 {
-    struct request request = {0};
-    neph_cli_parse(&syntax, argc, argv, &request);
-    struct work work = {.request = &request, .results = json_array()};
-    work.showing.params.seed = (uint64_t)request.seed;
-    work.showing.bits = request.bits;
+    struct work work = {.request = request, .folder = folder, .results = results};
+    work.showing.params.seed = (uint64_t)request->seed;
+    work.showing.bits = request->bits;
     enum neph_status status = find_chain(&work, diag);
-    if (!status && request.list)
-        status = request.chain ? list_chain(&work.showing.plan, request.shared.json, diag)
-                               : list_all(request.shared.json, diag);
+    if (!status && request->list)
+        status = request->chain ? list_chain(&work.showing.plan, request->shared.json, diag)
+                                : list_all(request->shared.json, diag);
     else if (!status)
-        status = make_pictures(&work, diag);
-    const enum neph_status printed = neph_cli_give_json(
-        work.results, !status && !request.list && request.shared.json, diag);
+        status = make_pictures(&work, words, word_count, diag);
     neph_vulkan_destroy(work.vulkan);
     neph_sequence_finish(&work.frames);
     neph_scene_destroy(work.scene);
     neph_showing_finish(&work.showing);
+    return status;
+}
+
+enum neph_status neph_cli_post(int argc, char **argv, struct neph_diag *diag)
+{
+    struct request request = {0};
+    neph_cli_parse(&syntax, argc, argv, &request);
+    const struct neph_cli_shared *shared = &request.shared;
+    json_t *results = json_array();
+    enum neph_status status = work_on(&request, shared->output, shared->operands,
+                                      shared->operand_count, &results, diag);
+    if (!status && request.reference.count > 0)
+        status = work_on(&request, neph_path_in(shared->output, "reference").text,
+                         request.reference.list, request.reference.count, &results, diag);
+    if (!status && !request.list && !shared->quiet)
+        neph_cli_say_where("post", shared->output);
+    const enum neph_status printed = neph_cli_give_json(
+        results, !status && !request.list && shared->json, diag);
     return status ? status : printed;
 }

@@ -46,10 +46,10 @@ struct request {
 /* `neph export` has them too; only its engine, where none is named, is another. */
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME",
+    {"preset", 0, NULL,
      "Engine realtime: a set of settings by name, before any --set; `neph engines realtime` lists "
      "them",
-     NEPH_CLI_WORD, AT(preset)},
+     NEPH_CLI_ONE, AT(preset)},
     {"config", 0, "FILE",
      "Engine, settings and orders of scattering as `neph pick` has left them, in place of --engine "
      "and --preset, before any --set",
@@ -59,15 +59,15 @@ static const struct neph_cli_option options[] = {
      "no more",
      NEPH_CLI_WORD, AT(scattering)},
     {.name = "set"},
-    {.name = "size", .otherwise = "192x108"},
+    {.name = "size", .otherwise = "320x180"},
     {"frame", 0, "N", "First frame, 0-based", NEPH_CLI_INTEGER, AT(first_frame), "0", 0, INT_MAX},
-    {"frames", 0, "N", "How many frames; engine realtime goes on beyond the scene's last",
+    {"frames", 0, NULL, "How many frames; engine realtime goes on beyond the scene's last",
      NEPH_CLI_INTEGER, AT(frame_count), "1", 1, FRAMES_MAX},
-    {"seed", 0, "N",
+    {"seed", 0, NULL,
      "Random seed (default: one of the scene's own, so that the errors of two "
      "scenes are independent; it is in the results and in the frame, as neph.seed)",
      NEPH_CLI_INTEGER, AT(seed), .minimum = 0, .maximum = INT_MAX},
-    {.name = "time-limit", .otherwise = "600"},
+    {.name = "time-limit", .otherwise = "3600"},
     {"checkpoint", 0, "FILE",
      "Engines oracle and tracer: go on from what FILE holds, if it is there, and leave all paths "
      "in it: an interrupted render loses seconds (oracle) or the batch in work (tracer), and a "
@@ -91,7 +91,6 @@ static const struct neph_cli_option options[] = {
     {"chain", 0, "FILE",
      "Show the frames by this picture chain, in place of the scene's; off: by none", NEPH_CLI_WORD,
      AT(chain)},
-    {.name = "output", .otherwise = "."},
     {"noise", 0, NULL,
      "Engine cycles: render every frame with a second seed, too, for its noise; other engines by "
      "chance know theirs",
@@ -103,14 +102,18 @@ static const struct neph_cli_option options[] = {
 };
 #undef AT
 
-static const struct neph_cli_option render_engine[] = {{.name = "engine", .otherwise = "march"},
-                                                       {.name = NULL}};
-static const struct neph_cli_option export_engine[] = {{.name = "engine", .otherwise = "povray"},
-                                                       {.name = NULL}};
+static const struct neph_cli_option render_defaults[] = {
+    {.name = "engine", .otherwise = "march"},
+    {.name = "output", .otherwise = "out/render"},
+    {.name = NULL}};
+static const struct neph_cli_option export_defaults[] = {
+    {.name = "engine", .otherwise = "povray"},
+    {.name = "output", .otherwise = "out/export"},
+    {.name = NULL}};
 
 static const struct neph_cli_syntax render_syntax = {
     .options = options,
-    .more = render_engine,
+    .more = render_defaults,
     .operands = &neph_cli_one_scene,
     .doc = "Render a scene (a file, or a name of the catalogue) with one engine.\v"
            "Writes DIR/SCENE_ENGINE_FRAME.exr: R G B, volume.*, transmittance.* and Z, 32-bit "
@@ -119,16 +122,16 @@ static const struct neph_cli_syntax render_syntax = {
            "DIR/shown gets what a display makes of each, as EXR and PNG; --size is then that of "
            "the display, and frames are smaller by what the chain enlarges.\n\n"
            "Examples:\n"
-           "  neph render height_fog_level -o out\n"
-           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360 -o out\n"
-           "  neph render camera_dolly --engine march --frames 8 -o out\n"
-           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out\n"
+           "  neph render height_fog_level\n"
+           "  neph render my_fog.yaml -e cycles -s samples=256 --size 640x360\n"
+           "  neph render camera_dolly --engine march --frames 8\n"
+           "  neph render camera_dolly -e realtime -p ours --frames 8 --stats -o out/ours\n"
            "  neph render cloud_below -e tracer -s samples=65536 --checkpoint below.sums",
 };
 
 static const struct neph_cli_syntax export_syntax = {
     .options = options,
-    .more = export_engine,
+    .more = export_defaults,
     .operands = &neph_cli_one_scene,
     .doc = "Leave a scene as files that open in Blender or render with POV-Ray by hand.\v"
            "Prints the one-line command to run inside DIR, which is a new or empty folder, or that "

@@ -4,12 +4,14 @@
  */
 #include "harness/cli/cli.h"
 
+#include "harness/cli/new_scene.h"
 #include "harness/data.h"
 #include "harness/engines/engines.h"
 #include "scenes/failing.h"
 #include "scenes/fog_translation.h"
 #include "scenes/media.h"
 #include "scenes/variant.h"
+#include "scenes/volume_scene.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -22,14 +24,22 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
-    const char *variant;
+    const char *variant, *new_kind, *vdb;
     int at, frames;
+    bool force;
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {.name = "json"},
     {.name = "quiet", .help = "Not a word on what the file of a variant has to be called"},
+    {"new", 0, "KIND",
+     "Write a commented scene file to begin with: fog (a fence in fog, with shafts), cloud (a "
+     "procedural cumulus), grid (voxels written in the file), vdb (around the medium of a .vdb)",
+     NEPH_CLI_WORD, AT(new_kind), .group = 2},
+    {"vdb", 0, "FILE.vdb", "Of --new vdb: the volume", NEPH_CLI_WORD, AT(vdb), .group = 2},
+    {"force", 0, NULL, "Of --new: replace a file of that name", NEPH_CLI_FLAG, AT(force),
+     .group = 2},
     {"variant", 0, "KIND",
      "Print the scene as a scene file in which something happens, to measure lag with: sun_step "
      "(the sun four times as bright from a frame on), sun_sine (1 + 0.3 times the sum of sines of "
@@ -37,7 +47,7 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_WORD, AT(variant), .group = 1},
     {"at", 0, "FRAME", "Of the step or cut (default: the middle)", NEPH_CLI_INTEGER, AT(at),
      .minimum = 1, .maximum = NEPH_VARIANT_FRAMES_MAX - 1, .group = 1},
-    {"frames", 0, "N", "Of the sequence (default: the scene's own, or 128 of one)",
+    {"frames", 0, NULL, "Frames of the sequence (default: the scene's own, or 128 of one)",
      NEPH_CLI_INTEGER, AT(frames), .minimum = 2, .maximum = NEPH_VARIANT_FRAMES_MAX, .group = 1},
     {.name = NULL},
 };
@@ -51,10 +61,18 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "--variant is of one scene, and prints YAML");
     if (!request->variant && (request->at >= 0 || request->frames >= 0))
         argp_error(state, "--at and --frames are of a --variant");
+    if (request->variant && request->new_kind)
+        argp_error(state, "either --new or --variant");
+    if (request->new_kind && (shared->operand_count == 0 || shared->json))
+        argp_error(state, "--new writes a file: name it, such as my_fog.yaml (and no --json)");
+    if (!request->new_kind && (request->vdb || request->force))
+        argp_error(state, "--vdb and --force belong to --new");
+    if (request->new_kind && (strcmp(request->new_kind, "vdb") == 0) != (request->vdb != NULL))
+        argp_error(state, "--new vdb needs --vdb FILE.vdb, and no other kind has one");
 }
 
 static const struct neph_cli_operands operands = {
-    .shown = "[SCENE]",
+    .shown = "[SCENE|FILE.vdb]",
     .maximum = 1,
     .surplus = "one scene",
 };
@@ -63,8 +81,15 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "List the catalogue, or check and describe one scene (a file or a name).\v"
-           "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n  neph scenes my_fog.yaml\n"
+    .doc = "List the catalogue, check and describe one scene (a file or a name), or write a new "
+           "one.\v"
+           "All errors of a scene file are reported at once, by their lines. A .vdb in place of a "
+           "scene, here and in every verb that takes one, is a scene with that medium: a camera "
+           "that sees all of it, the sun, and an extinction that is a guess, because the file does "
+           "not say it. `neph scenes FILE.vdb` prints that scene as a file.\n\n"
+           "Examples:\n  neph scenes\n  neph scenes two_layer_fog\n"
+           "  neph scenes --new fog my_fog.yaml\n  neph scenes my_fog.yaml\n"
+           "  neph scenes --new vdb my_cloud.yaml --vdb cloud.vdb\n"
            "  neph scenes my_fog.yaml --variant sun_step > my_fog_sun_step.yaml",
 };
 
@@ -317,7 +342,7 @@ static json_t *scene_json(const struct neph_scene *scene)
                                           can, "reason", reason));
     }
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "name",
-                     scene->name, "title", scene->title, "physics", scene->physics, "hash",
+                     scene->name, "title", scene->title, "physics", scene->description, "hash",
                      scene->hash, "scattering", neph_scattering_name(scene->scattering), "frames",
                      scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
                      "layers", layers, "fog", fog_json(scene), "failure",
@@ -345,9 +370,10 @@ static void print_failing(const struct neph_failing *failing)
 
 static void print_scene(const struct neph_scene *scene)
 {
-    printf("%s: %s\n\n%s\n\nhash        %s\nscattering  %s\nframes      %d\nsolids      %d\n",
-           scene->name, scene->title, scene->physics, scene->hash,
-           neph_scattering_name(scene->scattering), scene->frame_count, scene->solid_count);
+    printf("%s: %s\n\n%s%shash        %s\nscattering  %s\nframes      %d\nsolids      %d\n",
+           scene->name, scene->title, scene->description, scene->description[0] ? "\n\n" : "",
+           scene->hash, neph_scattering_name(scene->scattering), scene->frame_count,
+           scene->solid_count);
     for (int m = 0; m < scene->medium_count; m++)
         for (int l = 0; l < scene->media[m].layer_count; l++) {
             const struct neph_fog_layer *layer = &scene->media[m].layers[l];
@@ -445,10 +471,26 @@ static enum neph_status print_variant(const struct request *request, const struc
 
 /* ---- the verb -------------------------------------------------------------------------------- */
 
+static enum neph_status write_new(const struct request *request, struct neph_diag *diag)
+{
+    const struct neph_new_scene new_scene = {.kind = request->new_kind,
+                                             .path = request->shared.operands[0],
+                                             .vdb = request->vdb,
+                                             .may_overwrite = request->force};
+    const enum neph_status status = neph_new_scene_write(&new_scene, diag);
+    if (!status && !request->shared.quiet)
+        printf("%s: written; `neph scenes %s` checks it, `neph render %s` renders it\n",
+               new_scene.path, new_scene.path, new_scene.path);
+    return status;
+}
+
 static enum neph_status show_scene(const struct request *request, struct neph_diag *diag)
 {
+    const char *name = request->shared.operands[0];
+    if (neph_is_volume_scene(name) && !request->variant && !request->shared.json)
+        return neph_new_scene_print(name, diag);
     struct neph_scene *scene = NULL;
-    enum neph_status status = neph_data_load_scene(request->shared.operands[0], &scene, diag);
+    enum neph_status status = neph_data_load_scene(name, &scene, diag);
     if (!status && request->variant)
         status = print_variant(request, scene, diag);
     else if (!status && request->shared.json)
@@ -464,6 +506,8 @@ enum neph_status neph_cli_scenes(int argc, char **argv, struct neph_diag *diag)
     struct request request = {0};
     neph_cli_parse(&syntax, argc, argv, &request);
     const bool as_json = request.shared.json;
+    if (request.new_kind)
+        return write_new(&request, diag);
     if (request.shared.operand_count > 0)
         return show_scene(&request, diag);
     enum neph_status status = NEPH_OK;

@@ -20,7 +20,7 @@ struct request {
 };
 
 static const struct neph_cli_option options[] = {
-    {.name = "output", .help = "Folder of the store, as of the other verbs", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the verb whose store it is, such as out/validate"},
     {"repair", 0, NULL,
      "check: remove damaged frames, which the next run renders anew; write torn acceptances anew "
      "from their copies; make a damaged database again",
@@ -41,6 +41,8 @@ static void check_request(const void *request_, const struct argp_state *state)
     const bool is_gc = strcmp(verb, "gc") == 0;
     if (!is_gc && strcmp(verb, "check") != 0 && strcmp(verb, "export") != 0)
         argp_error(state, "there is no 'store %s': check, gc or export", verb);
+    if (!request->shared.output)
+        argp_error(state, "whose store? -o names the folder of a verb, such as out/validate");
     if (is_gc && !request->limit)
         argp_error(state, "how much may the frames take? --limit 20G");
     if (!is_gc && request->limit)
@@ -70,9 +72,9 @@ static const struct neph_cli_syntax syntax = {
            "kept for that.\n\n"
            "export prints environments, jobs, nights and acceptances as JSON.\n\n"
            "Examples:\n"
-           "  neph store check -o out\n"
-           "  neph store gc --limit 20G\n"
-           "  neph store export > store.json",
+           "  neph store check -o out/validate\n"
+           "  neph store gc -o out/nightly --limit 20G\n"
+           "  neph store export -o out/nightly > store.json",
 };
 
 /* ---- check ----------------------------------------------------------------------------------- */

@@ -17,19 +17,23 @@ enum { FRAMES, VIEWING, WRITING }; /* groups of the help */
 struct request {
     struct neph_cli_shared shared;
     struct neph_viewer view;
-    struct neph_cli_words quantities, overlays;
+    struct neph_cli_words reference;
+    struct neph_cli_list quantities, overlays;
     double limit_mb;
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"layer", 0, "NAME",
+    {"reference", 0, NULL,
+     "The first set, which the others are compared with (default: the first of FRAMES); may be "
+     "given several times",
+     NEPH_CLI_WORDS, AT(reference)},
+    {"layer", 0, NULL,
      "Radiance and depth are the channels NAME.R and so on (Blender: ViewLayer.Combined)",
      NEPH_CLI_WORD, AT(view.layer)},
-    {"quantity", 0, "NAME",
-     "Only radiance, volume, transmittance or depth; may be given several times (default: all "
-     "that the frames have)",
-     NEPH_CLI_WORDS, AT(quantities)},
+    {"quantity", 0, "NAME[,NAME]",
+     "Only radiance, volume, transmittance or depth (default: all that the frames have)",
+     NEPH_CLI_NAMES, AT(quantities)},
     {"warm-up", 0, "N", "Leave out the first N frames", NEPH_CLI_INTEGER, AT(view.warm_up_frames),
      "0", 0, 1000000},
     {"by-position", 0, NULL,
@@ -40,11 +44,10 @@ static const struct neph_cli_option options[] = {
     {"scale", 0, "X",
      "Where the colours of differences of radiance end (default: 0.02 as displayed)", NEPH_CLI_REAL,
      AT(view.difference_scale), .minimum = 1e-12, .maximum = 1e12, .group = VIEWING},
-    {"overlay", 0, "MAP",
-     "A map of the metrics against the first set, by the name of its file under `neph compare "
-     "--maps`; may be given several times; or none (default: relative, flip and, of sequences, "
-     "a4)",
-     NEPH_CLI_WORDS, AT(overlays), .group = VIEWING},
+    {"overlay", 0, "MAP[,MAP]",
+     "Maps of the metrics against the first set, by the names of their files under `neph compare "
+     "--maps`; or none (default: relative, flip and, of sequences, a4)",
+     NEPH_CLI_NAMES, AT(overlays), .group = VIEWING},
     {"ocio", 0, "FILE",
      "An OpenColorIO config: its view is shown, and the plain curve of an sRGB display on request",
      NEPH_CLI_WORD, AT(view.display.config), .group = VIEWING},
@@ -54,15 +57,15 @@ static const struct neph_cli_option options[] = {
      .group = VIEWING},
     {"space", 0, "NAME", "What linear Rec.709 is called there (default: the role scene_linear)",
      NEPH_CLI_WORD, AT(view.display.space), .group = VIEWING},
-    {"fps", 0, "HZ", "How fast frames are played (default: what they say, else 30)", NEPH_CLI_REAL,
+    {"fps", 0, NULL, "How fast frames are played (default: what they say, else 60)", NEPH_CLI_REAL,
      AT(view.viewing.frame_rate_hz), .minimum = 0.1, .maximum = 1000, .group = VIEWING},
-    {"ppd", 0, "N", "Pixels per degree of the display, on which maps depend (default: 67.02)",
+    {"ppd", 0, NULL, "Pixels per degree of the display, on which maps depend (default: 67.02)",
      NEPH_CLI_REAL, AT(view.viewing.pixels_per_degree), .minimum = 1, .maximum = 1000,
      .group = VIEWING},
     {"title", 0, "TEXT", "Of the page", NEPH_CLI_WORD, AT(view.title), .group = WRITING},
-    {"limit", 0, "MB", "Refuse to write a page larger than this", NEPH_CLI_REAL, AT(limit_mb),
+    {"page-limit", 0, NULL, "Refuse to write a page larger than this", NEPH_CLI_REAL, AT(limit_mb),
      "200", 0.001, 100000, .group = WRITING},
-    {.name = "output", .help = "Folder of the page", .otherwise = "view", .group = WRITING},
+    {.name = "output", .help = "Folder of the page", .otherwise = "out/view", .group = WRITING},
     {.name = "json", .group = WRITING},
     {.name = "quiet", .group = WRITING},
     {.name = NULL},
@@ -92,13 +95,14 @@ static const struct neph_cli_syntax syntax = {
         "Lay frames of any renderer over each other in a page that opens from disk: EXR frames or "
         "PNG pictures, of one size.\v"
         "Each operand is a set: " NEPH_SEQUENCE_HELP ". Differences and maps are against the "
-        "first. In the page: zoom and pan down to pixels, values as they are in the files, wipe, "
+        "reference, else the first. In the page: zoom and pan down to pixels, values as they are "
+        "in the files, wipe, "
         "flip, differences on a fixed scale, exposure, maps of the metrics, and time; ? lists the "
         "keys. Its address holds what is looked at: copy it to show somebody.\n"
         "\n"
         "Examples:\n"
         "  neph view exact.exr march.exr -o page\n"
-        "  neph view reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
+        "  neph view -r reference.exr 'a/frame.*.exr' 'b/frame.*.exr' --quantity radiance\n"
         "  neph view old.png new.png --overlay flip\n"
         "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
 };
@@ -119,15 +123,29 @@ static const char *label_of(const char *const *words, int count, int which)
     return words[which] + common;
 }
 
+/* The reference, if there is one, which may be of several words; then a set for each operand. */
 static enum neph_status find_sets(struct request *request, struct neph_diag *diag)
 {
-    const char *const *words = request->shared.operands;
-    const int count = request->shared.operand_count;
+    const struct neph_cli_words *reference = &request->reference;
+    const char *words[NEPH_VIEWER_SETS_MAX + 1];
+    const int first = reference->count > 0, count = first + request->shared.operand_count;
     struct neph_viewer *view = &request->view;
     enum neph_status status = NEPH_OK;
+    if (count > NEPH_VIEWER_SETS_MAX)
+        return neph_fail(diag, NEPH_ERR_USAGE,
+                         "%d sets of frames with the reference; a page has "
+                         "%d at most",
+                         count, NEPH_VIEWER_SETS_MAX);
+    if (first)
+        words[0] = reference->list[0];
+    for (int i = first; i < count; i++)
+        words[i] = request->shared.operands[i - first];
     for (int i = 0; i < count && !status; i++) {
+        const bool is_reference = first && i == 0;
         view->sets[i].label = label_of(words, count, i);
-        status = neph_sequence_find(1, &words[i], view->by_position, &view->sets[i].frames, diag);
+        status = neph_sequence_find(is_reference ? reference->count : 1,
+                                    is_reference ? reference->list : &words[i], view->by_position,
+                                    &view->sets[i].frames, diag);
         view->set_count += !status;
     }
     return status;
@@ -136,7 +154,7 @@ static enum neph_status find_sets(struct request *request, struct neph_diag *dia
 static enum neph_status find_quantities(struct request *request, struct neph_diag *diag)
 {
     for (int i = 0; i < request->quantities.count; i++) {
-        const char *name = request->quantities.list[i];
+        const char *name = request->quantities.words[i];
         const struct neph_quantity *quantity = neph_quantity_find(name);
         if (!quantity)
             return neph_fail(diag, NEPH_ERR_USAGE,
@@ -158,11 +176,11 @@ static bool has_sequence(const struct neph_viewer *view)
 
 static enum neph_status find_overlays(struct request *request, struct neph_diag *diag)
 {
-    const struct neph_cli_words *asked = &request->overlays;
+    const struct neph_cli_list *asked = &request->overlays;
     struct neph_viewer *view = &request->view;
-    view->overlays = asked->count > 0 ? asked->list : neph_viewer_overlays;
+    view->overlays = asked->count > 0 ? asked->words : neph_viewer_overlays;
     view->overlay_count = asked->count > 0 ? asked->count : 2 + has_sequence(view);
-    if (asked->count == 1 && strcmp(asked->list[0], "none") == 0)
+    if (asked->count == 1 && strcmp(asked->words[0], "none") == 0)
         view->overlay_count = 0;
     if (view->overlay_count > NEPH_VIEWER_OVERLAYS_MAX)
         return neph_fail(diag, NEPH_ERR_USAGE, "%d overlays; a page has %d at most",
@@ -175,7 +193,8 @@ static void choose_viewing(struct neph_viewer *view)
     const struct neph_viewing asked = view->viewing;
     view->viewing = NEPH_VIEWING_DEFAULTS;
     view->viewing.exposure_ev = asked.exposure_ev;
-    view->viewing.frame_rate_hz = isnan(asked.frame_rate_hz) ? 30.0 : asked.frame_rate_hz;
+    if (!isnan(asked.frame_rate_hz))
+        view->viewing.frame_rate_hz = asked.frame_rate_hz;
     if (!isnan(asked.pixels_per_degree))
         view->viewing.pixels_per_degree = asked.pixels_per_degree;
     view->own_frame_rate = isnan(asked.frame_rate_hz);

@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "base/interrupt.h"
+#include "harness/compare/alone.h"
 #include "harness/compare/frame.h"
 #include "harness/compare/frame_labels.h"
 #include "harness/compare/maps.h"
@@ -399,10 +400,10 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     const struct neph_map *map = &extractor->maps[index];
     struct neph_image *image = NULL;
     enum neph_status status = neph_meter_map(work->meter, quantity, extractor, index, &image, diag);
-    if (!status)
-        status = asked->take_map
-                     ? asked->take_map(asked->map_context, map, quantity, frame, image, diag)
-                     : write_map_files(work, map, quantity, frame, image, diag);
+    if (!status && asked->take_map)
+        status = asked->take_map(asked->map_context, map, quantity, frame, image, diag);
+    if (!status && asked->maps_directory)
+        status = write_map_files(work, map, quantity, frame, image, diag);
     neph_image_destroy(image);
     return status;
 }
@@ -503,6 +504,7 @@ static enum neph_status begin_work(const struct pass *pass, struct work *work,
     note_strangers(work, work->test);
     work->is_picture = is_picture(work->reference);
     take_frame_rate(work);
+    work->made->movement.gain = exp2(work->viewing.exposure_ev);
     enum neph_status status = check_channels(work->reference, work->test, diag);
     if (!status)
         status = have_masks(pass, work, diag);
@@ -547,6 +549,8 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         status = name_file(
             neph_meter_frame(work->meter, work->reference, work->second, work->test, diag), path,
             diag);
+    if (!status && work->asked->with_movement)
+        status = neph_movement_add(&work->made->movement, work->reference, work->test, diag);
     if (!status)
         status = give_maps(work, frame, diag);
     work->done_count += !status;
@@ -592,8 +596,9 @@ static void add_one_sided(const struct work *work)
         const struct neph_quantity *quantity = neph_quantity_at(q);
         if (has(work->reference, quantity) != has(work->test, quantity))
             pass_over(work->made, "everything", quantity->name,
-                      has(work->test, quantity) ? "the reference does not have it"
-                                                : "the test does not have it");
+                      work->asked->without_reference ? "only one of the two sequences has it"
+                      : has(work->test, quantity)    ? "the reference does not have it"
+                                                     : "the test does not have it");
     }
 }
 
@@ -636,6 +641,8 @@ static void take_numbers(const struct work *work)
 {
     struct neph_measurements *numbers = &work->made->numbers;
     numbers->list = neph_meter_release(work->meter, &numbers->count);
+    if (work->asked->without_reference)
+        neph_measurements_select(numbers, neph_needs_no_reference, NULL);
     for (int i = 0; i < numbers->count && work->is_picture; i++)
         if (strcmp(numbers->list[i].unit, numbers->list[i].quantity->unit) == 0)
             numbers->list[i].unit = "display value";
@@ -661,6 +668,7 @@ static enum neph_status conclude(struct work *work, bool interrupted, struct nep
 {
     struct neph_diag *words = interrupted ? NULL : diag; /* what is said already stays said */
     struct neph_compared *made = work->made;
+    neph_movement_end(&made->movement);
     const int frozen_count = work->frozen.frozen_count;
     enum neph_status status = neph_meter_finish(work->meter, words);
     if (!status)
@@ -757,6 +765,7 @@ void neph_compared_finish(struct neph_compared *compared)
 {
     neph_measurements_finish(&compared->numbers);
     neph_findings_finish(&compared->findings);
+    neph_movement_finish(&compared->movement);
     neph_differences_finish(&compared->versus);
     free(compared->maps);
     neph_arena_finish(&compared->arena);

@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/findings.h"
+#include "harness/compare/movement.h"
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 
@@ -18,6 +19,9 @@ typedef enum neph_status neph_map_taker(void *context, const struct neph_map *ma
 
 struct neph_comparison {
     struct neph_sequence reference; /* one frame for all, or as many as the test has */
+    bool without_reference;         /* `reference` is a frame of a test: it gives masks and a
+                                       constant that no metric of change depends on; only such
+                                       metrics are kept (harness/compare/alone.h) */
     struct neph_sequence second;    /* the reference by another seed; empty: there is none */
     struct neph_sequence test;
     const struct neph_image *const *test_images; /* those of its frames that are in memory, by their
@@ -35,13 +39,14 @@ struct neph_comparison {
     const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
     bool detail_masks;     /* also the rings at depth edges */
     const char *maps_directory; /* for the maps of the extractors; or NULL */
-    neph_map_taker *take_map;   /* gets them in place of the folder; NULL: nobody does */
+    neph_map_taker *take_map;   /* gets them, too; or NULL */
     void *map_context;
     int warm_up_frames;      /* at the start of the sequences: read by nobody */
     size_t negative_allowed; /* values below 0 that a frame may hold */
     bool by_position;        /* numbers of frames need not agree */
     bool frozen_is_fine;     /* frames equal to the one before are no reason to fail */
     bool plain;              /* numbers without intervals, which cost as much again */
+    bool with_movement;      /* also a series of how much each frame moves */
     bool quiet;              /* no progress */
 };
 
@@ -62,6 +67,7 @@ struct neph_compared {
     bool interrupted;                 /* by Ctrl-C: what is there is of the frames before */
     struct neph_measurements numbers; /* by frame, and then of all frames; owned */
     struct neph_findings findings;    /* owned */
+    struct neph_movement movement;    /* empty unless it was asked for; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
     const char **maps; /* names of files; owned */
@@ -89,13 +95,15 @@ enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons,
 
 /* As an object of
  *   "version"       of neph
- *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}
+ *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}; the reference
+ *                   is null where there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
- *   "versus"        only when there is one: harness/compare/versus.h */
+ *   "movement"      only where it was asked for: {"frames", "cycles"} of harness/compare/movement.h
+ *   "versus", "versus_movement"  only when there is another test: harness/compare/versus.h */
 json_t *neph_compared_json(const struct neph_compared *compared);
 
 /* Print what came of a comparison on stdout. `details`: masks of which there are many too. `all`:

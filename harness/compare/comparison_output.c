@@ -71,11 +71,19 @@ static void print_p(double p)
         printf(" %9.2g", p);
 }
 
+/* Movement: harness/compare/movement.h. */
+static void print_time(const char *what, const struct neph_time_difference *time)
+{
+    if (time->count > 0)
+        printf("movement of %s (RMS of luma): test - other %.6e, lower in %d of %d, p %.2g\n", what,
+               time->value, time->below, time->count, time->p);
+}
+
 static void print_versus(const struct neph_differences *versus, bool details)
 {
     if (versus->count > 0)
-        printf("%-14s %-13s %-22s %14s  %-22s %9s %9s\n", "quantity", "mask", "test - other",
-               "difference", "95 % interval", "p (Holm)", "p (sign)");
+        printf("%-14s %-13s %-22s %13s %13s %13s  %-22s %9s %9s\n", "quantity", "mask", "metric",
+               "test", "other", "test - other", "95 % interval", "p (Holm)", "p (sign)");
     for (int i = 0; i < versus->count; i++) {
         const struct neph_difference *difference = &versus->list[i];
         const struct neph_measurement *number = difference->number;
@@ -84,13 +92,16 @@ static void print_versus(const struct neph_differences *versus, bool details)
             continue;
         write_bounds(difference->interval != NEPH_INTERVAL_NONE, difference->low, difference->high,
                      bounds);
-        printf("%-14s %-13s %-22s %14.6e  %-22s", number->quantity->name, number->mask,
-               number->metric->name, difference->value, bounds);
+        printf("%-14s %-13s %-22s %13.6e %13.6e %13.6e  %-22s", number->quantity->name,
+               number->mask, number->metric->name, difference->first, difference->second,
+               difference->value, bounds);
         print_p(difference->p_holm);
         print_p(difference->p_sign);
         printf("\n");
     }
     print_versus_reasons(versus, details);
+    print_time("frames", &versus->frames);
+    print_time("cycles", &versus->cycles);
 }
 
 /* ---- all of it ------------------------------------------------------------------------------- */
@@ -211,9 +222,38 @@ static void csv_number(FILE *out, bool is_there, double value)
         fprintf(out, "%.17g", value);
 }
 
-static void write_csv_line(FILE *out, const struct neph_measurement *number,
-                           const struct neph_viewing *viewing)
+static const struct neph_difference *find_difference(const struct neph_differences *versus,
+                                                     const struct neph_measurement *number)
 {
+    for (int i = 0; i < versus->count; i++) {
+        const struct neph_measurement *of = versus->list[i].number;
+        if (of->metric == number->metric && of->quantity == number->quantity &&
+            strcmp(of->mask, number->mask) == 0)
+            return &versus->list[i];
+    }
+    return NULL;
+}
+
+/* Beside the number of all frames: of the same number of each frame there is none. */
+static void write_csv_difference(FILE *out, const struct neph_differences *versus,
+                                 const struct neph_measurement *number)
+{
+    const struct neph_difference *difference = number->frame < 0 ? find_difference(versus, number)
+                                                                 : NULL;
+    const bool is_there = difference != NULL;
+    const bool is_sure = is_there && difference->interval != NEPH_INTERVAL_NONE;
+    csv_number(out, is_there, is_there ? difference->second : 0.0);
+    csv_number(out, is_there, is_there ? difference->value : 0.0);
+    csv_number(out, is_sure, is_sure ? difference->low : 0.0);
+    csv_number(out, is_sure, is_sure ? difference->high : 0.0);
+    csv_number(out, is_there && !isnan(difference->p), is_there ? difference->p : 0.0);
+    csv_number(out, is_there && !isnan(difference->p_holm), is_there ? difference->p_holm : 0.0);
+}
+
+static void write_csv_line(FILE *out, const struct neph_measurement *number,
+                           const struct neph_compared *compared)
+{
+    const struct neph_viewing *viewing = &compared->viewing;
     const char *const words[] = {number->quantity->name, number->metric->name, number->mask,
                                  number->unit, neph_interval_name(number->interval)};
     const double conditions[] = {viewing->frame_rate_hz, viewing->pixels_per_degree,
@@ -232,17 +272,22 @@ static void write_csv_line(FILE *out, const struct neph_measurement *number,
         csv_number(out, true, conditions[c]);
     fputc(',', out);
     neph_csv_word(number->defined ? "" : number->undefined_because, out);
+    if (compared->has_versus)
+        write_csv_difference(out, &compared->versus, number);
     fputc('\n', out);
 }
 
 static void write_csv(const void *what, FILE *out)
 {
     const struct neph_compared *compared = what;
-    fprintf(out, "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
-                 "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
-                 "undefined_because\n");
+    fprintf(out,
+            "quantity,metric,mask,unit,interval_kind,frame,value,low,high,n,pixel_count,"
+            "frame_rate_hz,pixels_per_degree,exposure_ev,white_cd_per_m2,"
+            "undefined_because%s\n",
+            compared->has_versus ? ",other,difference,difference_low,difference_high,p,p_holm"
+                                 : "");
     for (int i = 0; i < compared->numbers.count; i++)
-        write_csv_line(out, &compared->numbers.list[i], &compared->viewing);
+        write_csv_line(out, &compared->numbers.list[i], compared);
 }
 
 enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,
@@ -290,6 +335,16 @@ static json_t *not_taken_json(const struct neph_compared *compared)
     return list;
 }
 
+static json_t *movement_json(const struct neph_movement *movement)
+{
+    json_t *frames = json_array(), *cycles = json_array();
+    for (int f = 0; f < movement->frame_count; f++)
+        neph_json_add(&frames, neph_json_number(movement->frames[f]));
+    for (int c = 0; c < movement->frame_count / NEPH_MOVEMENT_CYCLE; c++)
+        neph_json_add(&cycles, neph_json_number(movement->cycles[c]));
+    return json_pack("{s:o, s:o}", "frames", frames, "cycles", cycles);
+}
+
 json_t *neph_compared_json(const struct neph_compared *compared)
 {
     const struct neph_comparison *asked = compared->asked;
@@ -298,12 +353,17 @@ json_t *neph_compared_json(const struct neph_compared *compared)
         neph_json_add(&maps, json_string(compared->maps[i]));
     json_t *json = json_pack(
         "{s:s, s:o, s:o, s:i, s:i, s:i, s:b, s:o, s:o, s:o, s:o}", "version", NEPH_VERSION,
-        "reference", sequence_json(&asked->reference), "test", sequence_json(&asked->test),
-        "warm_up_frames", asked->warm_up_frames, "frames", compared->frame_count, "frozen",
-        compared->frozen_count, "interrupted", compared->interrupted, "measurements",
-        numbers_json(compared), "findings", neph_findings_json(&compared->findings), "not_taken",
-        not_taken_json(compared), "maps", maps);
-    if (compared->has_versus)
+        "reference", asked->without_reference ? json_null() : sequence_json(&asked->reference),
+        "test", sequence_json(&asked->test), "warm_up_frames", asked->warm_up_frames, "frames",
+        compared->frame_count, "frozen", compared->frozen_count, "interrupted",
+        compared->interrupted, "measurements", numbers_json(compared), "findings",
+        neph_findings_json(&compared->findings), "not_taken", not_taken_json(compared), "maps",
+        maps);
+    if (compared->movement.frame_count > 0)
+        neph_json_set(&json, "movement", movement_json(&compared->movement));
+    if (compared->has_versus) {
         neph_json_set(&json, "versus", neph_differences_json(&compared->versus));
+        neph_json_set(&json, "versus_movement", neph_time_differences_json(&compared->versus));
+    }
     return json;
 }

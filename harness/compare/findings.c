@@ -371,7 +371,7 @@ static void add_half_life(struct teller *teller, bool is_followed)
     else if (!is_followed)
         tell(teller, "half_life", "not measured",
              "less flicker may have been bought with lag: give a reference with a step, and -s "
-             "lag.step_frame=N, or with light of a known period, and -s follow.period_1=N");
+             "lag:step_frame=N, or with light of a known period, and -s follow:period_1=N");
 }
 
 /* Whether a mask has been met before the number at `index`. */

@@ -155,3 +155,17 @@ enum neph_status neph_limit_check(const struct neph_measurements *list,
         neph_hint(diag, "the worst of %d such numbers", held.beyond_count);
     return NEPH_ERR_GATE;
 }
+
+void neph_limit_add_case(const struct neph_measurements *list, const struct neph_limit *limit,
+                         const char *group, const char *because, struct neph_junit *junit)
+{
+    struct neph_diag diag = {.line = 0};
+    const enum neph_status status = list ? neph_limit_check(list, limit, &diag) : NEPH_ERR_GATE;
+    const char *name = neph_arena_format(&junit->arena, "%s:%s@%s %s %g", limit->quantity,
+                                         limit->metric, limit->mask,
+                                         limit->below ? ">=" : "<=", limit->value);
+    neph_junit_add(junit, group, name, status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED,
+                   !status ? ""
+                   : list  ? diag.message
+                           : because);
+}

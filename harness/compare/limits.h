@@ -6,6 +6,7 @@
 #define NEPH_HARNESS_COMPARE_LIMITS_H
 
 #include "harness/compare/measure.h"
+#include "harness/document/junit.h"
 
 struct neph_limit {
     char quantity[32], metric[64], mask[NEPH_IMAGE_NAME_MAX];
@@ -27,5 +28,10 @@ const struct neph_measurement *neph_limit_worst(const struct neph_measurements *
  * sequence is too short for. NEPH_ERR_UNSUPPORTED: there is no such number. */
 enum neph_status neph_limit_check(const struct neph_measurements *list,
                                   const struct neph_limit *limit, struct neph_diag *diag);
+
+/* Add a test case for a limit, which fails with the value and the limit; of a list NULL, where
+ * nothing was measured, with `because`. */
+void neph_limit_add_case(const struct neph_measurements *list, const struct neph_limit *limit,
+                         const char *group, const char *because, struct neph_junit *junit);
 
 #endif

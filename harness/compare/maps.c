@@ -73,12 +73,16 @@ enum neph_status neph_map_names_check(const struct neph_sequence *frames, const 
     return NEPH_OK;
 }
 
-enum neph_status neph_map_write(const char *exr, const char *png, const struct neph_map *map,
-                                const struct neph_viewing *viewing, const struct neph_image *image,
-                                struct neph_diag *diag)
+/* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
+double neph_map_scale(const struct neph_map *map, const struct neph_viewing *viewing)
 {
-    /* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
-    const double scale = map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
+    return map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);
+}
+
+enum neph_status neph_map_png(const char *path, const struct neph_map *map,
+                              const struct neph_viewing *viewing, const struct neph_image *image,
+                              struct neph_diag *diag)
+{
     const float *planes[3] = {neph_image_channel(image, "Y"), NULL, NULL};
     float *rgb[3];
     const bool is_rgb = neph_image_rgb(image, NULL, rgb);
@@ -86,12 +90,20 @@ enum neph_status neph_map_write(const char *exr, const char *png, const struct n
         planes[c] = rgb[c];
     const size_t pixel_count = neph_image_pixel_count(image);
     uint8_t *shown = malloc(3 * pixel_count);
-    enum neph_status status = shown ? neph_exr_write(exr, image, diag) : neph_fail_memory(diag);
+    enum neph_status status = shown ? neph_display_map(planes, is_rgb ? 3 : 1, pixel_count,
+                                                       map->is_signed, neph_map_scale(map, viewing),
+                                                       shown, diag)
+                                    : neph_fail_memory(diag);
     if (!status)
-        status = neph_display_map(planes, is_rgb ? 3 : 1, pixel_count, map->is_signed, scale, shown,
-                                  diag);
-    if (!status)
-        status = neph_png_write_rgb8(png, image->width_px, image->height_px, shown, diag);
+        status = neph_png_write_rgb8(path, image->width_px, image->height_px, shown, diag);
     free(shown);
     return status;
+}
+
+enum neph_status neph_map_write(const char *exr, const char *png, const struct neph_map *map,
+                                const struct neph_viewing *viewing, const struct neph_image *image,
+                                struct neph_diag *diag)
+{
+    const enum neph_status status = neph_exr_write(exr, image, diag);
+    return status ? status : neph_map_png(png, map, viewing, image, diag);
 }

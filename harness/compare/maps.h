@@ -26,4 +26,12 @@ enum neph_status neph_map_write(const char *exr, const char *png, const struct n
                                 const struct neph_viewing *viewing, const struct neph_image *image,
                                 struct neph_diag *diag);
 
+/* Where the colours of a map's picture end, in its own unit. */
+double neph_map_scale(const struct neph_map *map, const struct neph_viewing *viewing);
+
+/* Write the picture alone. */
+enum neph_status neph_map_png(const char *path, const struct neph_map *map,
+                              const struct neph_viewing *viewing, const struct neph_image *image,
+                              struct neph_diag *diag);
+
 #endif

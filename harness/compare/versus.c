@@ -19,6 +19,22 @@ struct sides {
     int per_frame, frame_count; /* both 0 where there is no series */
 };
 
+/* Metrics that are places, indices and counts of frames, by how their names begin. */
+static const char *const places[] = {
+    "worst_tile_x",   "worst_tile_y",     "worst_tile_period",  "seen_hz",        "seen_period",
+    "seen_frames",    "coherent_hz",      "coherent_radius",    "flicker_frames", "cycle_long_",
+    "cycle_frames",   "cycle_count",      "cycle_unseparated",  "cycle_overlap",  "follow_period_",
+    "hdr_flip_start", "hdr_flip_stop_ev", "hdr_flip_exposures",
+};
+
+bool neph_metric_is_place(const struct neph_metric *metric)
+{
+    for (size_t i = 0; i < sizeof(places) / sizeof(places[0]); i++)
+        if (strncmp(places[i], metric->name, strlen(places[i])) == 0)
+            return true;
+    return false;
+}
+
 static bool same_number(const struct neph_measurement *a, const struct neph_measurement *b)
 {
     return a->quantity == b->quantity && a->metric == b->metric && strcmp(a->mask, b->mask) == 0;
@@ -61,8 +77,7 @@ static struct neph_difference of_paired(const struct neph_measurement *number,
     struct neph_difference made = {.number = number,
                                    .value = mean->value,
                                    .first = number->value,
-                                   .below = paired->negative,
-                                   .above = paired->positive,
+                                   .second = number->value - mean->value,
                                    .interval = mean->interval,
                                    .n = mean->n,
                                    .p = NAN,
@@ -97,6 +112,7 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     const struct neph_paired single = {
         .difference = {.value = first->value - second->value, .n = 1}};
     struct neph_difference made = of_paired(first, &single);
+    made.second = second->value;
     if (!first->draws || !second->draws) {
         snprintf(made.because, sizeof(made.because),
                  "the number itself has no interval: it is a maximum or of the picture as a whole, "
@@ -106,8 +122,11 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     }
     const struct neph_paired paired = neph_series_paired_draws(first->value, first->draws,
                                                                second->value, second->draws);
-    if (paired.difference.defined)
-        return of_paired(first, &paired);
+    if (paired.difference.defined) {
+        made = of_paired(first, &paired);
+        made.second = second->value;
+        return made;
+    }
     snprintf(made.because, sizeof(made.because), "the two have their values in other places");
     return made;
 }
@@ -126,8 +145,18 @@ static void subtract_rest(const struct sides *sides, struct neph_differences *ou
     for (int i = sides->per_frame * sides->frame_count;
          i < sides->first->count && i < sides->second->count; i++) {
         const struct neph_measurement *a = &sides->first->list[i], *b = &sides->second->list[i];
-        if (same_number(a, b) && a->defined && b->defined && !is_of_frames(sides, a))
+        if (same_number(a, b) && a->defined && b->defined && !is_of_frames(sides, a) &&
+            !neph_metric_is_place(a->metric))
             out->list[out->count++] = of_single(a, b);
+    }
+}
+
+static void count_sides(const double *a, const double *b, int count, int *below, int *above)
+{
+    *below = *above = 0;
+    for (int i = 0; i < count; i++) {
+        *below += a[i] < b[i];
+        *above += a[i] > b[i];
     }
 }
 
@@ -139,15 +168,18 @@ static enum neph_status subtract_series(const struct sides *sides, double *value
     for (int i = 0; i < sides->per_frame && !status; i++) {
         const struct neph_measurement *number = &sides->first->list[i];
         struct neph_paired paired;
-        if (!same_number(number, &sides->second->list[i]) || !gather(sides->first, sides, i, a) ||
-            !gather(sides->second, sides, i, b))
+        if (!same_number(number, &sides->second->list[i]) || neph_metric_is_place(number->metric) ||
+            !gather(sides->first, sides, i, a) || !gather(sides->second, sides, i, b))
             continue;
         status = neph_series_paired(a, b, sides->frame_count, NEPH_REPLICATE_FRAMES, &paired, diag);
         if (status)
             break;
-        out->list[out->count] = of_series(number, &paired);
-        out->list[out->count++].first =
-            neph_series_mean(a, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
+        struct neph_difference *made = &out->list[out->count++];
+        *made = of_series(number, &paired);
+        made->first = neph_series_mean(a, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
+        made->second = neph_series_mean(b, sides->frame_count, NEPH_REPLICATE_FRAMES).value;
+        made->frame_count = sides->frame_count;
+        count_sides(a, b, sides->frame_count, &made->frames_below, &made->frames_above);
     }
     return status;
 }
@@ -179,7 +211,7 @@ enum neph_status neph_versus(const struct neph_measurements *first,
                            frame_count_of(second, sides.per_frame) == sides.frame_count;
     double *room = calloc(2 * (size_t)(first->count + sides.frame_count) + 1, sizeof(*room));
     *differences = (struct neph_differences){
-        calloc((size_t)first->count + 1, sizeof(*differences->list)), 0};
+        .list = calloc((size_t)first->count + 1, sizeof(*differences->list))};
     enum neph_status status = room && differences->list ? NEPH_OK : neph_fail_memory(diag);
     if (!status && is_series)
         status = subtract_series(&sides, room, differences, diag);
@@ -189,6 +221,64 @@ enum neph_status neph_versus(const struct neph_measurements *first,
     }
     free(room);
     return status;
+}
+
+/* ---- over time ------------------------------------------------------------------------------- */
+
+/* Below the frames that intervals of a mean need, the sign test over `unit_values` values each,
+ * which are a cycle. */
+static double sign_p(const double *a, const double *b, int count, int unit_values)
+{
+    int below = 0, above = 0;
+    for (int first = 0; first + unit_values <= count; first += unit_values) {
+        double sum = 0.0;
+        for (int i = 0; i < unit_values; i++)
+            sum += a[first + i] - b[first + i];
+        below += sum < 0.0;
+        above += sum > 0.0;
+    }
+    return neph_sign_p(above, below);
+}
+
+/* `frames_each`: how many frames a value stands for. */
+static enum neph_status pair_series(const double *a, const double *b, int count, int frames_each,
+                                    struct neph_time_difference *made, struct neph_diag *diag)
+{
+    const size_t frames = (size_t)(count * frames_each);
+    double *wide = calloc(2 * frames + 1, sizeof(*wide));
+    struct neph_paired paired;
+    if (!wide)
+        return neph_fail_memory(diag);
+    for (size_t f = 0; f < frames; f++) {
+        wide[f] = a[f / (size_t)frames_each];
+        wide[frames + f] = b[f / (size_t)frames_each];
+    }
+    const enum neph_status status = neph_series_paired(wide, wide + frames, (int)frames,
+                                                       NEPH_REPLICATE_FRAMES, &paired, diag);
+    free(wide);
+    if (status)
+        return status;
+    *made = (struct neph_time_difference){.count = count, .value = paired.difference.value};
+    made->p = paired.difference.interval == NEPH_INTERVAL_CYCLES
+                  ? paired.p
+                  : sign_p(a, b, count, NEPH_MOVEMENT_CYCLE / frames_each);
+    count_sides(a, b, count, &made->below, &made->above);
+    return NEPH_OK;
+}
+
+enum neph_status neph_versus_add_movement(const struct neph_movement *first,
+                                          const struct neph_movement *second,
+                                          struct neph_differences *differences,
+                                          struct neph_diag *diag)
+{
+    const int frame_count = first->frame_count;
+    if (frame_count == 0 || second->frame_count != frame_count)
+        return NEPH_OK;
+    const enum neph_status status = pair_series(first->frames, second->frames, frame_count, 1,
+                                                &differences->frames, diag);
+    return status ? status
+                  : pair_series(first->cycles, second->cycles, frame_count / NEPH_MOVEMENT_CYCLE,
+                                NEPH_MOVEMENT_CYCLE, &differences->cycles, diag);
 }
 
 void neph_differences_finish(struct neph_differences *differences)
@@ -204,14 +294,19 @@ static json_t *difference_json(const struct neph_difference *difference)
     const struct neph_measurement *number = difference->number;
     const bool is_sure = difference->interval != NEPH_INTERVAL_NONE;
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:f, s:o, s:s, s:i, s:o, s:o}", "quantity", number->quantity->name,
-        "metric", number->metric->name, "mask", number->mask, "unit", number->unit, "difference",
+        "{s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:o, s:s, s:i, s:o, s:o}", "quantity",
+        number->quantity->name, "metric", number->metric->name, "mask", number->mask, "unit",
+        number->unit, "test", difference->first, "other", difference->second, "difference",
         difference->value, "interval",
         is_sure ? json_pack("[f,f]", difference->low, difference->high) : json_null(),
         "interval_kind", neph_interval_name(difference->interval), "n", difference->n, "p",
         neph_json_number(difference->p), "p_sign", neph_json_number(difference->p_sign));
     if (!is_sure)
         neph_json_set(&json, "because", json_string(difference->because));
+    if (difference->frame_count > 0)
+        neph_json_set(&json, "frames",
+                      json_pack("{s:i, s:i, s:i}", "count", difference->frame_count, "lower",
+                                difference->frames_below, "higher", difference->frames_above));
     neph_json_set(&json, "p_holm", neph_json_number(difference->p_holm));
     return json;
 }
@@ -222,4 +317,19 @@ json_t *neph_differences_json(const struct neph_differences *differences)
     for (int i = 0; i < differences->count; i++)
         neph_json_add(&json, difference_json(&differences->list[i]));
     return json;
+}
+
+static json_t *time_difference_json(const struct neph_time_difference *made)
+{
+    return made->count == 0
+               ? json_null()
+               : json_pack("{s:i, s:i, s:i, s:o, s:o}", "count", made->count, "lower", made->below,
+                           "higher", made->above, "difference", neph_json_number(made->value), "p",
+                           neph_json_number(made->p));
+}
+
+json_t *neph_time_differences_json(const struct neph_differences *differences)
+{
+    return json_pack("{s:o, s:o}", "frames", time_difference_json(&differences->frames), "cycles",
+                     time_difference_json(&differences->cycles));
 }

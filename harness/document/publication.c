@@ -66,6 +66,15 @@ static bool close_streams(struct neph_publication *publication)
     return is_whole;
 }
 
+static void print_text(const struct neph_publication *publication)
+{
+    const struct neph_publication_places *places = publication->places;
+    if (publication->answer.count > 0 && !places->all)
+        neph_answer_print(&publication->answer, &places->rest, places->quiet, stdout);
+    else
+        fputs(publication->kept[TEXT].text, stdout);
+}
+
 static enum neph_status print_results(struct neph_publication *publication, bool has_csv,
                                       struct neph_diag *diag)
 {
@@ -76,7 +85,7 @@ static enum neph_status print_results(struct neph_publication *publication, bool
         status = neph_json_print(publication->json, diag);
         publication->json = NULL;
     } else if (!has_csv) {
-        fputs(publication->kept[TEXT].text, stdout);
+        print_text(publication);
     }
     fflush(stdout); /* before the verdict on stderr */
     return status;
@@ -92,7 +101,8 @@ enum neph_status neph_publication_publish(struct neph_publication *publication,
         int form;
     } files[] = {
         {places->markdown, TEXT}, {has_csv ? NULL : places->csv, CSV}, {places->chart, CHART}};
-    const bool is_whole = close_streams(publication) && !publication->arena.is_short;
+    const bool is_whole = close_streams(publication) && !publication->arena.is_short &&
+                          !publication->answer.arena.is_short;
     enum neph_status status = is_whole ? NEPH_OK : neph_fail_memory(diag);
     if (!status && places->document)
         status = neph_json_check(publication->json, diag);
@@ -122,5 +132,6 @@ void neph_publication_finish(struct neph_publication *publication)
         free(publication->kept[form].text);
     json_decref(publication->json);
     neph_arena_finish(&publication->arena);
+    neph_answer_finish(&publication->answer);
     *publication = (struct neph_publication){.places = NULL};
 }

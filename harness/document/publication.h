@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a command has found, in the forms that its user wants: a text that is Markdown, too, CSV,
- * a chart as SVG, and JSON.
+ * What a command has found, in the forms that its user wants: an answer in ten lines, a text of all
+ * numbers that is Markdown, too, CSV, a chart as SVG, and JSON.
  */
 #ifndef NEPH_HARNESS_DOCUMENT_PUBLICATION_H
 #define NEPH_HARNESS_DOCUMENT_PUBLICATION_H
 
+#include "harness/document/answer.h"
 #include "harness/document/table.h"
 
 #include <stdbool.h>
@@ -17,6 +18,9 @@ struct neph_publication_places {
                                            the text */
     const char *document;               /* a file of the JSON; NULL: not wanted */
     bool json;                          /* JSON on stdout, in place of the text */
+    bool all;                           /* the text on stdout also where there is an answer */
+    bool quiet;                         /* of an answer only its first line */
+    struct neph_answer_rest rest;       /* printed below the answer */
 };
 
 enum { NEPH_PUBLICATION_STREAMS = 3 };
@@ -24,12 +28,13 @@ enum { NEPH_PUBLICATION_STREAMS = 3 };
 struct neph_publication {
     const struct neph_publication_places *places; /* borrowed */
     FILE *text, *csv, *chart;                     /* into memory; NULL: not wanted */
-    json_t *json;                                 /* for places->json and ->document; owned */
-    int broken_count;         /* parts that broke: an error, once all is published, .. */
-    const char *broken_words; /* .. "takes broke; their cells say why" */
-    enum neph_status verdict; /* an error of the results, once all is published, .. */
-    struct neph_diag reason;  /* .. and what it says */
-    struct neph_arena arena;  /* of texts, until all is published; short, where a table was, too */
+    struct neph_answer answer; /* on stdout in place of the text; empty: the text is there */
+    json_t *json;              /* for places->json and ->document; owned */
+    int broken_count;          /* parts that broke: an error, once all is published, .. */
+    const char *broken_words;  /* .. "takes broke; their cells say why" */
+    enum neph_status verdict;  /* an error of the results, once all is published, .. */
+    struct neph_diag reason;   /* .. and what it says */
+    struct neph_arena arena;   /* of texts, until all is published; short, where a table was, too */
     struct {
         char *text;
         size_t size;

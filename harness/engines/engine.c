@@ -82,9 +82,10 @@ enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph
                                    const char *assignment, struct neph_diag *diag)
 {
     char owner[64];
+    const char *named = neph_settings_for(engine, assignment);
     snprintf(owner, sizeof(owner), "engine %s", engine->name);
-    const enum neph_status status = neph_options_set(engine->options, owner, assignment, settings,
-                                                     diag);
+    const enum neph_status status = neph_options_set(engine->options, owner,
+                                                     named ? named : assignment, settings, diag);
     if (status && diag && !diag->hint[0])
         neph_hint(diag, "`neph engines %s` explains its settings", engine->name);
     return status;

@@ -240,7 +240,8 @@ const char *neph_engine_other_lighting(const struct neph_engine *engine,
 /* Every option at its default. */
 struct neph_settings neph_settings_default(const struct neph_engine *engine);
 
-/* Apply "key=value". Errors name the key, the value, the allowed range and the known keys. */
+/* Apply "key=value", or "ENGINE:key=value" with the name of this engine. Errors name the key, the
+ * value, the allowed range and the known keys. */
 enum neph_status neph_settings_set(const struct neph_engine *engine, struct neph_settings *settings,
                                    const char *assignment, struct neph_diag *diag);
 

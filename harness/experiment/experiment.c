@@ -6,6 +6,7 @@
 #include "base/interrupt.h"
 #include "harness/engines/engines.h"
 #include "harness/experiment/pool.h"
+#include "harness/old_options.h"
 #include "harness/progress.h"
 #include "harness/run/seed.h"
 
@@ -128,15 +129,47 @@ struct paths {
     const char *store, *chart, *document, *csv;
 };
 
+/* The options that print all numbers. */
+static const char *flags_of(const struct neph_cli_syntax *syntax)
+{
+    for (const struct neph_cli_option *row = syntax ? syntax->options : NULL; row && row->name;
+         row++)
+        if (strcmp(row->name, "csv") == 0)
+            return "--all, --csv FILE or --json";
+    return "--all or --json";
+}
+
+enum { FILES_MAX = 12 };
+
+/* The names of what an experiment writes. */
+static void list_files(const struct neph_experiment *experiment, const char *files[FILES_MAX + 1])
+{
+    const char *const fixed[] = {experiment->chart, experiment->document, experiment->csv,
+                                 experiment->opens_stores ? NULL : "store"};
+    int count = 0;
+    for (const char *const *name = experiment->files; name && *name && count < FILES_MAX; name++)
+        files[count++] = *name;
+    for (size_t i = 0; i < sizeof(fixed) / sizeof(fixed[0]) && count < FILES_MAX; i++)
+        if (fixed[i])
+            files[count++] = fixed[i];
+    files[count] = NULL;
+}
+
 static enum neph_status run_in(const struct neph_experiment *experiment, void *request,
                                const struct paths *paths, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = request;
-    const struct neph_publication_places places = {.markdown = shared->markdown,
-                                                   .csv = shared->csv ? shared->csv : paths->csv,
-                                                   .chart = paths->chart,
-                                                   .document = paths->document,
-                                                   .json = shared->json};
+    const char *files[FILES_MAX + 1];
+    list_files(experiment, files);
+    const struct neph_publication_places places = {
+        .markdown = shared->markdown,
+        .csv = shared->csv ? shared->csv : paths->csv,
+        .chart = paths->chart,
+        .document = paths->document,
+        .json = shared->json,
+        .all = shared->all,
+        .quiet = shared->quiet,
+        .rest = {flags_of(experiment->syntax), shared->output, files}};
     struct neph_shared_device device = {.open = NULL};
     enum neph_status status = NEPH_OK;
     if (shared->jobs > 1 && experiment->part)
@@ -158,6 +191,8 @@ static enum neph_status run_with(const struct neph_experiment *experiment, void 
     const char *in[4] = {NULL};
     const char *slash = output && output[strlen(output) - 1] == '/' ? "" : "/";
     struct neph_arena arena = {.last = NULL};
+    if (output)
+        neph_old_output_warn(output);
     for (int i = 0; i < 4; i++)
         if (output && names[i])
             in[i] = neph_arena_format(&arena, "%s%s%s", output, slash, names[i]);

@@ -28,10 +28,11 @@ struct neph_experiment {
     /* A verb may be several experiments on one request: choose one, which needs neither syntax nor
      * size. NULL: the verb is one. */
     const struct neph_experiment *(*choose)(const void *request);
-    const char *chart;    /* the chart's name in OUTPUT; NULL: none */
-    const char *document; /* the JSON's name there; NULL: it has none but on stdout */
-    const char *csv;      /* the name of the CSV there, without --csv; NULL: it has none */
-    bool opens_stores;    /* the run opens its own, below OUTPUT */
+    const char *chart;        /* the chart's name in OUTPUT; NULL: none */
+    const char *document;     /* the JSON's name there; NULL: it has none but on stdout */
+    const char *csv;          /* the name of the CSV there, without --csv; NULL: it has none */
+    const char *const *files; /* further names there, before those above; ends with NULL; or NULL */
+    bool opens_stores;        /* the run opens its own, below OUTPUT */
     /* Read what options name, scenes for one, before anything is written. NULL: nothing to do. */
     enum neph_status (*prepare)(void *request, struct neph_diag *diag);
     /* For --jobs: change a prepared request to its part `index`, from 0 on, which renders other

@@ -21,42 +21,44 @@ _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
 
 struct request {
     struct neph_flicker_request flicker;
-    const char *preset, *only;
+    const char *preset;
+    struct neph_cli_list only;
     bool list;
     struct neph_ablation ablation; /* planned; a part borrows it */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME", "Preset whose parts are looked at; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(preset), "ours"},
+    {"preset", 0, NULL, "Preset whose parts are measured; PRESET+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(preset), "ours"},
     {"suite", 0, "NAME",
      "tuning: the scenes that presets were chosen by; test, test2: others, for what is to be "
      "reported; air: near fog, lamps, shafts, cirrus and shadows of clouds (default, without a "
      "SCENE: tuning)",
      NEPH_CLI_WORD, AT(flicker.suite)},
-    {"only", 0, "PART,...", "These parts alone, in place of all that the preset has", NEPH_CLI_WORD,
-     AT(only)},
+    {"only", 0, NULL, "Only these parts, in place of all that the preset has", NEPH_CLI_NAMES,
+     AT(only), .maximum = NEPH_ABLATION_PARTS_MAX},
     {"list", 0, NULL, "What the parts are, who claims them, and their settings; renders nothing",
      NEPH_CLI_FLAG, AT(list)},
-    {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
+    {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      AT(flicker.seed_count), "2", 1, NEPH_STUDY_SEEDS_MAX},
-    {"frames", 0, "N",
+    {"frames", 0, NULL,
      "Frames that error and flicker are measured in, a multiple of 4; a scene that moves has as "
      "many as it has",
      NEPH_CLI_INTEGER, AT(flicker.frame_count), "32", 16, 4096},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "8", 1, 65536},
-    {"takes", 0, "A,B",
+    {"takes", 0, NULL,
      "What is rendered of a scene: flicker (as it is: error, flicker, cost), step (of the sun: "
      "half-life)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
      .help = "Folder of the store and of ablation.json, ablation.csv, ablation.svg",
-     .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+     .otherwise = "out/ablate"},
+    {.name = "all", .help = "The tables of all parts and measures"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "quiet"},
     {.name = NULL},
 };
@@ -98,7 +100,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph ablate --list\n"
         "  neph ablate fence_backlit foliage --only override,box,gradients\n"
-        "  neph ablate --suite tuning -o tuning    # an hour on two cores\n"
+        "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
         "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
 };
 
@@ -313,6 +315,46 @@ static void print_verdicts(const struct neph_ablation *ablation,
             fprintf(out, "%s %s", count++ ? "," : "", neph_ablation_parts[i].name);
     }
     fprintf(out, "%s.\n", all == neph_ablation_part_count() ? " none" : "");
+}
+
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* "keep history, jitter; leave out x" */
+static void append_advice(const struct neph_ablation *ablation, enum neph_ablation_advice advice,
+                          char *text, size_t size)
+{
+    int count = 0;
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
+                                                                       NEPH_ABLATION_IN_PRESET);
+        const size_t used = strlen(text);
+        if (!of || neph_ablation_advise(of) != advice)
+            continue;
+        if (count++ == 0)
+            snprintf(text + used, size - used, "; %s: %s", neph_ablation_advice_words[advice],
+                     neph_ablation_parts[i].name);
+        else
+            snprintf(text + used, size - used, ", %s", neph_ablation_parts[i].name);
+    }
+}
+
+static void answer(const struct neph_ablation *ablation, struct neph_answer *answer,
+                   struct neph_arena *arena)
+{
+    const struct neph_flicker_study_params *params = ablation->study.params;
+    char text[800] = "";
+    for (int advice = 0; advice < NEPH_ABLATION_ADVICES; advice++)
+        append_advice(ablation, (enum neph_ablation_advice)advice, text, sizeof(text));
+    neph_answer_add(answer, "%s%s (%d scenes, %d seed%s, 95 %% intervals)", ablation->preset,
+                    text[0] ? text : "; no part was measured", params->scene_count,
+                    params->seed_count, params->seed_count == 1 ? "" : "s");
+    for (int i = 0; neph_ablation_parts[i].name; i++) {
+        const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,
+                                                                       NEPH_ABLATION_IN_PRESET);
+        if (of)
+            neph_answer_add(answer, "%s: %s", neph_ablation_parts[i].name,
+                            sentence(ablation, of, arena));
+    }
 }
 
 /* ---- a row for each part, place and measure -------------------------------------------------- */
@@ -569,6 +611,7 @@ enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
     publication->json = ablation_json(ablation, &publication->arena);
     if (publication->text)
         print_text(ablation, publication);
+    answer(ablation, &publication->answer, &publication->arena);
     print_csv(ablation, publication);
     if (publication->chart)
         status = neph_ablation_plot(ablation, publication->chart, diag);
@@ -577,16 +620,8 @@ enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
 
 static enum neph_status plan(struct request *request, struct neph_diag *diag)
 {
-    const char *only[NEPH_ABLATION_PARTS_MAX];
-    int only_count = 0;
-    char *words = request->only ? strdup(request->only) : NULL;
-    enum neph_status status = words || !request->only ? NEPH_OK : neph_fail_memory(diag);
-    if (!status && words)
-        status = neph_cli_split(words, "parts", NEPH_ABLATION_PARTS_MAX, only, &only_count, diag);
-    if (!status)
-        status = neph_ablation_plan(request->preset, only, only_count, &request->ablation, diag);
-    free(words);
-    return status;
+    return neph_ablation_plan(request->preset, request->only.words, request->only.count,
+                              &request->ablation, diag);
 }
 
 /* Sine and cut have no measure. */

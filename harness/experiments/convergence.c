@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES_MAX = 1024 };
+enum { FRAMES_MAX = 1024, PRESETS_MAX = 16 };
 
 struct request {
     struct neph_cli_shared shared; /* operands: the scenes */
@@ -25,17 +25,18 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"presets", 0, "A,B", "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
-     AT(presets), .maximum = 16, .presets = neph_rt_presets, .uses = NEPH_RT_CONVERGENCE},
-    {"frames", 0, "N", "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
+    {"preset", 0, NULL, "Presets to compare; PRESET+KEY=VALUE changes one", NEPH_CLI_LIST,
+     AT(presets), .maximum = PRESETS_MAX, .presets = neph_rt_presets, .uses = NEPH_RT_CONVERGENCE},
+    {"frames", 0, NULL, "Frames from the cold start", NEPH_CLI_INTEGER, AT(frames), "64", 16,
      FRAMES_MAX},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every view ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(steps), "32", 1, 4096},
-    {"seed", 0, "N", "Of the noise of frames", NEPH_CLI_INTEGER, AT(seed), "1", 1, 1 << 20},
+    {"seed", 0, NULL, "Seed of the noise of frames", NEPH_CLI_INTEGER, AT(seed), "1", 1, 1 << 20},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
+    {.name = "all", .help = "The table of all scenes and presets"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each scene and preset"},
     {.name = "markdown", .help = "The table into a file, too"},
     {.name = "quiet"},
@@ -56,8 +57,8 @@ static const struct neph_cli_syntax syntax = {
         "over 16 rays a pixel; the final error is the mean of the last quarter of the frames. What "
         "is finished stays in DIR/store, and the same command goes on from there.\n\n"
         "Examples:\n"
-        "  neph study convergence fence_sky cloud_gaps --size 192x108\n"
-        "  neph study convergence ridge_far --presets ours,ours+taa_jitter_length=8 --frames 128",
+        "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
+        "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
 };
 
 /* Errors that the table shows, as far as there are so many frames. */
@@ -89,8 +90,14 @@ static enum neph_status read_errors(const json_t *document, int count, double *e
     return NEPH_OK;
 }
 
+/* Of a preset over its scenes. */
+struct settled {
+    double frames, error; /* sums over the scenes, the first over those that settle */
+    int scene_count, settled_count;
+};
+
 static void add_row(const struct request *request, const char *scene, const char *preset,
-                    const double *errors, struct neph_table *table)
+                    const double *errors, struct settled *sum, struct neph_table *table)
 {
     const int count = request->frames;
     double final = 0.0;
@@ -99,6 +106,10 @@ static void add_row(const struct request *request, const char *scene, const char
         final += errors[i] / (count / 4);
     while (settled > 0 && fabs(errors[settled - 1] - final) <= settled_within * final)
         settled--;
+    sum->scene_count++;
+    sum->settled_count += settled < count;
+    sum->frames += settled < count ? settled + 1 : 0;
+    sum->error += final;
     neph_table_word(table, scene);
     neph_table_word(table, preset);
     neph_table_numbers(table, 2, (const double[]){settled < count ? settled + 1 : NAN, final});
@@ -125,7 +136,7 @@ static enum neph_status measure(const struct neph_take *take, struct neph_store 
 
 static enum neph_status run_preset(const struct request *request,
                                    const struct neph_experiment_run *run,
-                                   const struct neph_scene *scene, const char *preset,
+                                   const struct neph_scene *scene, int index, struct settled *sum,
                                    struct neph_table *table, struct neph_diag *diag)
 {
     static const char *const extractors[] = {"error", NULL};
@@ -133,6 +144,7 @@ static enum neph_status run_preset(const struct request *request,
                                                 .against = NEPH_REFERENCE_AVERAGED,
                                                 .extractors = extractors,
                                                 .viewing = NEPH_VIEWING_DEFAULTS};
+    const char *preset = request->presets.words[index];
     const struct neph_experiment_frames frames = {preset, request->steps, request->shared.size,
                                                   request->seed};
     double errors[FRAMES_MAX];
@@ -152,7 +164,7 @@ static enum neph_status run_preset(const struct request *request,
     if (!status)
         status = measure(&take, run->store, errors, diag);
     if (!status)
-        add_row(request, scene->name, preset, errors, table);
+        add_row(request, scene->name, preset, errors, &sum[index], table);
     neph_reference_finish(&reference);
     return status;
 }
@@ -175,11 +187,50 @@ static void begin_table(struct neph_table *table)
     }
 }
 
+/* Whether `a` settles before `b`: in more scenes, else earlier. */
+static bool is_before(const struct settled *a, const struct settled *b)
+{
+    if (a->settled_count != b->settled_count)
+        return a->settled_count > b->settled_count;
+    return a->frames < b->frames;
+}
+
+static void answer(const struct request *request, const struct settled *sums,
+                   struct neph_answer *answer)
+{
+    const int preset_count = request->presets.count, scene_count = request->shared.operand_count;
+    int order[PRESETS_MAX];
+    for (int p = 0; p < preset_count; p++) {
+        int place = p; /* an insertion: equals keep their order */
+        for (; place > 0 && is_before(&sums[p], &sums[order[place - 1]]); place--)
+            order[place] = order[place - 1];
+        order[place] = p;
+    }
+    for (int i = 0; i < preset_count; i++) {
+        const struct settled *sum = &sums[order[i]];
+        const char *name = request->presets.words[order[i]];
+        const double error = 100.0 * sum->error / sum->scene_count;
+        const struct settled *next = i == 0 && preset_count > 1 ? &sums[order[1]] : NULL;
+        const bool is_alike = next && !is_before(sum, next);
+        if (sum->settled_count == 0)
+            neph_answer_add(answer, "%s: not settled after %d frames, final error %.3g %%", name,
+                            request->frames, error);
+        else
+            neph_answer_add(answer,
+                            "%s%s: settled at frame %.3g, final error %.3g %% (means; settled in "
+                            "%d of %d scenes, 1 seed)",
+                            is_alike ? "not told apart from the next: " : "", name,
+                            sum->frames / sum->settled_count, error, sum->settled_count,
+                            scene_count);
+    }
+}
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
     const struct request *request = request_;
     struct neph_table table = {.cells = NULL};
+    struct settled sums[PRESETS_MAX] = {{0}};
     enum neph_status status = NEPH_OK;
     struct neph_progress progress = neph_progress_start(run->quiet, request->shared.operand_count *
                                                                         request->presets.count);
@@ -189,7 +240,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         status = neph_data_load_scene(request->shared.operands[i], &scene, diag);
         for (int p = 0; p < request->presets.count && !status; p++) {
             neph_progress_begin(&progress, request->presets.words[p]);
-            status = run_preset(request, run, scene, request->presets.words[p], &table, diag);
+            status = run_preset(request, run, scene, p, sums, &table, diag);
             if (!status)
                 neph_progress_over(&progress, request->presets.words[p], "measured");
         }
@@ -198,6 +249,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     neph_progress_end(&progress);
     if (publication->text)
         neph_table_print(&table, publication->text);
+    if (!status)
+        answer(request, sums, &publication->answer);
     publication->json = json_pack("{s:s, s:i, s:o}", "format", "neph-convergence-study-1", "frames",
                                   request->frames, "rows", neph_table_json(&table));
     neph_publication_csv(publication, "\r\n", &table);

@@ -7,6 +7,7 @@
 #include "harness/data.h"
 #include "harness/document/table.h"
 #include "harness/experiments/experiments.h"
+#include "harness/study/flicker_answer.h"
 #include "harness/study/flicker_pairs.h"
 #include "harness/study/flicker_plot.h"
 #include "harness/study/suites.h"
@@ -23,29 +24,32 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"presets", 0, "A,B", "Presets to hold against each other; PRESET+KEY=VALUE changes one",
+    {"preset", 0, NULL, "Presets to compare with each other; PRESET+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(presets), .presets = neph_rt_presets, .uses = NEPH_RT_FLICKER,
      .maximum = NEPH_STUDY_PRESETS_MAX},
-    {"suite", 0, "NAME",
+    {"suite", 0, NULL,
      "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
      "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
      NEPH_CLI_WORD, AT(flicker.suite)},
-    {"seeds", 0, "N", "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
+    {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      AT(flicker.seed_count), "3", 1, NEPH_STUDY_SEEDS_MAX},
-    {"frames", 0, "N",
+    {"frames", 0, NULL,
      "Frames that flicker is measured in, a multiple of 4; a scene that moves has as many as it "
      "has",
      NEPH_CLI_INTEGER, AT(flicker.frame_count), "256", 16, 4096},
-    {.name = "size", .otherwise = "320x180"},
-    {"steps", 0, "N", "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "32", 1, 65536},
-    {"takes", 0, "A,B",
+    {"takes", 0, NULL,
      "What is rendered of a scene: flicker (as it is), step (of the sun), sine (of the sun), cut "
      "(of the camera)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of flicker_lag.svg", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "output",
+     .help = "Folder of the store and of flicker_lag.svg",
+     .otherwise = "out/study"},
+    {.name = "all"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each number"},
     {.name = "markdown"},
     {.name = "quiet"},
@@ -79,8 +83,8 @@ static const struct neph_cli_syntax syntax = {
         "many cores. Runs may share DIR.\n\n"
         "Examples:\n"
         "  neph study flicker --suite test --markdown study.md\n"
-        "  neph study flicker fence_pitch4 foliage --presets fixed,ours --seeds 1 --frames 64\n"
-        "  neph study flicker --presets ours,ours+taa_jitter_length=8 --takes flicker",
+        "  neph study flicker fence_pitch4 foliage --preset fixed,ours --seeds 1 --frames 64\n"
+        "  neph study flicker --preset ours,ours+taa_jitter_length=8 --takes flicker",
 };
 
 /* ---- requests of flicker studies ------------------------------------------------------------- */
@@ -595,6 +599,8 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
         print_text(study, publication);
     if (publication->chart)
         status = neph_flicker_study_plot(study, publication->chart, diag);
+    if (!status)
+        status = neph_flicker_answer(study, &publication->answer, diag);
     if (!status && publication->places->json) {
         publication->json = study_json(study, &results);
         status = neph_json_check(publication->json, diag);

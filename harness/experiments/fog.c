@@ -15,20 +15,23 @@
 
 struct request {
     struct neph_cli_shared shared; /* operand: the scene */
-    const char *model;
+    struct neph_cli_list models;
     struct neph_fog_study_params study;
     struct neph_scene *scene; /* owned */
 };
 
 static const struct neph_cli_option options[] = {
-    {.name = "size", .otherwise = "96x54"},
-    {"model", 0, "NAME", "unreal or filament (default: all that know the scene's fog)",
-     NEPH_CLI_WORD, .at = offsetof(struct request, model)},
+    {.name = "size", .otherwise = "192x108"},
+    {"model", 0, NULL, "unreal or filament (default: all that know the scene's fog)",
+     NEPH_CLI_NAMES, .at = offsetof(struct request, models)},
     {"directions", 0, "N", "Over the sphere around the camera", NEPH_CLI_INTEGER,
      .at = offsetof(struct request, study.directions), "4096", 16, 1 << 20},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "all", .help = "The table of all controls"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
+    {.name = "quiet", .help = "Accepted; there is no progress"},
     {.name = "csv", .help = "A line for each row"},
     {.name = "markdown", .help = "The table into a file, too"},
+    {.name = "quiet"},
     {.name = NULL},
 };
 
@@ -47,17 +50,25 @@ static const struct neph_cli_syntax syntax = {
         "  neph study fog my_fog.yaml --model filament --markdown fog.md --csv fog.csv",
 };
 
-static enum neph_status read_model(const char *word, int *model, struct neph_diag *diag)
+/* One model, or all of them. */
+_Static_assert(NEPH_FOG_MODEL_COUNT == 2, "two different names are all models");
+
+static enum neph_status read_models(const struct neph_cli_list *names, int *model,
+                                    struct neph_diag *diag)
 {
     *model = -1;
-    for (int m = 0; word && m < NEPH_FOG_MODEL_COUNT; m++)
-        if (strcmp(word, neph_fog_model_words[m]) == 0)
-            *model = m;
-    if (!word || *model >= 0)
-        return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_USAGE, "--model: there is no model '%s'", word);
-    neph_hint(diag, "unreal or filament");
-    return NEPH_ERR_USAGE;
+    for (int i = 0; i < names->count; i++) {
+        int m = 0;
+        while (m < NEPH_FOG_MODEL_COUNT && strcmp(names->words[i], neph_fog_model_words[m]) != 0)
+            m++;
+        if (m == NEPH_FOG_MODEL_COUNT) {
+            neph_fail(diag, NEPH_ERR_USAGE, "--model: there is no model '%s'", names->words[i]);
+            neph_hint(diag, "unreal or filament");
+            return NEPH_ERR_USAGE;
+        }
+        *model = names->count == 1 ? m : -1;
+    }
+    return NEPH_OK;
 }
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -66,7 +77,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     struct neph_fog_study_params *study = &request->study;
     study->width_px = request->shared.size.width_px;
     study->height_px = request->shared.size.height_px;
-    enum neph_status status = read_model(request->model, &study->model, diag);
+    enum neph_status status = read_models(&request->models, &study->model, diag);
     if (!status)
         status = neph_data_load_scene(request->shared.operands[0], &request->scene, diag);
     study->scene = request->scene;
@@ -151,6 +162,44 @@ static void print_head(const struct neph_fog_study *study, FILE *out)
             study->exact_fog_light);
 }
 
+/* Rows by their error of radiance, the largest first; a row that is NaN last. */
+static int sort_rows(const struct neph_fog_study *study, int order[NEPH_FOG_ROWS_MAX])
+{
+    int count = 0;
+    for (int i = 0; i < study->row_count; i++) {
+        int place = count++;
+        for (;
+             place > 0 && study->rows[i].radiance_rms > study->rows[order[place - 1]].radiance_rms;
+             place--)
+            order[place] = order[place - 1];
+        order[place] = i;
+    }
+    return count;
+}
+
+static void answer(const struct neph_fog_study *study, struct neph_answer *answer)
+{
+    enum { MORE = 5 };
+    int order[NEPH_FOG_ROWS_MAX];
+    const int count = sort_rows(study, order);
+    for (int i = 0; i < count && i <= MORE; i++) {
+        const struct neph_fog_row *row = &study->rows[order[i]];
+        const char *model = neph_fog_model_words[row->model];
+        if (i == 0)
+            neph_answer_add(answer,
+                            "%s, %s: the largest error of %d rows in %s: radiance %.1f %% (rms), "
+                            "%+.1f %% in the mean, against exact; closed forms, no noise",
+                            model, row->name, count, study->params->scene->name,
+                            100.0 * row->radiance_rms, 100.0 * row->radiance_bias);
+        else
+            neph_answer_add(answer,
+                            "%s, %s: radiance %.1f %% (rms), %+.1f %% in the mean; light of the "
+                            "fog over the sphere %+.1f %%",
+                            model, row->name, 100.0 * row->radiance_rms, 100.0 * row->radiance_bias,
+                            100.0 * row->fog_light);
+    }
+}
+
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -162,6 +211,7 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
     if (status)
         return status;
     fill(&study, &table);
+    answer(&study, &publication->answer);
     if (publication->text)
         print_head(&study, publication->text);
     if (publication->csv)

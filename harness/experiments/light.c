@@ -16,11 +16,11 @@
 
 #define AT(member) .at = offsetof(struct neph_light_request, member)
 static const struct neph_cli_option options[] = {
-    {"models", 0, "A,B",
+    {"model", 0, NULL,
      "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
      "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
      NEPH_CLI_LIST, AT(models), .maximum = NEPH_LIGHT_MODELS_MAX},
-    {"suite", 0, "NAME",
+    {"suite", 0, NULL,
      "tuning: what models were fitted on; test: others (default, without a SCENE: test); test2: "
      "others again",
      NEPH_CLI_WORD, AT(suite)},
@@ -39,16 +39,17 @@ static const struct neph_cli_option options[] = {
      "pictures, 60 a second",
      NEPH_CLI_REAL, AT(sun_speed_deg_per_s), "0", 0, 50},
     {.name = "size", .otherwise = "48x27"},
-    {"steps", 0, "N", "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "128", 1, 65536},
-    {"noise", 0, "X",
+    {"steps", 0, NULL, "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "128", 1, 65536},
+    {"noise-limit", 0, "X",
      "The tracer stops at this rms standard error over rms radiance; its noise is taken out of "
      "what is reported",
      NEPH_CLI_REAL, AT(noise), "0.2", 1e-6, 10},
-    {"samples", 0, "N", "Or at so many samples a pixel", NEPH_CLI_INTEGER, AT(samples), "1024", 2,
+    {"samples", 0, NULL, "Or at so many samples a pixel", NEPH_CLI_INTEGER, AT(samples), "1024", 2,
      1 << 28},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of light.svg", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "output", .help = "Folder of the store and of light.svg", .otherwise = "out/study"},
+    {.name = "all", .help = "The tables of all models and cells"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each cell and model"},
     {.name = "markdown"},
     {"laws", 0, NULL,
@@ -69,8 +70,8 @@ static const struct neph_cli_operands operands = {.shown = "[SCENE...]"};
 static void check(const void *request_, const struct argp_state *state)
 {
     const struct neph_light_request *request = request_;
-    const bool has_sweep = request->suns.argument || request->g.argument ||
-                           request->albedo.argument || request->density.argument;
+    const bool has_sweep = request->suns.count || request->g.count || request->albedo.count ||
+                           request->density.count;
     const char *suite = request->suite ? request->suite : "test";
     if (request->fit && request->shared.operand_count == 0 && strncmp(suite, "test", 4) == 0)
         argp_error(state, "the suite %s is what a fit is judged by: --fit has --suite tuning",
@@ -100,7 +101,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study light --suite test --markdown light.md\n"
         "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85 --albedo 1,0.9\n"
-        "  neph study light gaussian_blob --density 10 --models march_octaves",
+        "  neph study light gaussian_blob --density 10 --model march_octaves",
 };
 
 /* ---- cells ----------------------------------------------------------------------------------- */
@@ -161,8 +162,8 @@ static enum neph_status offer_models(struct neph_cli_list *models, struct neph_d
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
 {
     struct neph_light_request *request = request_;
-    enum neph_status status = request->models.argument ? NEPH_OK
-                                                       : offer_models(&request->models, diag);
+    enum neph_status status = request->models.count ? NEPH_OK
+                                                    : offer_models(&request->models, diag);
     request->only_cell = -1;
     if (status)
         return status;

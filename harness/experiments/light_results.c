@@ -2,6 +2,7 @@
 #include "harness/experiments/light.h"
 
 #include "harness/document/table.h"
+#include "metrics/significance.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -474,11 +475,81 @@ static enum neph_status print_laws(const struct neph_light_study *study, FILE *o
     return status;
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* Cells in which one model is nearer than another in the mean, and the other way round. */
+static void count_nearer(const struct neph_light_study *study, int model, int other, int *nearer,
+                         int *farther)
+{
+    *nearer = *farther = 0;
+    for (int i = 0; i < study->cell_count; i++) {
+        const struct neph_light_cell *cell = &study->cells[i];
+        const struct neph_light_sums *a = neph_light_part_of(&cell->gaps[model], NEPH_LIGHT_DENSE);
+        const struct neph_light_sums *b = neph_light_part_of(&cell->gaps[other], NEPH_LIGHT_DENSE);
+        if (cell->left_out[0] || !neph_light_counts(a) || !neph_light_counts(b))
+            continue;
+        *nearer += fabs(neph_light_bias(a)) < fabs(neph_light_bias(b));
+        *farther += fabs(neph_light_bias(a)) > fabs(neph_light_bias(b));
+    }
+}
+
+/* By the mean of |bias| in dense parts, the smallest first; models without a number last. */
+static void sort_models(const struct neph_light_study *study,
+                        struct neph_light_verdict verdicts[NEPH_LIGHT_MODELS_MAX],
+                        int order[NEPH_LIGHT_MODELS_MAX])
+{
+    for (int m = 0; m < study->request->models.count; m++) {
+        int place = m;
+        verdicts[m] = neph_light_verdict_of(study, m, NEPH_LIGHT_DENSE, NULL, NULL);
+        const double bias = verdicts[m].mean_bias;
+        for (; place > 0; place--) {
+            const double before = verdicts[order[place - 1]].mean_bias;
+            if (!(bias < before || (isfinite(bias) && isnan(before))))
+                break;
+            order[place] = order[place - 1];
+        }
+        order[place] = m;
+    }
+}
+
+static void answer(const struct neph_light_study *study, struct neph_answer *answer)
+{
+    struct neph_light_verdict verdicts[NEPH_LIGHT_MODELS_MAX];
+    int order[NEPH_LIGHT_MODELS_MAX];
+    const int count = study->request->models.count;
+    sort_models(study, verdicts, order);
+    for (int i = 0; i < count; i++) {
+        const struct neph_light_verdict *of = &verdicts[order[i]];
+        const char *name = study->request->models.words[order[i]];
+        char against[160] = "";
+        int nearer, farther;
+        if (of->cell_count == 0) {
+            neph_answer_add(answer, "%s: not measured", name);
+            continue;
+        }
+        if (i == 0 && count > 1) {
+            count_nearer(study, order[0], order[1], &nearer, &farther);
+            const double p = neph_sign_p(farther, nearer);
+            snprintf(against, sizeof(against),
+                     "; %s %.60s: nearer in %d, farther in %d cells, p = "
+                     "%.2g",
+                     p < 0.05 ? "than" : "not told apart from",
+                     study->request->models.words[order[1]], nearer, farther, p);
+        }
+        neph_answer_add(answer,
+                        "%s%s: bias %.1f %% in the mean, %.1f %% at most, over %d cells "
+                        "(dense parts)%s",
+                        i == 0 && count > 1 ? "nearest: " : "", name, 100.0 * of->mean_bias,
+                        100.0 * of->worst_bias, of->cell_count, against);
+    }
+}
+
 enum neph_status neph_light_publish(const struct neph_light_study *study,
                                     struct neph_publication *publication, struct neph_diag *diag)
 {
     if (publication->text)
         print_text(study, publication);
+    answer(study, &publication->answer);
     if (publication->csv)
         print_csv(study, publication);
     if (publication->chart)

@@ -22,9 +22,10 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
 {
     const struct neph_validate_request *request = request_;
     const struct neph_validate_params about = neph_validate_params_of(request, run);
-    const struct neph_physics_params params = {.engines = request->engines.list,
+    const struct neph_physics_params params = {.engines = request->engines.words,
                                                .engine_count = request->engines.count,
-                                               .only = request->check,
+                                               .only = request->only.words,
+                                               .only_count = request->only.count,
                                                .jobs = request->shared.jobs,
                                                .samples = request->samples < 0 ? 256
                                                                                : request->samples,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --presets A,B
+ * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --preset A,B
  * [SCENE...]`: a preset out of several, over many scenes.
  */
 #include "base/path.h"
@@ -12,6 +12,7 @@
 #include "harness/study/suites.h"
 #include "harness/sweep/choice.h"
 #include "harness/sweep/pick.h"
+#include "harness/sweep/pick_answer.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,7 +24,7 @@ _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
 struct request {
     struct neph_cli_shared shared; /* operands: a scene; with presets, scenes */
     struct neph_choice choice;     /* its budget is that of a single scene, too */
-    struct neph_cli_list presets;
+    struct neph_cli_list presets, engines, only;
     const char *suite, *least;
     int seed, seeds, frames, steps;
     struct neph_arena arena; /* of the suite's scenes */
@@ -34,45 +35,52 @@ struct request {
 #define BUDGET(number) .at = offsetof(struct request, choice.budget[NEPH_CHOICE_##number])
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"error", 0, "E", "The most that the relative RMSE against the truth may be, such as 0.05",
+    {"error", 0, NULL, "The largest relative RMSE against the truth allowed, such as 0.05",
      NEPH_CLI_REAL, BUDGET(ERROR), .minimum = 1e-6, .maximum = 1e6},
-    {"flicker", 0, "F", "The most that flicker may be seen, 1 being the eye's threshold",
-     NEPH_CLI_REAL, BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
-    {"ms", 0, "T", "The most that a picture may take on this device", NEPH_CLI_REAL, BUDGET(TIME),
-     .minimum = 1e-6, .maximum = 1e9},
-    {.name = "size", .otherwise = "320x180"},
-    {"seed", 0, "N", "Of all that is random (default: 1); --presets have --seeds", NEPH_CLI_INTEGER,
-     AT(seed), .minimum = 1, .maximum = 1000000},
-    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out"},
+    {"flicker", 0, "F", "The largest flicker allowed; 1 is the threshold of the eye", NEPH_CLI_REAL,
+     BUDGET(FLICKER), .minimum = 1e-6, .maximum = 1e6},
+    {"ms", 0, "T", "The largest time of a frame allowed on this device", NEPH_CLI_REAL,
+     BUDGET(TIME), .minimum = 1e-6, .maximum = 1e9},
+    {"engine", 0, NULL, "Only configurations of these engines; march has march_octaves and others",
+     NEPH_CLI_NAMES, AT(engines), .maximum = NEPH_CLI_LIST_MAX},
+    {"only", 0, NULL,
+     "Only configurations with these names: a preset of realtime, march, or a lighting such as "
+     "octaves",
+     NEPH_CLI_NAMES, AT(only), .maximum = NEPH_CLI_LIST_MAX},
+    {.name = "size", .otherwise = "192x108"},
+    {"seed", 0, NULL, "Seed of all that is random (default: 1); --preset has --seeds",
+     NEPH_CLI_INTEGER, AT(seed), .minimum = 1, .maximum = 1000000},
+    {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out/pick"},
     {.name = "time-limit", .otherwise = "3600"},
     {.name = "jobs",
-     .help = "Processes that render at the same time; no result but the ms of --presets depends on "
+     .help = "Processes that render at the same time; no result but the ms of --preset depends on "
              "it",
      .otherwise = "1"},
+    {.name = "all", .help = "All numbers, and what each part that is left out would bring"},
     {.name = "json"},
     {.name = "quiet"},
-    {"presets", 0, "A,B,..",
+    {"preset", 0, NULL,
      "One of these presets over many scenes in place of a configuration of one; PRESET+KEY=VALUE "
      "changes one, and command is a renderer of your own",
      NEPH_CLI_LIST, AT(presets), .maximum = NEPH_STUDY_PRESETS_MAX, .group = 1},
-    {"suite", 0, "NAME", "With --presets: the scenes of a suite (default, without a SCENE: tuning)",
+    {"suite", 0, NULL, "With --preset: the scenes of a suite (default, without a SCENE: tuning)",
      NEPH_CLI_WORD, AT(suite), .group = 1},
     {"least", 0, "NUMBER",
-     "With --presets: what the choice has the least of, within what is given: flicker, half-life, "
+     "With --preset: what the choice has the least of, within what is given: flicker, half-life, "
      "lag, error, evaluations or ms (default: evaluations)",
      NEPH_CLI_WORD, AT(least), .group = 1},
-    {"half-life", 0, "N", "With --presets: the most frames to half of a step of the sun",
+    {"half-life", 0, "N", "With --preset: the most frames to half of a step of the sun",
      NEPH_CLI_REAL, BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
-    {"lag", 0, "N", "With --presets: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
+    {"lag", 0, "N", "With --preset: the most frames behind a sun that swings in 64", NEPH_CLI_REAL,
      BUDGET(LAG), .minimum = 1e-6, .maximum = 1e6, .group = 1},
-    {"evaluations", 0, "N", "With --presets: the most evaluations of density a pixel",
-     NEPH_CLI_REAL, BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
-    {"seeds", 0, "N", "With --presets: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
+    {"evaluations", 0, "N", "With --preset: the most evaluations of density a pixel", NEPH_CLI_REAL,
+     BUDGET(WORK), .minimum = 1e-6, .maximum = 1e9, .group = 1},
+    {"seeds", 0, NULL, "With --preset: seeds of each scene (default: 1)", NEPH_CLI_INTEGER,
      AT(seeds), .minimum = 1, .maximum = NEPH_STUDY_SEEDS_MAX, .group = 1},
-    {"frames", 0, "N",
-     "With --presets: frames that flicker is measured in, a multiple of 4 (default: 32)",
+    {"frames", 0, NULL,
+     "With --preset: frames that flicker is measured in, a multiple of 4 (default: 32)",
      NEPH_CLI_INTEGER, AT(frames), .minimum = 16, .maximum = 4096, .group = 1},
-    {"steps", 0, "N", "With --presets: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
+    {"steps", 0, NULL, "With --preset: steps of every ray (default: 8)", NEPH_CLI_INTEGER,
      AT(steps), .minimum = 1, .maximum = 65536, .group = 1},
     {.name = NULL},
 };
@@ -107,9 +115,12 @@ static void check(const void *request_, const struct argp_state *state)
     const struct request *request = request_;
     const double *budget = request->choice.budget;
     const int scenes = request->shared.operand_count;
-    if (request->presets.argument) {
+    if (request->presets.count) {
+        if (request->engines.count || request->only.count)
+            argp_error(state, "--engine and --only choose among the configurations of one scene, "
+                              "--preset among presets");
         if (request->seed >= 0)
-            argp_error(state, "--seed is of one scene; --presets have --seeds");
+            argp_error(state, "--seed is of one scene; --preset has --seeds");
         if (request->suite && scenes > 0)
             argp_error(state, "a suite or scenes by name, not both");
         if (request->suite && strcmp(request->suite, "test") == 0)
@@ -123,11 +134,11 @@ static void check(const void *request_, const struct argp_state *state)
         return;
     }
     if (misplaced(request))
-        argp_error(state, "%s is of a choice out of --presets", misplaced(request));
+        argp_error(state, "%s is of a choice out of --preset", misplaced(request));
     if (scenes == 0)
         argp_error(state, "which scene? `neph scenes` lists the catalogue");
     if (scenes > 1)
-        argp_error(state, "one scene, or --presets over several");
+        argp_error(state, "one scene, or --preset over several");
     if (isnan(budget[NEPH_CHOICE_ERROR]) && isnan(budget[NEPH_CHOICE_FLICKER]))
         argp_error(state, "give --error, --flicker, or both: what is good enough?");
 }
@@ -136,29 +147,29 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "The cheapest configuration of a scene that is good enough, and what was left out; or "
-           "a preset out of several, over many scenes.\v"
-           "Closed forms come first, then the real-time pipeline and the march, with few steps and "
-           "more, with light scattered once and by all orders. All are looked at in small "
-           "pictures; what passes there with room to spare goes on to larger ones, the cheapest "
-           "first by density evaluations, and the first that passes at full size is the choice. "
-           "Errors are against engine exact, or the tracer. Where nothing moves, the parts that "
-           "only motion needs are left out. What each part that is left out would have bought is "
-           "measured, too.\n\nDIR/pick.json is what `neph render --config` takes. With --ms, times "
-           "are measured once and kept in DIR/times.json, so that the same command picks the same "
-           "again. Exit code 1: nothing is good enough; the best is shown.\n\n"
-           "With --presets, each is rendered as it is, with a step of the sun and with a sun that "
-           "swings, over all scenes; numbers are geometric means over scenes, errors and lags "
-           "those of the shortcut against the march of its own model. Out of those that no other "
-           "beats in all numbers at once, the choice is within what is given and has the least of "
-           "--least. docs/sweep.md has more.\n\n"
+    .doc = "Find the cheapest configuration of a scene that is good enough; or, with --preset, the "
+           "best preset over many scenes.\v"
+           "Closed forms are tried first, then the real-time presets and the ray marcher, with few "
+           "steps and more, with single scattering and with all orders. All configurations are "
+           "measured in small frames. Those that pass with room to spare are measured in larger "
+           "ones, the cheapest first by density evaluations. The first that passes at full size is "
+           "the choice. Errors are against engine exact, or the tracer. In a static scene the "
+           "parts that only motion needs are left out.\n\n"
+           "DIR/pick.json is a file for `neph render --config`. With --ms, times are measured once "
+           "and kept in DIR/times.json. Exit code 1: nothing is good enough; the best is "
+           "printed.\n\n"
+           "With --preset, each preset is rendered over all scenes as they are, with a step of the "
+           "sun and with a swinging sun. Numbers are geometric means over scenes; errors and lags "
+           "are against the ray marcher with the same lighting. Of the presets that no other "
+           "preset beats in all numbers, the choice is within the limits and has the least of "
+           "--least.\n\n"
            "Examples:\n"
            "  neph pick height_fog_level --error 0.01\n"
-           "  neph pick cloud_below --error 0.3 --flicker 2 --size 160x90\n"
-           "  neph pick voxel_grid --error 0.25 --ms 50 -o out\n"
-           "  neph render voxel_grid --config out/pick.json --frames 48\n"
-           "  neph pick --suite tuning --presets ours,fixed,ours+taa_alpha=0.06 --half-life 2 "
-           "--least flicker --size 96x54",
+           "  neph pick voxel_grid --error 0.25 --ms 50\n"
+           "  neph render voxel_grid --config out/pick/pick.json --frames 48\n"
+           "  neph pick cloud_below --error 0.3 --flicker 2 --engine march\n"
+           "  neph pick voxel_grid --error 0.25 --only ours,march\n"
+           "  neph pick --preset ours,fixed --half-life 2 --least flicker --size 96x54",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -167,7 +178,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     request->scenes = request->shared.operands;
     request->scene_count = request->shared.operand_count;
-    if (!request->presets.argument)
+    if (!request->presets.count)
         return NEPH_OK;
     const int least = request->least ? neph_choice_find(request->least) : NEPH_CHOICE_WORK;
     if (least < 0)
@@ -193,7 +204,7 @@ static void finish(void *request_)
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
-    if (!request->presets.argument || index >= request->scene_count)
+    if (!request->presets.count || index >= request->scene_count)
         return false;
     request->scenes += index;
     request->scene_count = 1;
@@ -323,7 +334,10 @@ static enum neph_status pick_configuration(const struct request *request,
                                             .time_limit_s = shared->time_limit_s,
                                             .device = run->device,
                                             .quiet = shared->quiet || shared->json,
-                                            .times = &times};
+                                            .times = &times,
+                                            .filter = {request->engines.words,
+                                                       request->engines.count, request->only.words,
+                                                       request->only.count}};
     struct neph_pick pick;
     enum neph_status status = neph_times_open_in(run->output, &times, diag);
     if (!status)
@@ -335,6 +349,8 @@ static enum neph_status pick_configuration(const struct request *request,
             fprintf(publication->text, "neph render %s --config %s\n", params.scene,
                     neph_path_in(run->output, "pick.json").text);
         }
+        neph_pick_answer(&params, &pick, neph_path_in(run->output, "pick.json").text,
+                         &publication->answer);
         if (!pick.found)
             publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
                                              "nothing is good enough for what was asked");
@@ -357,7 +373,7 @@ static enum neph_status judge(const struct neph_choice *choice, struct neph_diag
 }
 
 static enum neph_status publish(const struct neph_flicker_study *study,
-                                const struct neph_choice *choice,
+                                const struct neph_choice *choice, const char *config,
                                 struct neph_publication *publication, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -365,6 +381,8 @@ static enum neph_status publish(const struct neph_flicker_study *study,
         status = neph_flicker_study_plot(study, publication->chart, diag);
     if (!status && publication->text)
         status = neph_choice_print(choice, study, publication->text, diag);
+    if (!status)
+        status = neph_choice_answer(choice, study, config, &publication->answer, diag);
     publication->json = neph_choice_json(choice, study);
     publication->broken_count = study->failed_count;
     publication->broken_words = "takes broke; their scenes have no number";
@@ -395,7 +413,8 @@ static enum neph_status pick_preset(struct request *request, const struct neph_e
     if (!status)
         status = neph_choice_make(&study, &request->choice, diag);
     if (!status)
-        status = publish(&study, &request->choice, publication, diag);
+        status = publish(&study, &request->choice, neph_path_in(run->output, "pick.json").text,
+                         publication, diag);
     if (study.params)
         neph_flicker_study_finish(&study);
     return status;
@@ -404,7 +423,7 @@ static enum neph_status pick_preset(struct request *request, const struct neph_e
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
-    return ((struct request *)request)->presets.argument
+    return ((struct request *)request)->presets.count
                ? pick_preset(request, run, publication, diag)
                : pick_configuration(request, run, publication, diag);
 }

@@ -33,22 +33,24 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 0, "NAME", "Of realtime, whose frames they are; NAME+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(preset), "ours"},
-    {"frames", 0, "N", "That are measured, a multiple of 4", NEPH_CLI_INTEGER, AT(frames), "32", 16,
-     1024},
-    {"warm-up", 0, "N", "Before them, a multiple of 4", NEPH_CLI_INTEGER, AT(warm_up), "32", 0,
-     1024},
-    {"fps", 0, "HZ", "Frames a second", NEPH_CLI_REAL, AT(rate_hz), "30", 1, 1000},
-    {.name = "size", .otherwise = "96x54"},
-    {"steps", 0, "N", "Of every view ray", NEPH_CLI_INTEGER, AT(steps), "32", 1, 4096},
-    {"seed", 0, "N", "Of the noise of frames and grain", NEPH_CLI_INTEGER, AT(seed), "1", 1,
+    {"preset", 0, NULL, "Preset of realtime, which renders the frames; NAME+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(preset), "ours"},
+    {"frames", 0, NULL, "Frames that are measured, a multiple of 4", NEPH_CLI_INTEGER, AT(frames),
+     "32", 16, 1024},
+    {"warm-up", 0, NULL, "Frames before them, a multiple of 4", NEPH_CLI_INTEGER, AT(warm_up), "32",
+     0, 1024},
+    {"fps", 0, NULL, "Frames a second", NEPH_CLI_REAL, AT(rate_hz), "30", 1, 1000},
+    {.name = "size", .otherwise = "192x108"},
+    {"steps", 0, NULL, "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "32", 1, 4096},
+    {"seed", 0, NULL, "Seed of the noise of frames and grain", NEPH_CLI_INTEGER, AT(seed), "1", 1,
      1 << 20},
-    {"chains", 0, "A,B", "Those with A or B in their names, and the curve alone (default: all)",
-     NEPH_CLI_LIST, AT(chains), .maximum = ROWS_MAX},
+    {"only", 0, NULL,
+     "Only chains with one of these texts in their name, and the curve by itself (default: all)",
+     NEPH_CLI_NAMES, AT(chains), .maximum = ROWS_MAX},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "output", .help = "Folder of the store and of post.svg", .otherwise = "out/study"},
+    {.name = "all", .help = "The tables of all scenes and chains"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each chain and scene"},
     {.name = "markdown"},
     {.name = "quiet"},
@@ -84,7 +86,7 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph study post fence_backlit voxel_grid --markdown post.md\n"
         "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
-        "  neph study post railings --chains whole,fxaa,sharpening --seed 2 --size 192x108",
+        "  neph study post railings --only whole,fxaa,sharpening --seed 2 --size 96x54",
 };
 
 /* ---- chains ---------------------------------------------------------------------------------- */
@@ -299,7 +301,7 @@ static enum neph_status choose_rows(struct study *study, struct neph_diag *diag)
     for (int i = 0; i < chains->count; i++)
         if (!is_known(chains->words[i])) {
             neph_fail(diag, NEPH_ERR_USAGE, "no chain has '%s' in its name", chains->words[i]);
-            neph_hint(diag, "`neph study post SCENE` without --chains has all of them");
+            neph_hint(diag, "`neph study post SCENE` without --only has all of them");
             return NEPH_ERR_USAGE;
         }
     for (int r = 0; neph_post_rows[r].name; r++)
@@ -439,6 +441,67 @@ static void print_csv(const struct study *study, struct neph_publication *public
     neph_publication_csv(publication, "\n", &table);
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* A chain over the curve alone: factors of flicker and FLIP, geometric means over the scenes. */
+struct factors {
+    int row;
+    double seen, flip;
+};
+
+static double factor_of(const struct study *study, int row, int base, size_t at)
+{
+    const int count = study->request->shared.operand_count;
+    double sum = 0.0;
+    for (int s = 0; s < count; s++) {
+        const char *of = (const char *)&study->numbers[s][row],
+                   *over = (const char *)&study->numbers[s][base];
+        sum += log(*(const double *)(of + at) / *(const double *)(over + at));
+    }
+    return exp(sum / count);
+}
+
+/* Chains by what they make of flicker, the most first. Returns how many have a number. */
+static int sort_chains(const struct study *study, int base, struct factors list[ROWS_MAX])
+{
+    int count = 0;
+    for (int r = 0; r < study->row_count; r++) {
+        const struct factors made = {
+            r, factor_of(study, r, base, offsetof(struct neph_post_numbers, seen)),
+            factor_of(study, r, base, offsetof(struct neph_post_numbers, flip))};
+        if (r == base || !isfinite(made.seen))
+            continue;
+        int place = count++;
+        for (; place > 0 && made.seen > list[place - 1].seen; place--)
+            list[place] = list[place - 1];
+        list[place] = made;
+    }
+    return count;
+}
+
+static void answer(const struct study *study, int base, struct neph_answer *answer)
+{
+    enum { EACH = 3 };
+    const int scenes = study->request->shared.operand_count;
+    struct factors list[ROWS_MAX];
+    const int count = sort_chains(study, base, list);
+    if (count == 0) {
+        neph_answer_add(answer, "not measured: no chain but the curve alone has a flicker");
+        return;
+    }
+    const struct factors *most = &list[0], *least = &list[count - 1];
+    neph_answer_add(answer,
+                    "most flicker: %s, %.3g times that of the curve alone; least: %s, %.3g "
+                    "times; %d chains over %d scene%s and 1 seed, no interval",
+                    study->rows[most->row].name, most->seen, study->rows[least->row].name,
+                    least->seen, count, scenes, scenes == 1 ? "" : "s");
+    for (int i = 0; i < count; i++)
+        if (i < EACH || i >= count - EACH)
+            neph_answer_add(answer,
+                            "%s: flicker %.3g times, FLIP %.3g times that of the curve alone",
+                            study->rows[list[i].row].name, list[i].seen, list[i].flip);
+}
+
 static enum neph_status write_results(const struct study *study,
                                       struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -454,6 +517,7 @@ static enum neph_status write_results(const struct study *study,
         plot.base++;
     if (publication->text)
         print_text(study, publication->text);
+    answer(study, plot.base, &publication->answer);
     print_csv(study, publication);
     json_t *scenes = json_array();
     for (int i = 0; i < plot.scene_count; i++)

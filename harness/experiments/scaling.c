@@ -18,18 +18,22 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"preset", 'p', "NAME", "Of realtime, beside the march; PRESET+KEY=VALUE changes it",
-     NEPH_CLI_WORD, AT(params.preset), "ours"},
-    {"against", 0, "FILE", "scaling.json of another device: times of the same pictures there",
+    {"preset", 0, NULL, "Preset of realtime, beside the march; PRESET+KEY=VALUE changes it",
+     NEPH_CLI_ONE, AT(params.preset), "ours"},
+    {"other-device", 0, "FILE", "scaling.json of another device: times of the same pictures there",
      NEPH_CLI_WORD, AT(against)},
     {"untimed", 0, NULL, "No times: evaluations of density alone", NEPH_CLI_FLAG,
      AT(params.untimed)},
     {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
      AT(params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
-    {.name = "size", .help = "Of the largest picture", .otherwise = "320x180"},
-    {.name = "output", .help = "Folder of the store and of scaling.json", .otherwise = "out"},
+    {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
+     1000000},
+    {.name = "size", .help = "Of the largest picture", .otherwise = "192x108"},
+    {.name = "output",
+     .help = "Folder of the store and of scaling.json",
+     .otherwise = "out/scaling"},
     {.name = "jobs", .otherwise = "1"},
+    {.name = "all", .help = "The table of all exponents"},
     {.name = "json"},
     {.name = "quiet"},
     {.name = NULL},
@@ -40,7 +44,7 @@ static void check(const void *request_, const struct argp_state *state)
 {
     const struct request *request = request_;
     if (request->against && request->shared.json)
-        argp_error(state, "--against is of the table, not of --json");
+        argp_error(state, "--other-device is of the table, not of --json");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -58,7 +62,8 @@ static const struct neph_cli_syntax syntax = {
         "Examples:\n"
         "  neph scaling cloud_below --untimed\n"
         "  neph scaling voxel_grid -o here\n"
-        "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --against here/scaling.json",
+        "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --other-device "
+        "here/scaling.json",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -242,6 +247,36 @@ static enum neph_status check_against(const struct neph_scaling *scaling, const 
     return NEPH_OK;
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+static void answer(const struct neph_scaling *scaling, struct neph_answer *answer)
+{
+    int counts[NEPH_EXPONENT_VERDICTS] = {0};
+    for (int i = 0; i < scaling->line_count; i++) {
+        counts[scaling->lines[i].work_verdict]++;
+        counts[scaling->lines[i].time_verdict]++;
+    }
+    neph_answer_add(answer,
+                    "%s: the cost of %s grows as expected in %d of %d exponents; %d do not, "
+                    "%d are not told apart",
+                    counts[NEPH_EXPONENT_OTHER] > 0 ? "not as expected" : "as expected",
+                    scaling->scene, counts[NEPH_EXPONENT_EXPECTED],
+                    2 * scaling->line_count - counts[NEPH_EXPONENT_NONE],
+                    counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNTOLD]);
+    for (int worst = 1; worst >= 0; worst--) /* what is not as expected comes first */
+        for (int i = 0; i < scaling->line_count; i++) {
+            const struct neph_scaling_line *line = &scaling->lines[i];
+            const bool is_other = line->work_verdict == NEPH_EXPONENT_OTHER ||
+                                  line->time_verdict == NEPH_EXPONENT_OTHER;
+            if (line->missing[0] || is_other != worst)
+                continue;
+            neph_answer_add(answer, "%s, %s: evaluations ~ x^%.2f, time ~ x^%.2f%s",
+                            scaling->series[line->series], neph_scaling_axes[line->axis].name,
+                            line->work.value, line->time.value,
+                            is_other ? ": not as expected" : "");
+        }
+}
+
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
@@ -261,6 +296,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     if (status)
         return status;
     publication->json = scaling_json(&scaling);
+    answer(&scaling, &publication->answer);
     if (publication->text)
         print_lines(&scaling, publication->text);
     if (publication->text && request->there)

@@ -14,29 +14,31 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define AT(member) .at = offsetof(struct neph_screen_request, member)
 static const struct neph_cli_option options[] = {
-    {"models", 0, "A,B", "Screens to hold against the truth; screen+KEY=VALUE+... changes one",
+    {"model", 0, NULL, "Screens to compare with the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_LIST, AT(models), "screen", .between = ",screen+preset=",
      .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY, .maximum = NEPH_LIGHT_MODELS_MAX},
     {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
      AT(radius_m), "1", 1e-3, 1e6},
-    {.name = "size", .otherwise = "96x54"},
-    {"samples", 0, "N", "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
+    {.name = "size", .otherwise = "192x108"},
+    {"samples", 0, NULL, "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
      1 << 24},
     {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER, AT(rays), "64", 1,
      1 << 16},
     {"cycles", 0, "N",
      "Hold them against Cycles' passes, too, with N samples a pixel; 0: it is not asked",
      NEPH_CLI_INTEGER, AT(cycles_samples), "0", 0, 1 << 16},
-    {"frames", 0, "N",
+    {"frames", 0, NULL,
      "Pictures, over which error and flicker of the whole are measured, at least 16; a scene that "
      "moves has as many as it has; 0: none",
      NEPH_CLI_INTEGER, AT(frame_count), "0", 0, 1024},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "output", .help = "Folder of the store and of screen/", .otherwise = "out/study"},
+    {.name = "all", .help = "The tables of all scenes and models"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "markdown"},
     {.name = "quiet"},
     {.name = NULL},
@@ -67,10 +69,10 @@ static const struct neph_cli_syntax syntax = {
         "DIR/screen/index.html shows which pixels no screen can know, and why.\n\n"
         "Examples:\n"
         "  neph study screen --markdown screen.md\n"
-        "  neph study screen surface_corner --models screen,screen+preset=ours --radius 2\n"
-        "  neph study screen surface_room --models screen+preset=ours,screen+preset=fast\n"
+        "  neph study screen surface_corner --model screen,screen+preset=ours --radius 2\n"
+        "  neph study screen surface_room --model screen+preset=ours,screen+preset=fast\n"
         "  neph study screen --cycles 256\n"
-        "  neph study screen surface_ground --frames 32 --models "
+        "  neph study screen surface_ground --frames 32 --model "
         "screen,screen+gi=off,screen+ssr=off",
 };
 
@@ -354,6 +356,65 @@ static json_t *scene_json(const struct neph_screen_study *study, int s)
     return found;
 }
 
+/* ---- the answer ------------------------------------------------------------------------------ */
+
+/* A part's mean error over the scenes that have it; NaN: none has. `model` -1: what no model can
+ * know. */
+static double mean_error(const struct neph_screen_study *study, int part, int model, int *count)
+{
+    double sum = 0.0;
+    *count = 0;
+    for (int s = 0; s < study->request->scene_count; s++) {
+        const struct neph_screen_scene *scene = &study->scenes[s];
+        const double error = model < 0 ? scene->truths[part].beyond
+                                       : scene->gaps[model][part].error;
+        if (scene->truths[part].pixels == 0 || isnan(error))
+            continue;
+        sum += error;
+        ++*count;
+    }
+    return *count > 0 ? sum / *count : NAN;
+}
+
+/* The model with the least error in a part; -1: none has a number. */
+static int best_model(const struct neph_screen_study *study, int part)
+{
+    int best = -1, count;
+    for (int m = 0; m < study->request->models.count; m++) {
+        const double error = mean_error(study, part, m, &count);
+        if (isfinite(error) && (best < 0 || error < mean_error(study, part, best, &count)))
+            best = m;
+    }
+    return best;
+}
+
+static void answer(const struct neph_screen_study *study, struct neph_answer *answer)
+{
+    char verdict[600] = "nearest to surfaces:";
+    int count;
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        const int best = best_model(study, part);
+        const size_t used = strlen(verdict);
+        if (best >= 0)
+            snprintf(verdict + used, sizeof(verdict) - used, "%s %s: %.80s, error %.2f %%",
+                     used > strlen("nearest to surfaces:") ? ";" : "", neph_screen_part_names[part],
+                     study->request->models.words[best],
+                     100.0 * mean_error(study, part, best, &count));
+    }
+    neph_answer_add(answer, "%s; means over %d scene%s, no interval", verdict,
+                    study->request->scene_count, study->request->scene_count == 1 ? "" : "s");
+    for (int part = 0; part < NEPH_SCREEN_PARTS; part++) {
+        const double beyond = mean_error(study, part, -1, &count);
+        if (count > 0)
+            neph_answer_add(answer, "%s: no model can know %.2f %% (mean of %d scenes)",
+                            neph_screen_part_names[part], 100.0 * beyond, count);
+    }
+    for (int s = 0; s < study->request->scene_count && study->request->cycles_samples > 0; s++)
+        if (study->scenes[s].cycles_cannot[0])
+            neph_answer_add(answer, "cycles: %s: %.200s", study->request->scenes[s]->name,
+                            study->scenes[s].cycles_cannot);
+}
+
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static void write_results(const struct neph_screen_study *study,
@@ -363,6 +424,7 @@ static void write_results(const struct neph_screen_study *study,
     json_t *scenes = json_object();
     if (publication->text)
         print_text(study, publication);
+    answer(study, &publication->answer);
     for (int s = 0; s < request->scene_count; s++)
         neph_json_set(&scenes, request->scenes[s]->name, scene_json(study, s));
     publication->json = json_pack("{s:f, s:i, s:o}", "radius_m", request->radius_m, "samples",
@@ -389,8 +451,11 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     return status;
 }
 
+static const char *const files[] = {"screen/index.html", NULL};
+
 const struct neph_experiment neph_experiment_screen = {
     .syntax = &syntax,
+    .files = files,
     .request_size = sizeof(struct neph_screen_request),
     .prepare = prepare,
     .part = part,

@@ -46,26 +46,27 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"models", 0, "A,B", "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
+    {"model", 0, NULL, "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
      "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
      "tables leave, without noise",
      NEPH_CLI_WORD, AT(truth), "tracer"},
-    {"suns", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
+    {"elevations", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
      "90,60,30,15,10,5,2,0,-1,-2", .maximum = LIST_MAX},
     {"altitudes", 0, "A,B", "Altitudes of the camera [m]", NEPH_CLI_NUMBERS, AT(altitudes),
      "2,10000", .maximum = LIST_MAX},
     {.name = "size", .otherwise = "48x32"},
     {"tile", 0, "N", "Pixels along a side of a direction", NEPH_CLI_INTEGER, AT(tile_px), "4", 1,
      64},
-    {"steps", 0, "N", "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
+    {"steps", 0, NULL, "Steps of every view ray, unless a model says otherwise", NEPH_CLI_INTEGER,
      AT(steps), "48", 2, 4096},
-    {"samples", 0, "N", "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER, AT(samples),
+    {"samples", 0, NULL, "Samples a pixel of the truth, twice", NEPH_CLI_INTEGER, AT(samples),
      "4096", 2, 1 << 28},
     {.name = "jobs", .otherwise = "1"},
-    {.name = "output", .help = "Folder of the store", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the tables"},
+    {.name = "output", .help = "Folder of the store", .otherwise = "out/study"},
+    {.name = "all", .help = "The tables of all cells"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "markdown"},
     {.name = "quiet"},
     {.name = NULL},
@@ -87,8 +88,8 @@ static const struct neph_cli_syntax syntax = {
         "command goes on from there.\n\n"
         "Examples:\n"
         "  neph study sky --markdown sky.md\n"
-        "  neph study sky --suns 10,5 --truth oracle --samples 1024\n"
-        "  neph study sky --models sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
+        "  neph study sky --elevations 10,5 --truth oracle --samples 1024\n"
+        "  neph study sky --model sky+degree=0,sky+view=table --truth sky+degree=4+steps=96",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -480,6 +481,77 @@ static void print_text(const struct study *study, struct neph_publication *publi
         print_model(study, model, publication);
 }
 
+/* A model over the cells that have numbers. */
+struct summary {
+    double mean, worst;
+    int cells, limited, good; /* with numbers; of these with a limit, and within it */
+};
+
+static struct summary summarize(const struct study *study, int model)
+{
+    struct summary made = {0};
+    for (int i = 0; i < study->cell_count; i++) {
+        const struct gap *gap = &study->cells[i].gaps[model];
+        if (gap->because[0] || isnan(gap->mean))
+            continue;
+        made.cells++;
+        made.mean += gap->mean;
+        made.worst = fmax(made.worst, gap->worst);
+        made.limited += is_limited(&study->cells[i]);
+        made.good += is_limited(&study->cells[i]) && is_good(gap);
+    }
+    made.mean = made.cells > 0 ? made.mean / made.cells : NAN;
+    return made;
+}
+
+/* Models by their mean error, the smallest first; those without a number last. */
+static void answer_models(const struct study *study, double noise, struct neph_answer *answer)
+{
+    struct summary models[NEPH_LIGHT_MODELS_MAX];
+    int order[NEPH_LIGHT_MODELS_MAX];
+    const int count = study->request->models.count;
+    for (int m = 0; m < count; m++) {
+        int place = m;
+        models[m] = summarize(study, m);
+        for (; place > 0 && (models[m].mean < models[order[place - 1]].mean ||
+                             (isfinite(models[m].mean) && isnan(models[order[place - 1]].mean)));
+             place--)
+            order[place] = order[place - 1];
+        order[place] = m;
+    }
+    for (int i = 0; i < count; i++) {
+        const struct summary *of = &models[order[i]];
+        const char *name = study->request->models.words[order[i]];
+        const bool is_best = i == 0 && count > 1;
+        const bool is_told = is_best && fabs(models[order[1]].mean - of->mean) > noise;
+        if (of->cells == 0)
+            neph_answer_add(answer, "%s: not measured: %s", name,
+                            study->cells[0].gaps[order[i]].because);
+        else
+            neph_answer_add(answer,
+                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d cells; "
+                            "within the limits in %d of %d%s",
+                            is_best ? "nearest: " : "", name, 100.0 * of->mean, 100.0 * of->worst,
+                            of->cells, of->good, of->limited,
+                            is_best && !is_told
+                                ? "; the next is not told apart, by the noise of the truth"
+                                : "");
+    }
+}
+
+static void answer(const struct study *study, struct neph_answer *answer)
+{
+    double noise = 0.0;
+    for (int i = 0; i < study->cell_count; i++)
+        noise += study->cells[i].noise / study->cell_count;
+    answer_models(study, noise, answer);
+    neph_answer_add(answer,
+                    "truth: %s with a noise of %.2f %% in the mean; limits: mean %g %%, "
+                    "worst %g %%, with the sun at %g degrees or higher",
+                    study->request->truth, 100.0 * noise, 100.0 * mean_wanted, 100.0 * worst_wanted,
+                    lowest_sun_deg);
+}
+
 static json_t *gap_json(const struct gap *gap)
 {
     if (gap->because[0])
@@ -513,6 +585,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         json_t *cells = json_array();
         if (publication->text)
             print_text(&study, publication);
+        answer(&study, &publication->answer);
         for (int i = 0; i < study.cell_count; i++)
             neph_json_add(&cells, cell_json(&study, &study.cells[i]));
         publication->json = json_pack("{s:s, s:s, s:s, s:o}", "scene", request->scene->name,

@@ -71,11 +71,11 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     FILE *text = publication->text;
     struct neph_stress_suite suite = {.scenes = NULL};
     struct neph_stress_params params = {.full = request->tier && strcmp(request->tier, "full") == 0,
-                                        .only = request->only.list,
+                                        .only = request->only.words,
                                         .only_count = request->only.count,
-                                        .presets = request->presets.list,
+                                        .presets = request->presets.words,
                                         .preset_count = request->presets.count,
-                                        .engines = request->engines.list,
+                                        .engines = request->engines.words,
                                         .engine_count = request->engines.count,
                                         .width_px = shared->size.width_px,
                                         .height_px = shared->size.height_px,

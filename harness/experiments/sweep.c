@@ -13,6 +13,7 @@
 #include "harness/json_file.h"
 #include "harness/progress.h"
 #include "harness/report/report_folder.h"
+#include "harness/sweep/answer.h"
 #include "harness/sweep/output.h"
 #include "harness/sweep/stability.h"
 #include "harness/sweep/sweep.h"
@@ -26,35 +27,40 @@ enum { SEEDS_MAX = 16 };
 struct request {
     struct neph_cli_shared shared;
     struct neph_sweep_params params; /* with its seed, the first of `seeds` */
-    const char *plan_name, *only;
-    int seeds; /* -1: one sweep */
+    const char *plan_name;
+    struct neph_cli_list only;
+    double error; /* of the answer */
+    int seeds;    /* -1: one sweep */
     struct neph_sweep_plan plan;
-    char *only_text; /* that the words of `only_words` are in */
-    const char *only_words[NEPH_SWEEP_SERIES_MAX + 1];
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"plan", 0, "FILE",
-     "What is swept: a YAML file, or the name of one that comes with neph (scenes/studies)",
-     NEPH_CLI_WORD, AT(plan_name), "sweep"},
-    {"only", 0, "A,B", "These series of the plan alone", NEPH_CLI_WORD, AT(only)},
-    {"against", 0, "NAME",
-     "The series that others are held against at equal error and in equal time (default: the "
+     "The series to render: a YAML file, or the name of a plan of scenes/studies; steps has four "
+     "series, sweep all engines, presets and lights",
+     NEPH_CLI_WORD, AT(plan_name), "steps"},
+    {"only", 0, NULL, "Only these series of the plan", NEPH_CLI_NAMES, AT(only),
+     .maximum = NEPH_SWEEP_SERIES_MAX},
+    {"error", 0, "E", "The answer names the cheapest series with at most this relative RMSE",
+     NEPH_CLI_REAL, AT(error), "0.01", 1e-6, 1e6},
+    {"baseline", 0, "NAME",
+     "The series that others are compared with at equal error and at equal time (default: the "
      "first)",
      NEPH_CLI_WORD, AT(params.against)},
-    {"untimed", 0, NULL, "No times: what a point costs is its evaluations of density",
+    {"untimed", 0, NULL, "Measure no times: the cost of a point is its evaluations of density",
      NEPH_CLI_FLAG, AT(params.untimed)},
-    {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
+    {"retime", 0, NULL, "Measure the times in DIR/times.json again", NEPH_CLI_FLAG,
      AT(params.retimes)},
-    {"seed", 0, "N", "Of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
+    {"seed", 0, NULL, "The first seed", NEPH_CLI_INTEGER, AT(params.seed), "1", 1, 1000000},
     {"seeds", 0, "N",
-     "So many sweeps with seeds from --seed on, each in a store of its own, DIR/seed_K: do the "
-     "fronts hold?",
+     "Run N sweeps with seeds from --seed on, each with its own store, DIR/seed_K, and compare "
+     "their fronts",
      NEPH_CLI_INTEGER, AT(seeds), .minimum = 2, .maximum = SEEDS_MAX},
     {.name = "size", .help = "Pixels, in place of the plan's"},
-    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out"},
-    {.name = "json", .help = "All numbers as JSON on stdout, instead of the table"},
+    {.name = "output", .help = "Folder of the store and of sweep.json", .otherwise = "out/sweep"},
+    {.name = "all", .help = "The table of all points, the fronts and the comparison of series"},
+    {.name = "json", .help = "All numbers as JSON on stdout"},
     {.name = "csv", .help = "A line for each point"},
     {.name = "jobs", .otherwise = "1"},
     {.name = "time-limit", .otherwise = "3600"},
@@ -75,19 +81,20 @@ static const struct neph_cli_syntax syntax = {
     .operands = &neph_cli_one_scene,
     .check = check,
     .doc =
-        "Engines and their settings over one scene: what each costs, and what it is off by.\v"
-        "Errors are against the truth: engine exact where it has the scene, else the tracer, "
-        "whose noise is printed. What a shortcut is off by against the march of its own model, "
-        "its flicker and its half-life after a step of the sun stand beside that, and are never "
-        "mixed with it. Times are measured in rounds over all points, with nothing else going "
-        "on: keep the machine quiet. Frames are kept in DIR/store and not rendered twice, times in "
-        "DIR/times.json. "
+        "Render one scene with several engines and settings, and say which is the cheapest at an "
+        "error and how many steps are enough.\v"
+        "Errors are against the truth: engine exact where it can render the scene, else the "
+        "tracer, whose noise is printed. The error of a real-time method against the ray marcher "
+        "with the same lighting, its flicker and its half-life after a step of the sun are "
+        "separate numbers. Times are measured in rounds over all points: keep the machine quiet. "
+        "Frames are kept in DIR/store and not rendered twice, times in DIR/times.json. "
         "NEPH_VULKAN_DEVICE names the device.\n\n"
+        "DIR/sweep/index.html has the charts, DIR/sweep.json all numbers.\n\n"
         "Examples:\n"
         "  neph sweep voxel_grid\n"
-        "  neph sweep cloud_below --only march,ours,tracer --size 192x108 --csv -\n"
-        "  neph sweep my_fog.yaml --plan my_sweep.yaml --json\n"
-        "  neph sweep voxel_grid --seeds 3 -o fronts    # exit code 1: a front has moved",
+        "  neph sweep cloud_below --error 0.05 --only march,ours\n"
+        "  neph sweep voxel_grid --plan sweep --only march,seed --csv -\n"
+        "  neph sweep voxel_grid --untimed --seeds 3 -o out/fronts",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -95,7 +102,6 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     struct request *request = request_;
     struct neph_cli_shared *shared = &request->shared;
     struct neph_sweep_params *params = &request->params;
-    int count = 0;
     bool is_there = !params->against;
     enum neph_status status = neph_sweep_plan_load(request->plan_name, &request->plan, diag);
     if (status)
@@ -103,22 +109,19 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     for (int s = 0; s < request->plan.series_count; s++)
         is_there |= params->against && strcmp(request->plan.series[s].name, params->against) == 0;
     if (!is_there)
-        return neph_fail(diag, NEPH_ERR_USAGE, "--against: the plan has no series '%s'",
+        return neph_fail(diag, NEPH_ERR_USAGE, "--baseline: the plan has no series '%s'",
                          params->against);
-    if (request->only && !(request->only_text = strdup(request->only)))
-        return neph_fail_memory(diag);
     if (shared->size.width_px > 0) {
         request->plan.width_px = shared->size.width_px;
         request->plan.height_px = shared->size.height_px;
     }
     params->plan = &request->plan;
     params->scene = shared->operands[0];
-    params->only = request->only ? request->only_words : NULL;
+    params->only = request->only.count > 0 ? request->only.words : NULL;
     params->time_limit_s = shared->time_limit_s;
     params->quiet = shared->quiet;
     params->jobs = shared->jobs;
-    return neph_cli_split(request->only_text, "series", NEPH_SWEEP_SERIES_MAX, request->only_words,
-                          &count, diag);
+    return NEPH_OK;
 }
 
 /* ---- one sweep in a folder ------------------------------------------------------------------- */
@@ -308,6 +311,7 @@ static enum neph_status run_one(const struct request *request, struct neph_publi
             neph_sweep_print_equals(&sweep, publication->text);
             fprintf(publication->text, "%s/sweep/index.html\n", request->shared.output);
         }
+        neph_sweep_answer(&sweep, request->error, &publication->answer);
     }
     neph_sweep_finish(&sweep);
     return status;
@@ -321,6 +325,7 @@ static enum neph_status judge_fronts(const struct request *request, const struct
     publication->json = neph_stability_json(sweeps, request->seeds, cost);
     if (publication->text)
         neph_stability_print(publication->json, publication->text);
+    neph_stability_answer(publication->json, &publication->answer);
     const int moved = (int)json_integer_value(json_object_get(publication->json, "moved"));
     if (moved > 0)
         publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
@@ -361,10 +366,13 @@ static void finish(void *request_)
 {
     struct request *request = request_;
     neph_sweep_plan_finish(&request->plan);
-    free(request->only_text);
 }
 
+static const char *const files[] = {"sweep/index.html", "sweep.json", "stability.json", "store",
+                                    NULL};
+
 const struct neph_experiment neph_experiment_sweep = {.syntax = &syntax,
+                                                      .files = files,
                                                       .request_size = sizeof(struct request),
                                                       .opens_stores = true,
                                                       .prepare = prepare,

@@ -18,18 +18,18 @@
  * leave out its transmittance, which Cycles needs most of its time for. */
 static const char *const cloud_engines[] = {
     "tracer", "march_octaves", "march_octaves_fitted", "march_traced", "realtime", "cycles", NULL};
-static const char *const cloud_settings[] = {"realtime:lighting=traced", "cycles:samples=16", NULL};
+static const char *const cloud_settings[] = {"tracer:samples=128", "realtime:lighting=traced",
+                                             "cycles:samples=16", "cycles:step=0.25", NULL};
 static const char *const cloud_light_only[] = {"cycles", NULL};
 
 static const char *const fog_engines[] = {"exact",  "tracer", "march", "realtime",
                                           "cycles", "povray", NULL};
-static const char *const shaft_settings[] = {"cycles:samples=16", NULL};
 
 /* What a report shows best, large: a cloud of all orders and shafts in fog. Small, since they only
  * have numbers to show: a fog and a slab with closed forms. */
 static const struct neph_scene_plan quick_scenes[] = {
     {"cumulus", 320, 180, cloud_engines, cloud_settings, cloud_light_only},
-    {"colonnade", 320, 180, fog_engines, shaft_settings, NULL},
+    {"colonnade", 320, 180, fog_engines, NULL, NULL},
     {"height_fog_down", 96, 54, fog_engines, NULL, NULL},
     {"scattering_slab_above", 96, 54, fog_engines, NULL, NULL},
     {.name = NULL},
@@ -48,7 +48,8 @@ static const struct neph_validate_tier tiers[TIER_COUNT] = {
                .height_px = 180,
                .budget_s = 30.0,
                .charts = quick_charts,
-               .chart_repeats = 1},
+               .chart_repeats = 3,
+               .with_times = true},
     [FULL] =
         {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
 };
@@ -84,19 +85,18 @@ static const struct neph_cli_option options[] = {
      "stress: presets of realtime where such methods fail, and engines in fog, with limits (tiers "
      "quick, full)",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, suite)},
-    {"check", 0, "TEXT", "Of the physics suite: only checks whose name or rung contains TEXT",
-     NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, check)},
     {"samples", 0, "N",
      "Of the physics suite: paths per pixel and seed of our tracers (default: 256)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, samples), .minimum = 2,
      .maximum = 1000000},
-    {"only", 0, "SCENARIO",
-     "Of the stress tests: only this scenario, whatever its tier; may be given several times",
-     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, only)},
-    {"preset", 0, "NAME",
-     "Of the stress tests: only this preset, or PRESET+KEY=VALUE; may be given several times; "
-     "without it, the full tier has more of them, and march, cycles and povray are beside them",
-     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, presets),
+    {"only", 0, NULL,
+     "Of the stress tests: only these scenarios, whatever their tier. Of the physics suite: only "
+     "checks with one of these texts in their name or rung",
+     NEPH_CLI_NAMES, .at = offsetof(struct neph_validate_request, only)},
+    {"preset", 0, NULL,
+     "Of the stress tests: only these presets, or PRESET+KEY=VALUE; without it, the full tier has "
+     "more of them, and march, cycles and povray are beside them",
+     NEPH_CLI_NAMES, .at = offsetof(struct neph_validate_request, presets),
      .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
     {"on-device", 0, NULL,
      "Of the stress tests: only count bad values, in all images of every frame, on the device "
@@ -112,23 +112,24 @@ static const struct neph_cli_option options[] = {
      "Of the stress tests: results that the page has pictures of: failed (default), changed, all, "
      "none",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, pictures)},
-    {"page-limit", 0, "MB",
-     "Of the stress tests: what the page may take; the worst results have their pictures first "
+    {"page-limit", 0, NULL,
+     "Of the stress tests: the most that the page may take; the worst results have their pictures "
+     "first "
      "(default: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, page_limit_mb), .minimum = 1,
      .maximum = 1000000},
-    {"engine", 'e', "NAME", "Only this engine; may be given several times (default: all)",
-     NEPH_CLI_WORDS, .at = offsetof(struct neph_validate_request, engines)},
+    {"engine", 0, NULL, "Only these engines (default: all)", NEPH_CLI_NAMES,
+     .at = offsetof(struct neph_validate_request, engines)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
     {.name = "size",
      .help = "Size in pixels (default: 192x108; quick: 320x180 of a cloud and of shafts, 96x54 of "
              "a fog and a slab)"},
-    {"seed", 0, "N", "Of scenes: the N-th seed of engines that draw paths (default: 1)",
+    {"seed", 0, NULL, "Of scenes: the S-th seed of engines that draw paths (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, seed), .minimum = 1,
      .maximum = 1000000},
-    {.name = "output", .help = "Folder of the store and the report", .otherwise = "out"},
+    {.name = "output", .help = "Folder of the store and the report", .otherwise = "out/validate"},
     {"no-charts", 0, NULL,
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, no_charts)},
@@ -137,7 +138,6 @@ static const struct neph_cli_option options[] = {
      "samples, or is reported as not fitting (default: 300; quick: 30)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
-    {.name = "time-limit", .kind = NEPH_CLI_ALIAS},
     {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
     {.name = "quiet"},
@@ -181,10 +181,10 @@ static void check_stress(const struct neph_validate_request *request,
 {
     const struct neph_cli_shared *shared = &request->shared;
     if (!is_stress(request)) {
-        if (request->only.count > 0 || request->presets.count > 0 || request->pictures ||
-            request->page_limit_mb >= 0 || request->on_device)
-            argp_error(state, "--only, --preset, --pictures, --page-limit and --on-device belong "
-                              "to --suite stress");
+        if (request->presets.count > 0 || request->pictures || request->page_limit_mb >= 0 ||
+            request->on_device)
+            argp_error(state, "--preset, --pictures, --page-limit and --on-device belong to "
+                              "--suite stress");
         return;
     }
     if (shared->operand_count > 0)
@@ -209,20 +209,23 @@ static void check(const void *request_, const struct argp_state *state)
     check_stress(request, state);
     if (request->tier && !find_tier(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
-    if (request->check && request->check[0] == '\0')
-        argp_error(state, "--check needs a part of the name of a check or rung");
+    for (int i = 0; i < request->only.count; i++)
+        if (request->only.words[i][0] == '\0')
+            argp_error(state, "--only needs a part of a name");
     if (is_physics(request) && shared->settings.count > 0)
         argp_error(state, "the physics suite chooses its engines' settings itself: no --set");
     if (request->seed > 0 && (is_physics(request) || is_stress(request)))
         argp_error(state, "--seed is of scenes; the suites have their own");
-    if (!is_physics(request) && (request->check || request->samples >= 0))
-        argp_error(state, "--check and --samples belong to --suite physics");
+    if (!is_physics(request) && request->samples >= 0)
+        argp_error(state, "--samples belongs to --suite physics");
+    if (!is_physics(request) && !is_stress(request) && request->only.count > 0)
+        argp_error(state, "--only chooses among the tests of --suite physics and --suite stress");
     if (request->suite && request->tier && !is_stress(request))
         argp_error(state, "either --suite or --tier: the catalogue is --tier full");
     if (is_physics(request) && shared->operand_count > 0)
         argp_error(state,
                    "the physics suite makes its own scenes; '%s' cannot be given, "
-                   "--check chooses among them",
+                   "--only chooses among them",
                    shared->operands[0]);
 }
 
@@ -239,14 +242,15 @@ static const struct neph_cli_syntax syntax = {
         "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
         "and the report is that of the run that wrote it last. A missing engine is reported as "
         "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
-        "could be compared.\n\n"
+        "could be compared. Exit code 0 is about the frames that were compared: an engine that is "
+        "missing or did not fit its budget does not change it, and the verdict names it.\n\n"
         "Examples:\n"
         "  neph validate\n"
         "  neph validate --tier full --budget 120\n"
         "  neph validate fence_backlit --size 320x180\n"
-        "  neph validate my_fog.yaml -e exact -e march -s march:steps=256 -o /tmp/fog\n"
+        "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
-        "  neph validate --suite physics --check slab -e oracle -e tracer --samples 4096\n"
+        "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
         "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
         "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };
@@ -278,7 +282,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
     const struct neph_validate_tier *tier = neph_validate_tier(request);
     const bool has_size = shared->size.width_px > 0;
     return (struct neph_validate_params){
-        .engines = request->engines.list,
+        .engines = request->engines.words,
         .engine_count = request->engines.count,
         .settings = shared->settings.list,
         .setting_count = shared->settings.count,
@@ -306,8 +310,9 @@ static void tell(const struct neph_validation *validation, const char *folder, F
             "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
             "of the truth's\n",
             counts->ungated);
-    fprintf(out, "verdict: %s\nreport: %s/index.html\n", neph_verdict_name(validation->verdict),
-            folder);
+    fputs("verdict: ", out);
+    neph_validation_print_verdict(validation, out);
+    fprintf(out, "\nreport: %s/index.html\n", folder);
 }
 
 static enum neph_status judge(const struct neph_validation *validation, struct neph_diag *reason)

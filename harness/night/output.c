@@ -4,6 +4,7 @@
 #include "base/files.h"
 #include "base/path.h"
 #include "base/written.h"
+#include "harness/document/junit.h"
 #include "harness/json_file.h"
 
 #include <math.h>
@@ -187,36 +188,6 @@ json_t *neph_night_json(const struct neph_night *night, const char *tier)
 
 /* ---- JUnit ----------------------------------------------------------------------------------- */
 
-static void print_escaped(const char *text, FILE *out)
-{
-    static const char *const names[] = {
-        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
-    for (; *text; text++) {
-        const unsigned char c = (unsigned char)*text;
-        const char *name = c < sizeof(names) / sizeof(names[0]) ? names[c] : NULL;
-        if (name)
-            fputs(name, out);
-        else
-            fputc(c < 0x20 ? ' ' : c, out);
-    }
-}
-
-static void print_case(const char *suite, const char *name, const char *element,
-                       const char *message, FILE *out)
-{
-    fputs("  <testcase classname=\"", out);
-    print_escaped(suite, out);
-    fputs("\" name=\"", out);
-    print_escaped(name, out);
-    fputs("\">", out);
-    if (element) {
-        fprintf(out, "<%s message=\"", element);
-        print_escaped(message, out);
-        fputs("\"/>", out);
-    }
-    fputs("</testcase>\n", out);
-}
-
 static const struct neph_finding *finding_of(const struct neph_night *night, const char *series)
 {
     for (int i = 0; i < night->comparison.finding_count; i++)
@@ -235,50 +206,38 @@ static bool is_of_series(const struct neph_night *night, const char *name)
 }
 
 /* Findings of what is no series of tonight: steps, truths, missing numbers, means over scenes. */
-static int print_others(const struct neph_night *night, FILE *out)
+static void add_others(const struct neph_night *night, struct neph_junit *junit)
 {
-    int count = 0;
     for (int i = 0; i < night->comparison.finding_count; i++) {
         const struct neph_finding *f = &night->comparison.findings[i];
-        if (!neph_found_fails(f->found) || is_of_series(night, f->series))
-            continue;
-        count++;
-        if (out)
-            print_case(neph_found_word(f->found), f->series, "failure", f->words, out);
+        if (neph_found_fails(f->found) && !is_of_series(night, f->series))
+            neph_junit_add(junit, neph_found_word(f->found), f->series, NEPH_JUNIT_FAILED,
+                           f->words);
     }
-    return count;
 }
 
-static void print_junit(const void *given, FILE *out)
+static enum neph_status write_junit(const struct neph_night *night, const char *path,
+                                    struct neph_diag *diag)
 {
-    const struct neph_night *night = given;
     const struct neph_night_comparison *c = &night->comparison;
-    int failures = print_others(night, NULL), skipped = 0;
-    const int others = failures;
-    for (int i = 0; i < c->series_count; i++) {
-        const bool fails = finding_of(night, c->series[i].series) != NULL;
-        failures += fails;
-        skipped += !fails && c->series[i].judgement.judged == NEPH_JUDGED_NOT;
-    }
-    const bool nothing = c->compared == 0;
-    fprintf(out,
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"neph nightly\" "
-            "tests=\"%d\" failures=\"%d\" skipped=\"%d\" time=\"%.3f\">\n",
-            c->series_count + others + nothing, failures + nothing, skipped, night->seconds);
+    struct neph_junit junit = {.name = "neph nightly", .seconds = night->seconds};
     for (int i = 0; i < c->series_count; i++) {
         const struct neph_compared *row = &c->series[i];
         const struct neph_finding *f = finding_of(night, row->series);
         const bool skips = !f && row->judgement.judged == NEPH_JUDGED_NOT;
-        print_case(row->step, row->series,
-                   f       ? "failure"
-                   : skips ? "skipped"
-                           : NULL,
-                   f ? f->words : row->why, out);
+        neph_junit_add(&junit, row->step, row->series,
+                       f       ? NEPH_JUNIT_FAILED
+                       : skips ? NEPH_JUNIT_SKIPPED
+                               : NEPH_JUNIT_PASSED,
+                       f ? f->words : row->why);
     }
-    print_others(night, out);
-    if (nothing)
-        print_case("nightly", "something is compared", "failure", "nothing was compared", out);
-    fputs("</testsuite>\n", out);
+    add_others(night, &junit);
+    if (c->compared == 0)
+        neph_junit_add(&junit, "nightly", "something is compared", NEPH_JUNIT_FAILED,
+                       "nothing was compared");
+    const enum neph_status status = neph_junit_write(&junit, path, diag);
+    neph_junit_finish(&junit);
+    return status;
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
@@ -292,8 +251,7 @@ enum neph_status neph_night_write(const struct neph_night *night, const char *ti
         json, JSON_INDENT(1), neph_path_in(output, "nightly/nightly.json").text, diag);
     json_decref(json);
     if (!status)
-        status = neph_written_file(neph_path_in(output, "nightly/junit.xml").text, print_junit,
-                                   night, diag);
+        status = write_junit(night, neph_path_in(output, "nightly/junit.xml").text, diag);
     return status ? status
                   : neph_written_file(neph_path_in(output, "nightly/summary.txt").text,
                                       print_summary, &printed, diag);

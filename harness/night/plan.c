@@ -36,7 +36,7 @@ static const struct {
                             "-e exact -e surfaces -e tracer -e march -e realtime -e fog_look "
                             "-e sky -e cycles -e povray --no-charts --budget 60",
                             "96x54", 20.0, 12},
-    [NEPH_NIGHT_PHYSICS] = {"validate --suite physics --check",
+    [NEPH_NIGHT_PHYSICS] = {"validate --suite physics --only",
                             "-e exact -e oracle -e tracer -e march -e povray --samples 64", NULL,
                             30.0, 5},
     [NEPH_NIGHT_STRESS] = {"validate --suite stress --only", "", NULL, 20.0, 9},

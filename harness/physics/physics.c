@@ -117,6 +117,27 @@ static bool is_wanted(const struct neph_physics_params *params, const char *engi
     return wanted;
 }
 
+static bool has_check(const struct neph_check *check, const char *text)
+{
+    return strstr(check->name, text) || strstr(check->rung, text);
+}
+
+/* Every text has to be in the name of some check. */
+static const char *text_of_none(const struct neph_physics_params *params)
+{
+    for (int t = 0; t < params->only_count; t++) {
+        bool is_there = false;
+        for (int i = 0; i < neph_check_count() && !is_there; i++) {
+            struct neph_check check;
+            neph_check_get(i, &check);
+            is_there = has_check(&check, params->only[t]);
+        }
+        if (!is_there)
+            return params->only[t];
+    }
+    return NULL;
+}
+
 static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
 {
     char names[256] = "";
@@ -126,23 +147,29 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
                  neph_check_rungs[i].name);
     }
     neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
-    neph_hint(diag, "the rungs are %s; a run without --check shows all names", names);
+    neph_hint(diag, "the rungs are %s; a run without --only shows all names", names);
     return NEPH_ERR_USAGE;
 }
 
 static enum neph_status choose(struct run *run, struct neph_diag *diag)
 {
     const struct neph_physics_params *params = run->params;
+    const char *unknown = text_of_none(params);
+    if (unknown)
+        return refuse_check(unknown, diag);
     run->checks = neph_arena_zeroed(&run->made->arena, (size_t)neph_check_count(), sizeof(int));
     if (!run->checks)
         return neph_fail_memory(diag);
     for (int i = 0; i < neph_check_count(); i++) {
         struct neph_check check;
         neph_check_get(i, &check);
-        if (!params->only || strstr(check.name, params->only) || strstr(check.rung, params->only))
+        bool is_chosen = params->only_count == 0;
+        for (int t = 0; t < params->only_count && !is_chosen; t++)
+            is_chosen = has_check(&check, params->only[t]);
+        if (is_chosen)
             run->checks[run->check_count++] = i;
     }
-    return run->check_count > 0 ? NEPH_OK : refuse_check(params->only, diag);
+    return NEPH_OK;
 }
 
 /* Checks of what only transport of all orders conserves are for those that claim to do it. */

@@ -14,10 +14,11 @@
 struct neph_physics_params {
     const char *const *engines; /* names of engines; engine_count 0: all */
     int engine_count;
-    const char *only;                  /* checks whose name or rung contains this; NULL: all */
-    int jobs;                          /* processes that render at the same time, 1 .. */
-    int samples;                       /* paths per pixel of our tracers, per seed */
-    double time_limit_s;               /* per child process */
+    const char *const *only; /* checks with one of these texts in their name or rung, .. */
+    int only_count;          /* .. 0: all */
+    int jobs;                /* processes that render at the same time, 1 .. */
+    int samples;             /* paths per pixel of our tracers, per seed */
+    double time_limit_s;     /* per child process */
     struct neph_shared_device *device; /* as neph_shot.device */
     bool quiet;
 };

@@ -285,7 +285,7 @@ enum neph_status neph_stage_create(const struct neph_stage_params *params,
     made->params = *params;
     struct neph_scene *scene = &made->scene;
     scene->path = scene->title = scene->name = params->name;
-    scene->physics = "a scene of the physics suite";
+    scene->description = "a scene of the physics suite";
     scene->camera_key_count = 1;
     scene->camera_keys = &made->key;
     scene->camera_up = (struct neph_vec3){0, 1, 0};

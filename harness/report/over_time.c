@@ -18,14 +18,15 @@
 
 enum { FRAMES = 24, PRESETS = NEPH_OVER_TIME_PRESETS };
 
-/* Bars at the pitch of the tiles, at the size at which they are: where such methods fail. */
-static const char scene_name[] = "fence_pitch4";
+/* Clouds that move behind bars, at the size at which both are two pixels: where such methods fail.
+ */
+static const char scene_name[] = "fence_drift";
 static const int width_px = 320, height_px = 180;
 static const double pixels_per_degree = 60.0; /* as `neph flicker` */
 
 /* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
  * the default steps leaves time for the frames and for the rays of the reference. */
-static const char shared_setting[] = "steps=8";
+static const char shared_setting[] = "steps=12";
 
 /* What a person sees, over the threshold. */
 static const char map_file[] = "seen_contrast_radiance.exr";
@@ -248,7 +249,7 @@ static void describe(struct work *work, const char *reason)
     const bool is_there = reference->text != NULL;
     made->scene = neph_arena_text(work->arena, work->scene->name);
     made->title = neph_arena_text(work->arena, work->scene->title);
-    made->physics = neph_arena_text(work->arena, work->scene->physics);
+    made->physics = neph_arena_text(work->arena, work->scene->description);
     made->width_px = width_px;
     made->height_px = height_px;
     made->frame_count = FRAMES;

@@ -8,6 +8,7 @@
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/budget.h"
+#include "harness/run/noise.h"
 #include "harness/run/seed.h"
 #include "harness/study/studies.h"
 
@@ -234,10 +235,13 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .is_look = neph_is_look(job->engine, &job->shot.settings),
         .settings = neph_arena_text(run->arena, result->settings),
         .cost = result->cost,
+        .job = *job,
+        .noise = NAN,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
         .path = neph_arena_text(run->arena, result->frame_path),
     };
+    frame->job.shot.scene = NULL; /* it will be gone */
 }
 
 /* `*chosen` receives the settings, for the second seed. */
@@ -286,6 +290,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
         status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        frame->second_cost = result.cost;
         if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
             frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker's result tells that it is late */
         end_step(run, &step, &result);
@@ -349,6 +354,22 @@ static int find_truth(const struct neph_scene_result *result)
     return -1;
 }
 
+/* What chance has left in a frame: between its two seeds, or by its own account. */
+static enum neph_status measure_noise(const struct neph_image *image,
+                                      struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_image *second = NULL;
+    enum neph_status status = NEPH_OK;
+    if (frame->second_path)
+        status = neph_exr_read(frame->second_path, &second, diag);
+    if (second)
+        frame->noise = neph_noise_of_two(image, second);
+    else if (frame->engine->stochastic)
+        frame->noise = neph_noise_of_frame(image);
+    neph_image_destroy(second);
+    return status;
+}
+
 /* The second frame of an engine: the first again of one that draws nothing, NULL where it was not
  * rendered. Destroy it unless it is `first`. */
 static enum neph_status read_second(const struct neph_frame_result *frame, struct neph_image *first,
@@ -388,7 +409,9 @@ static enum neph_status measure_frame(const struct neph_scene_run *run, const st
     struct neph_bakes_summary bakes;
     if (neph_bakes_of_frame(image, &bakes))
         frame->bakes = neph_arena_copy(run->arena, &bakes, sizeof(bakes));
-    status = neph_measure_validity(image, &frame->measurements, diag);
+    status = measure_noise(image, frame, diag);
+    if (!status)
+        status = neph_measure_validity(image, &frame->measurements, diag);
     if (!status && truth)
         status = neph_measure(truth->image, image, NULL, viewing, &frame->measurements, diag);
     if (!status && truth)
@@ -426,7 +449,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     const bool has_size = run->plan && run->plan->width_px > 0;
     result->name = neph_arena_text(run->arena, scene->name);
     result->title = neph_arena_text(run->arena, scene->title);
-    result->physics = neph_arena_text(run->arena, scene->physics);
+    result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
+#include "base/written.h"
 #include "harness/host.h"
 #include "harness/report/page.h"
 #include "harness/report/ranking.h"
@@ -8,13 +9,26 @@
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* ---- a scene --------------------------------------------------------------------------------- */
+
+/* null: nothing is random in it. */
+static json_t *noise_json(const struct neph_frame_result *frame)
+{
+    char text[128];
+    if (!(frame->noise > 0.0))
+        return json_null();
+    snprintf(text, sizeof(text), "noise left in a pixel: %.2g %% of the rms radiance",
+             100.0 * frame->noise);
+    return json_pack("{s:f, s:s, s:s}", "value", frame->noise, "unit", "1", "text", text);
+}
 
 static json_t *frame_json(const struct neph_frame_result *frame)
 {
     const struct neph_engine *engine = frame->engine;
-    return json_pack(
+    json_t *json = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:I, s:o, s:s?, s:s?, s:s?, "
         "s:{s:s?, s:s?}, s:o, s:o, s:b, s:o}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
@@ -29,6 +43,9 @@ static json_t *frame_json(const struct neph_frame_result *frame)
         neph_measurements_json(&frame->measurements), "study",
         frame->study ? neph_study_json(frame->study) : json_null(), "look", frame->is_look, "bake",
         frame->bakes ? neph_bakes_summary_json(frame->bakes) : json_null());
+    neph_json_set(&json, "noise", noise_json(frame));
+    neph_json_set(&json, "speed", neph_speed_json(&frame->speed));
+    return json;
 }
 
 static json_t *gate_json(const struct neph_gate_result *gate)
@@ -104,6 +121,21 @@ static json_t *head_json(const struct neph_validation *validation)
                      "charts", charts);
 }
 
+static void write_verdict(const void *validation, FILE *out)
+{
+    neph_validation_print_verdict(validation, out);
+}
+
+static json_t *verdict_json(const struct neph_validation *validation)
+{
+    char *text = NULL;
+    struct neph_diag diag = {.line = 0};
+    neph_written(write_verdict, validation, &text, &diag);
+    json_t *json = text ? json_string(text) : NULL;
+    free(text);
+    return json;
+}
+
 /* What the numbers are called is explained from the tables that they are measured by. */
 static json_t *metrics_json(void)
 {
@@ -118,6 +150,7 @@ json_t *neph_validation_json(const struct neph_validation *validation)
     const struct neph_counts *counts = &validation->counts;
     json_t *json = head_json(validation);
     neph_json_set(&json, "verdict", json_string(neph_verdict_name(validation->verdict)));
+    neph_json_set(&json, "verdict_text", verdict_json(validation));
     neph_json_set(&json, "seconds", json_real(validation->seconds));
     neph_json_set(&json, "counts",
                   json_pack("{s:i, s:i, s:i}", "expected", counts->expected, "reported",

@@ -143,7 +143,7 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
         status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
                            shop->view->limit_bytes / 1e6);
         neph_hint(diag, "take fewer frames (a pattern, --warm-up), --quantity radiance alone, "
-                        "--overlay none, or a higher --limit");
+                        "--overlay none, or a higher --page-limit");
     }
     if (!status)
         status = neph_file_write_unsynced(

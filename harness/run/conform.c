@@ -30,12 +30,20 @@ struct picture {
     struct neph_engine_info info;
 };
 
+static bool is_wanted(const struct neph_conform_params *params, const char *engine)
+{
+    bool wanted = params->engine_count == 0;
+    for (int i = 0; i < params->engine_count; i++)
+        wanted = wanted || strcmp(params->engines[i], engine) == 0;
+    return wanted;
+}
+
 static int list_pictures(const struct neph_conform_params *params, struct picture pictures[])
 {
     int count = 0;
     for (size_t e = 0; e < sizeof(engine_names) / sizeof(engine_names[0]); e++) {
         const struct neph_engine *engine = neph_engine_find(engine_names[e]);
-        if (params->engine && strcmp(params->engine, engine->name) != 0)
+        if (!is_wanted(params, engine->name))
             continue;
         struct picture picture = {.engine = engine};
         neph_engine_probe(engine, params->device, &picture.info);
@@ -323,19 +331,33 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
 
 /* --- all of them -------------------------------------------------------------------------- */
 
-enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
-                                     struct neph_diag *diag)
+static enum neph_status check_engines(const struct neph_conform_params *params,
+                                      struct neph_diag *diag)
 {
-    struct picture pictures[NEPH_CONFORM_PICTURES_MAX];
-    const int picture_count = list_pictures(params, pictures);
-    if (picture_count == 0) {
+    for (int i = 0; i < params->engine_count; i++) {
+        bool is_there = false;
+        for (size_t e = 0; e < sizeof(engine_names) / sizeof(engine_names[0]); e++)
+            is_there = is_there || strcmp(params->engines[i], engine_names[e]) == 0;
+        if (is_there)
+            continue;
         neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
-                  params->engine);
+                  params->engines[i]);
         neph_hint(diag,
                   "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "
                   "march_diffused, march_similarity, march_slab, fog_look, tracer or realtime");
         return NEPH_ERR_USAGE;
     }
+    return NEPH_OK;
+}
+
+enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
+                                     struct neph_diag *diag)
+{
+    struct picture pictures[NEPH_CONFORM_PICTURES_MAX];
+    enum neph_status status = check_engines(params, diag);
+    if (status)
+        return status;
+    const int picture_count = list_pictures(params, pictures);
     if (!pictures[0].info.available) {
         neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s", pictures[0].info.missing);
         neph_hint(diag, "%s", pictures[0].info.install_line);
@@ -344,7 +366,7 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
     json_t *made = json_array();
     struct neph_progress progress = neph_progress_start(params->quiet,
                                                         params->scene_count * picture_count);
-    enum neph_status status = neph_dir_create(params->folder, diag);
+    status = neph_dir_create(params->folder, diag);
     for (int i = 0; i < params->scene_count && !status; i++) {
         struct neph_diag why = {.line = 0};
         status = conform_scene(params, params->scenes[i], pictures, picture_count, &progress, made,

@@ -25,7 +25,8 @@ struct neph_conform_params {
     const char *folder;
     const char *const *scenes; /* names or files */
     int scene_count;
-    const char *engine; /* this one alone; NULL: all of ours that run on a Vulkan device */
+    const char *const *engines; /* names; none: all of ours that run on a Vulkan device */
+    int engine_count;
     int width_px, height_px;
     int pictures;                      /* of a sequence of `realtime` */
     int samples;                       /* paths per pixel of `tracer` */
@@ -44,10 +45,11 @@ enum neph_status neph_conform_render(const struct neph_conform_params *params, j
  * engine that failed counts as a picture. */
 void neph_conform_count(const json_t *report, int *expected, int *sound);
 
-/* What of two folders is compared: an engine's pictures alone (NULL: all) of these scenes alone, by
- * name (none: all). */
+/* What of two folders is compared: pictures of these engines (none: all) and of these scenes (none:
+ * all), by name. */
 struct neph_conform_part {
-    const char *engine;
+    const char *const *engines;
+    int engine_count;
     const char *const *scenes;
     int scene_count;
 };

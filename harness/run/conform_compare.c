@@ -315,7 +315,10 @@ static bool is_wanted_scene(const struct neph_conform_part *part, const json_t *
 static bool is_wanted(const struct neph_conform_part *part, const json_t *entry)
 {
     const char *engine = json_string_value(json_object_get(entry, "engine"));
-    return !part->engine || !engine || strcmp(part->engine, engine) == 0;
+    bool wanted = part->engine_count == 0 || !engine;
+    for (int i = 0; i < part->engine_count && engine; i++)
+        wanted = wanted || strcmp(part->engines[i], engine) == 0;
+    return wanted;
 }
 
 /* The pictures of `scene`, folder `which`'s, beside those of the other folder; those that both have

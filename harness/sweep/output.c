@@ -119,6 +119,10 @@ static json_t *point_json(const struct neph_sweep *sweep, const struct neph_swee
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         neph_json_set(&json, neph_sweep_number_texts[n].name,
                       value_json(point, (enum neph_sweep_number)n));
+    neph_json_set(&json, "to_finest",
+                  json_pack("{s:o, s:o, s:o}", "value", neph_json_number(point->to_finest.value),
+                            "low", neph_json_number(point->to_finest.low), "high",
+                            neph_json_number(point->to_finest.high)));
     neph_json_set(&json, "frame_key", json_string(point->frame_key));
     neph_json_set(&json, "command", command ? json_string(command) : NULL);
     neph_json_set(&json, "missing",

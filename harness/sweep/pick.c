@@ -219,8 +219,11 @@ static enum neph_status start(struct work *work, bool late, struct neph_diag *di
 {
     neph_sweep_plan_finish(&work->plan);
     memset(work->entries, 0, NEPH_SWEEP_POINTS_MAX * sizeof(*work->entries));
-    return neph_ladder_plan(work->scene, late, work->params->width_px, work->params->height_px,
-                            &work->plan, diag);
+    const enum neph_status status = neph_ladder_plan(work->scene, late, work->params->width_px,
+                                                     work->params->height_px, &work->plan, diag);
+    if (!status)
+        neph_ladder_filter(&work->params->filter, &work->plan);
+    return status;
 }
 
 /* --- what is left out ----------------------------------------------------------------------- */
@@ -240,6 +243,8 @@ static enum neph_status add_variant(struct work *work, const char *because, bool
 {
     struct neph_pick *pick = work->pick;
     struct neph_pick_left_out *left = &pick->left_out[pick->left_out_count];
+    if (!neph_ladder_wants_engine(&work->params->filter, series.engine))
+        return NEPH_OK;
     if (pick->left_out_count++ == NEPH_PICK_LEFT_OUT_MAX)
         return neph_fail(diag, NEPH_ERR_INTERNAL, "more than %d variants", pick->left_out_count);
     snprintf(left->what, sizeof(left->what), "%s", series.name);
@@ -486,6 +491,8 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
     work.entries = calloc(NEPH_SWEEP_POINTS_MAX, sizeof(*work.entries));
     enum neph_status status = work.entries ? neph_data_load_scene(params->scene, &work.scene, diag)
                                            : neph_fail_memory(diag);
+    if (!status)
+        status = neph_ladder_filter_check(&params->filter, work.scene, diag);
     if (!status) {
         pick->is_still = neph_scene_is_static(work.scene);
         status = choose(&work, diag);

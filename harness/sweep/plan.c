@@ -169,10 +169,12 @@ static enum neph_status check_series(const struct neph_reader *reader,
     return NEPH_OK;
 }
 
-static enum neph_status check_plan(const struct neph_reader *reader,
-                                   const struct neph_sweep_plan *plan)
+static enum neph_status check_plan(struct neph_reader *reader, enum neph_status so_far, void *plan_)
 {
+    const struct neph_sweep_plan *plan = plan_;
     char engine[64], quote[NEPH_QUOTE_SIZE];
+    if (so_far)
+        return so_far;
     snprintf(engine, sizeof(engine), "march_%.40s", plan->light);
     if (!neph_engine_find(engine))
         return neph_refuse(reader, "light",
@@ -266,11 +268,8 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     enum neph_status status = neph_document_init(&document, path, text, size, DEPTH_MAX, diag);
     if (status)
         return status;
-    struct neph_reader reader = {.document = &document, .arena = &plan->arena, .diag = diag};
     plan->seed_count = 1;
-    status = neph_read_fields(&reader, neph_document_root(&document), plan_fields, plan);
-    if (!status)
-        status = check_plan(&reader, plan);
+    status = neph_read_document(&document, &plan->arena, plan_fields, check_plan, plan, diag);
     neph_document_finish(&document);
     return status;
 }

@@ -46,6 +46,8 @@ struct neph_sweep_point {
                                 left out; NaN: not measured */
     int timed;               /* pictures in it */
     double evaluations;      /* of density, for each pixel and picture; NaN: not counted */
+    struct neph_sweep_value to_finest;  /* relative RMSE against the point of its series with the
+                                          most steps (finest.h); NaN: not measured */
     bool on_front[NEPH_SWEEP_NUMBERS];  /* of time against each number */
     char frame_key[NEPH_HASH_HEX_SIZE]; /* in the store, of the picture that the error is of; "" */
 };

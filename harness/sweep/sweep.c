@@ -7,6 +7,7 @@
 #include "harness/engines/vulkan_device.h"
 #include "harness/experiment/pool.h"
 #include "harness/sweep/equal.h"
+#include "harness/sweep/finest.h"
 #include "harness/sweep/front.h"
 #include "harness/sweep/point.h"
 #include "scenes/motion.h"
@@ -110,6 +111,7 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
                          .device = params->device}},
         .time = {NAN, NAN, NAN},
         .evaluations = NAN,
+        .to_finest = {NAN, NAN, NAN},
     };
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         point->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
@@ -277,6 +279,8 @@ static enum neph_status run_bench(const struct neph_sweep_params *params, struct
     const double start_s = neph_wall_s();
     enum neph_status status = measure_points(bench, sweep, diag);
     sweep->mask = bench->mask;
+    if (!status)
+        status = neph_sweep_measure_finest(sweep, bench->truth, bench->store, diag);
     bench->progress->kind = KIND_ROUND;
     if (!status && !params->untimed)
         status = neph_sweep_time(bench, sweep->points, sweep->point_count, diag);

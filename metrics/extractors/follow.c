@@ -138,7 +138,7 @@ static const char *obstacle(const struct neph_frame_pair *first,
 {
     const struct basis basis = basis_of(settings);
     if (basis.period_count == 0)
-        return "no period of the light: give -s follow.period_1=FRAMES";
+        return "no period of the light: give -s follow:period_1=FRAMES";
     for (int k = 0; k < basis.period_count; k++)
         if (basis.periods[k] < shortest_period)
             return "a period must be at least 3 frames";
@@ -392,7 +392,7 @@ const struct neph_extractor neph_extractor_follow = {
               "a / |1 - (1 - a) exp(-i w)|: Oppenheim, Schafer, Discrete-Time Signal Processing, "
               "2010, section 5.1",
     .details =
-        "the periods of the light, which have to be known: -s follow.period_1=16 and so on;\n"
+        "the periods of the light, which have to be known: -s follow:period_1=16 and so on;\n"
         "linear luminance; mean, line and all sines are fitted jointly, per pixel\n"
         "gain: amplitude of the test over that of the reference; lag: difference of phase\n"
         "in frames, late is positive, within half a period\n"

@@ -172,9 +172,9 @@ static const char *obstacle(const struct neph_frame_pair *first,
                             const struct neph_settings *settings)
 {
     if (settings->values[STEP_FRAME] < 0.0)
-        return "no step: give -s lag.step_frame=N";
+        return "no step: give -s lag:step_frame=N";
     if (settings->values[OLD] > 0.0 && !first->reference_second[0])
-        return "lag.old=second needs the scene without its step as the second reference";
+        return "lag:old=second needs the scene without its step as the second reference";
     if (settings->values[STEP_FRAME] < 1.0)
         return "step_frame must be at least 1: the frame before the step is needed";
     return NULL;
@@ -429,7 +429,7 @@ const struct neph_extractor neph_extractor_lag = {
               "Techniques, Computer Graphics Forum 39, 2020",
     .details =
         "what is left: |test - reference| / |step| of linear luminance; where the reference\n"
-        "moves of itself: lag.old=second, with the scene without its step as the second\n"
+        "moves of itself: lag:old=second, with the scene without its step as the second\n"
         "reference; a pixel whose step is once too small to be seen is then left out\n"
         "a time is that of the last crossing, in frames, 1 being the first after the step;\n"
         "between frames the logarithm of what is left is linear\n"

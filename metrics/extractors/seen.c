@@ -74,6 +74,7 @@ enum scalar {
     WORST_CONTRAST,
     WORST_X,
     WORST_Y,
+    WORST_PERIOD,
     FRAMES,
     SCALAR_COUNT,
 };
@@ -110,6 +111,8 @@ static const struct neph_metric metrics[] = {
            "seen_contrast of the tile of the picture that has most"),
     SCALAR("worst_tile_x", "px", INFINITY, WORST_X, "its centre from the left"),
     SCALAR("worst_tile_y", "px", INFINITY, WORST_Y, "its centre from the top"),
+    SCALAR("worst_tile_period", "frame", INFINITY, WORST_PERIOD,
+           "period of the flicker at its pixel with the largest R"),
     SCALAR("seen_frames", "frame", INFINITY, FRAMES, "frames that flicker is seen in"),
     {0},
 };
@@ -544,6 +547,19 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
+/* NaN: nothing moves there. */
+static double tile_period(const struct seen *seen, int left, int top, int right, int bottom)
+{
+    size_t most = row_begin(seen, top) + (size_t)left;
+    for (int y = top; y < bottom; y++)
+        for (int x = left; x < right; x++) {
+            const size_t at = row_begin(seen, y) + (size_t)x;
+            if (seen->values[CONTRAST][at] > seen->values[CONTRAST][most])
+                most = at;
+        }
+    return seen->viewing.frame_rate_hz / (double)seen->values[HERTZ][most];
+}
+
 static void find_worst_tile(struct seen *seen)
 {
     const struct neph_tiling tiling = neph_tiling_of(seen->width_px, seen->height_px);
@@ -559,6 +575,7 @@ static void find_worst_tile(struct seen *seen)
             seen->scalars[WORST_CONTRAST] = contrast;
             seen->scalars[WORST_X] = 0.5 * (left + right);
             seen->scalars[WORST_Y] = 0.5 * (top + bottom);
+            seen->scalars[WORST_PERIOD] = tile_period(seen, left, top, right, bottom);
         }
 }
 

@@ -182,6 +182,14 @@ static enum neph_status check_preset(const struct neph_reader *reader,
     return NEPH_ERR_INPUT;
 }
 
+static enum neph_status check_plan(struct neph_reader *reader, enum neph_status so_far, void *plan)
+{
+    if (so_far)
+        return so_far;
+    const enum neph_status status = check_preset(reader, plan);
+    return status ? status : check_entries(reader, plan);
+}
+
 static enum neph_status read_text(const char *path, const char *text, size_t size,
                                   struct neph_post_plan *plan, struct neph_diag *diag)
 {
@@ -189,12 +197,7 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     enum neph_status status = neph_document_init(&document, path, text, size, DEPTH_MAX, diag);
     if (status)
         return status;
-    struct neph_reader reader = {.document = &document, .arena = &plan->arena, .diag = diag};
-    status = neph_read_fields(&reader, neph_document_root(&document), plan_fields, plan);
-    if (!status)
-        status = check_preset(&reader, plan);
-    if (!status)
-        status = check_entries(&reader, plan);
+    status = neph_read_document(&document, &plan->arena, plan_fields, check_plan, plan, diag);
     neph_document_finish(&document);
     return status;
 }

@@ -44,8 +44,7 @@ enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int ta
                                                  words * sizeof(*zeros),
                                                  neph_rt_target_name(target), buffer, diag);
     if (!status)
-        status = neph_buffer_see_texels(device->vulkan, (int)neph_rt_format_words(shape->format),
-                                        buffer, diag);
+        status = neph_buffer_see_texels(device->vulkan, buffer, diag);
     if (!status)
         status = neph_buffer_upload(device->vulkan, buffer, 0, zeros, words * sizeof(*zeros), diag);
     free(zeros);
@@ -68,7 +67,7 @@ static enum neph_status create_targets(struct neph_rt_device *device, uint32_t t
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_DEVICE, sizeof(uint32_t), "nothing",
                                     &device->nothing, diag);
     if (!status)
-        status = neph_buffer_see_texels(device->vulkan, 1, &device->nothing, diag);
+        status = neph_buffer_see_texels(device->vulkan, &device->nothing, diag);
     if (!status)
         status = neph_buffer_create(device->vulkan, NEPH_BUFFER_READBACK, most_bytes,
                                     "target readback", &device->readback, diag);
@@ -209,7 +208,9 @@ void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pas
     if (first == 0) { /* no scene before the view */
         params->uniform_count = 1;
         params->texels_first = 2;
-        params->texels_count = params->array_count;
+        const int counts[] = {RT_WORD_TARGET_COUNT, RT_PAIR_TARGET_COUNT, RT_TARGET_COUNT};
+        _Static_assert(sizeof(counts) == sizeof(params->texels_count), "a count each");
+        memcpy(params->texels_count, counts, sizeof(counts));
     }
     set_choices(device, pass, params);
     dispatch->buffers[first] = &device->view_buffer;

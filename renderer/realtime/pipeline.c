@@ -155,8 +155,7 @@ static enum neph_status bind_ray_pass(struct neph_realtime *realtime,
         .uniform_count = NEPH_GPU_SCENE_UNIFORMS,
         .image_count = NEPH_GPU_MEDIA_MAX,
         .texels_first = NEPH_GPU_VALUES_BUFFER,
-        .texels_count = 1,
-        .has_texel_images = true,
+        .texels_count = {[1] = 1}, /* pairs */
         .push_size_bytes = sizeof(struct neph_gpu_march_run),
     };
     if (is_of_froxels(pass))

@@ -41,7 +41,7 @@ layout(constant_id = 2) const bool PAIRS = false;
 
 #define SEES_GRID_TEXELS
 #include "constants.h"
-layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
+layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
 {

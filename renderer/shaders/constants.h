@@ -16,8 +16,12 @@
 
 // Where kernels that sample images find them, an array of one for each medium.
 #define NEPH_GPU_IMAGES_BINDING 31
-// And where those of a CPU find texels, an array of one for each buffer that is seen as such.
-#define NEPH_GPU_TEXELS_BINDING 30
+// And where kernels of a CPU find texels of one, two and four words (neph_buffer_see_texels()): an
+// array each, of one texel buffer for each buffer that is seen as such.
+#define NEPH_GPU_TEXELS_BINDING 28
+#define NEPH_GPU_TEXEL_PAIRS_BINDING 29
+#define NEPH_GPU_TEXEL_FOURS_BINDING 30
+#define NEPH_GPU_TEXEL_FORMATS 3
 
 // Bits of specialization constant 1, what is known of a scene beside its kinds of media.
 #define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel

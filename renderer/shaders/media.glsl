@@ -16,7 +16,7 @@ layout(std430, binding = 2) readonly buffer GridValues {
 
 #ifdef SEES_GRID_TEXELS
 // Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
-layout(binding = NEPH_GPU_TEXELS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
+layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
 {

@@ -13,7 +13,7 @@ HEAD = """\
 # Made by foliage.py.
 name: foliage
 title: Leaves of one pixel at random over a tenth of the view, before a cloud
-physics: >
+description: >
   500 squares that cover exactly one pixel each at 320x180, at random over a tenth of the middle
   100 x 50 pixels and at random between 8 and 12 m, before a cloud some eight times as bright as the
   fog before them. A tile of 4 x 4 pixels there holds one or two: its nearest and farthest depth lie

@@ -436,6 +436,8 @@ function checkCounts(data, counted) {
         && gate.quantity === "radiance"))).length,
     "frames.broken": data.scenes.flatMap((scene) => scene.frames)
       .filter((frame) => BROKEN.includes(frame.status)).length,
+    "frames.over_budget": data.scenes.flatMap((scene) => scene.frames)
+      .filter((frame) => frame.status === "over_budget").length,
   };
   const rows = data.physics?.rows ?? [];
   for (const [name, side] of [["ours", true], ["others", false]]) {

@@ -333,6 +333,10 @@
   const brokenFrames = () => scenes.flatMap((scene) => framesOf(scene)
     .filter((frame) => BROKEN.includes(frame.status)).map((frame) => ({ scene, frame })));
 
+  /** Frames that are not compared, since they did not fit the budget of their engine. */
+  const unfitted = () => scenes.flatMap((scene) => framesOf(scene)
+    .filter((frame) => frame.status === "over_budget").map((frame) => ({ scene, frame })));
+
   const broken = (frame, where, name) => finding(word(STATUSES, frame.status), where, name,
     why(frame) && [": ", briefly(frame)]);
 
@@ -407,11 +411,22 @@
       frame.look ? ", a model that claims no physics" : !isGated && ", which no gate limits", "."];
   }
 
+  /** Engines and frames that the verdict is without. */
+  function withoutSentence(late) {
+    const missing = engines.filter((engine) => !engine.available && !engine.broken);
+    return [missing.length > 0 && [" Not installed, so not compared: ",
+      bold(missing.map((engine) => engine.name).join(", ")), "."],
+    late.length > 0 && [" ", derived("frames.over_budget", late.length),
+      plural(late.length, " rendering", " renderings"),
+      " did not fit the budget: not compared."]];
+  }
+
   function verdict() {
     const all = scenes.flatMap((scene) => gatesOf(scene).map((gate) => ({ gate, scene })));
     const failing = failedGates(all);
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
     const unfinishedFrames = brokenFrames();
+    const late = unfitted();
     const missing = report.absent ?? [];
     const [said, colour] = RUNS[report.verdict] ?? [report.verdict, "open"];
     return el("section", { class: `verdict ${colour}`, "aria-label": "Verdict" },
@@ -420,6 +435,7 @@
         (scenes.length > 0 || !physics) && el("p", {}, gateSentence(all, failing, open),
         unfinishedFrames.length > 0 && [" ", derived("frames.broken", unfinishedFrames.length),
           plural(unfinishedFrames.length, " rendering", " renderings"), " did not finish."],
+        withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
             " scene was", " scenes were"), " left out: its data are not on this machine."],
         worstSentence(compared()))));
@@ -429,8 +445,8 @@
   function troubles() {
     const all = scenes.flatMap((scene) => gatesOf(scene).map((gate) => ({ gate, scene })));
     const open = all.filter(({ gate }) => gate.verdict === "not_measured");
-    const lines = [...failedLines(failedGates(all)), ...brokenFrames().map(({ scene, frame }) =>
-      broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
+    const lines = [...failedLines(failedGates(all)), ...[...brokenFrames(), ...unfitted()].map(
+      ({ scene, frame }) => broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
     ...ungatedLines(ungated()), ...openLines(open), ...absentLines()];
     return lines.length > 0 && section("troubles", "What failed, what no gate limits, what is missing",
       listed(lines, LISTED, "The rest of the list", "small troubles"));

@@ -13,7 +13,7 @@ from neph_case import StudyCase
 REST = """
 name: rest
 title: a test
-physics: a test
+description: a test
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 20}
 frames: {count: 16, rate_hz: 30}
 sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
@@ -35,10 +35,10 @@ class Ablate(StudyCase):
 
     def ablate(self, *arguments):
         done = self.neph("ablate", *arguments, "--only", "split", *SIZE)
-        return done.stdout, json.loads((self.folder / "out/ablation.json").read_text())
+        return done.stdout, json.loads((self.folder / "out/ablate/ablation.json").read_text())
 
     def stored(self):
-        return self.stamps(self.folder / "out/store/frames")
+        return self.stamps(self.folder / "out/ablate/store/frames")
 
     @staticmethod
     def effect(found, part, place, measure):
@@ -66,7 +66,7 @@ class Ablate(StudyCase):
         entries = self.stored()
         again, _ = self.ablate(*arguments)
         self.assertEqual((again, self.stored()), (text, entries))
-        study = self.json("study", "flicker", self.scenes[0], "--presets", "ours,ours+split=none",
+        study = self.json("study", "flicker", self.scenes[0], "--preset", "ours,ours+split=none",
                           "--takes", "flicker", *SIZE)
         for measure, metric, mask in (("error", "rel_rmse", "all"),
                                       ("edge_flicker", "seen_contrast", "depth_edge")):
@@ -77,7 +77,7 @@ class Ablate(StudyCase):
             self.assertAlmostEqual(effect["scenes"]["rest"], pair["decades"], delta=1e-12)
 
     def check_files(self):
-        out = self.folder / "out"
+        out = self.folder / "out/ablate"
         with open(out / "ablation.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual({row["part"] for row in rows}, {"all", "split"})

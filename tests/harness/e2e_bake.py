@@ -16,7 +16,7 @@ NEPH = pathlib.Path(neph_case.NEPH)
 # The camera looks along z, and a pixel of 11 x 9 is 0.5 m wide.
 SCENE = """name: NAME
 title: A block of voxels against a uniform sky
-physics: absorption alone
+description: absorption alone
 camera: {position_m: [1, 2, 20], look_at_m: [1, 2, 0], orthographic_height_m: 4.5}
 background_w_per_m2_sr: [1, 1, 1]
 scattering: none
@@ -49,9 +49,9 @@ class Bake(neph_case.NephCase):
         return frames.read_exr(frame)[2]["transmittance.G"]
 
     def baked_entry(self, file):
-        found = self.json("bake", self.write_scene("block", GRID), "-o", self.folder / file)
+        found = self.json("bake", self.write_scene("block", GRID), self.folder / file)
         entry = found["scene_entry"]
-        self.assertIn(entry, self.neph("bake", self.folder / "block.yaml", "-o",
+        self.assertIn(entry, self.neph("bake", self.folder / "block.yaml",
                                        self.folder / file).stdout)
         return entry
 
@@ -62,20 +62,20 @@ class Bake(neph_case.NephCase):
     def test_error_falls_with_resolution_and_is_printed(self):
         errors = []
         for resolution in (32, 64):
-            found = self.json("bake", "gaussian_blob", "--resolution", resolution, "-o",
+            found = self.json("bake", "gaussian_blob", "--resolution", resolution,
                               self.folder / "blob.vdb")
             result = found
             self.assertEqual(max(result["size"]), resolution)
             errors.append(result["error"]["extinction_rms_relative"])
         self.assertAlmostEqual(errors[0] / errors[1], 4.0, delta=0.4)  # second order
-        done = self.neph("bake", "gaussian_blob", "-o", self.folder / "blob.vdb")
+        done = self.neph("bake", "gaussian_blob", self.folder / "blob.vdb")
         for word in ("64 x 64 x 64", "extinction", "optical depth", "transmittance"):
             self.assertIn(word, done.stdout)
         self.assertEqual((self.folder / "blob.vdb").read_bytes()[:4], b" BDV")
 
     def test_a_grid_goes_into_df3_as_it_is(self):
         path = self.folder / "grid.df3"
-        found = self.json("bake", "voxel_grid", "-o", path)
+        found = self.json("bake", "voxel_grid", path)
         result = found
         self.assertEqual((result["size"], result["is_copy"]), ([4, 3, 5], True))
         self.assertEqual(result["extinction_of_density_1_per_m"], 6.0)
@@ -150,12 +150,12 @@ class Bake(neph_case.NephCase):
     def test_wrong_requests_say_the_way_out(self):
         out = self.folder / "out.vdb"
         for arguments, code, words in (
-            (("gaussian_blob", "-o", "blob.raw"), 64, ".vdb"),
-            (("gaussian_blob", "--medium", "2", "-o", out), 64, "1..1"),
-            (("gaussian_blob", "--resolution", "1", "-o", out), 64, "2..1024"),
-            (("gaussian_blob", "--resolution", "1024", "-o", out), 65, "MiB"),
-            (("gaussian_blob", "-o", self.folder / "no_folder" / "x.vdb"), 74, "no_folder"),
-            (("no_such_scene", "-o", out), 66, "neph scenes"),
+            (("gaussian_blob", "blob.raw"), 64, ".vdb"),
+            (("gaussian_blob", "--medium", "2", out), 64, "1..1"),
+            (("gaussian_blob", "--resolution", "1", out), 64, "2..1024"),
+            (("gaussian_blob", "--resolution", "1024", out), 65, "MiB"),
+            (("gaussian_blob", self.folder / "no_folder" / "x.vdb"), 74, "no_folder"),
+            (("no_such_scene", out), 66, "neph scenes"),
         ):
             self.neph("bake", *arguments, code=code, said=words)
         self.assertEqual(list(self.folder.iterdir()), [])
@@ -164,8 +164,8 @@ class Bake(neph_case.NephCase):
         copied = self.folder / "neph"
         shutil.copy(NEPH, copied)
         shutil.copy(NEPH.with_name("neph-vdb"), self.folder / "neph-vdb")
-        self.neph("bake", "voxel_grid", "-o", self.folder / "grid.vdb", program=copied)
-        done = self.neph("bake", "voxel_grid", "-o", self.folder / "other.vdb",
+        self.neph("bake", "voxel_grid", self.folder / "grid.vdb", program=copied)
+        done = self.neph("bake", "voxel_grid", self.folder / "other.vdb",
                          NEPH_VDB="/nowhere/neph-vdb", code=69)
         for words in ("/nowhere/neph-vdb", "copy it"):
             self.assertIn(words, done.stderr)

@@ -32,7 +32,7 @@ class Benchmark(NephCase):
 
     @night.of_the_night
     def test_two_unbiased_tracers(self):
-        document, _ = self.measured("gaussian_blob", "--voxels", "12", "-e", "oracle,tracer",
+        document, _ = self.measured("gaussian_blob", "--resolution", "12", "-e", "oracle,tracer",
                                     "--size", "64x36", "--seconds", "0.05")
         self.assertEqual(document["format"], "neph-benchmark-1")
         oracle, tracer = document["engines"]
@@ -83,8 +83,8 @@ class Benchmark(NephCase):
                 self.assertTrue(errors[-1][1] > time["rmse"] ** 2 or not worse)
 
     def test_the_table_says_what_it_found(self):
-        done = self.benchmark("gaussian_blob", "--voxels", "12", "-e", "tracer,oracle", "--size",
-                              "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
+        done = self.benchmark("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle",
+                              "--size", "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
@@ -92,7 +92,7 @@ class Benchmark(NephCase):
 
     def test_a_ladder_up_to_a_stated_error(self):
         """Both errors that are reported lie on it, whatever the machine's speed."""
-        found, _ = self.measured("gaussian_blob", "--voxels", "12", "-e", "oracle", "--size",
+        found, _ = self.measured("gaussian_blob", "--resolution", "12", "-e", "oracle", "--size",
                                  "16x9", "--error", "0.01")
         engine, = found["engines"]
         self.assertEqual([(t["rmse"], t["found"]) for t in engine["rmse_times"]],
@@ -108,7 +108,7 @@ class Benchmark(NephCase):
         """Of fixed, by name: their milliseconds a picture."""
         words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]
         found, _ = self.measured(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
-                                 "--frames", "8", *words)
+                                 "--repeat", "8", *words)
         engine, = found["engines"]
         self.check_arithmetic(engine, found["ceilings"])
         return {p["pass"]: 1e3 * p["gpu_s"]["median"] for p in engine["passes"]}
@@ -130,7 +130,7 @@ class Benchmark(NephCase):
     def test_a_scene_that_rests_is_timed_when_that_is_known(self):
         """However few pictures are timed; all are of one kind."""
         found, told = self.measured("gaussian_blob", "-e", "realtime", "-p", "ours", "--size",
-                                    "32x18", "--frames", "3", "--no-ceilings", "--seconds", "1")
+                                    "32x18", "--repeat", "3", "--no-ceilings", "--seconds", "1")
         self.assertIn("--seconds has no effect", told)
         engine, = found["engines"]
         march, = [p for p in engine["passes"] if p["pass"] == "march"]
@@ -144,7 +144,7 @@ class Benchmark(NephCase):
 
     def test_who_cannot_does_not_stop_the_others(self):
         found, told = self.measured("slab_multiple_thin", "-e", "realtime,march,tracer", "--size",
-                                    "8x5", "--seconds", "0.02", "--frames", "2")
+                                    "8x5", "--seconds", "0.02", "--repeat", "2")
         self.assertIn("--frames has no effect", told)
         self.assertEqual([e["engine"] for e in found["engines"]], ["tracer"])
         self.assertEqual([(e["engine"], e["hint"]) for e in found["cannot"]],
@@ -161,7 +161,7 @@ class Benchmark(NephCase):
 
     def test_pictures_in_flight(self):
         document, _ = self.measured(
-            "voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18", "--frames", "4",
+            "voxel_grid", "-e", "march,realtime,tracer", "--size", "32x18", "--repeat", "4",
             "--seconds", "0.02", "--preset", "fixed", "-s", "realtime:transmittance=marched", "-s",
             "realtime:grid_sampling=texture", "-s", "realtime:grid_format=r8")
         self.assertEqual(document["format"], "neph-benchmark-both-1")
@@ -222,7 +222,7 @@ class Benchmark(NephCase):
     def test_a_screen_has_a_line_for_each_pass(self):
         """What it is off by is against its own defaults."""
         found, _ = self.measured("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
-                                 "--frames", "4", "--no-ceilings")
+                                 "--repeat", "4", "--no-ceilings")
         engine, = found["engines"]
         self.assertIsNone(found["ceilings"]["copy_bytes_per_s"])
         passes = {p["pass"]: p["gpu_s"] for p in engine["passes"]}
@@ -239,7 +239,7 @@ class Benchmark(NephCase):
         """The scene's own: its frames are two thirds of the size, and the eye, bloom, the table,
         FXAA, upscale and sharpening are nine stages."""
         scene = SCENES.parent / "studies/display/walk_out.yaml"
-        words = (scene, "-e", "march", "--size", "48x27", "--frames", "5", "--no-ceilings",
+        words = (scene, "-e", "march", "--size", "48x27", "--repeat", "5", "--no-ceilings",
                  "-s", "march:steps=4")
         found, _ = self.measured(*words)
         chain = found["engines"][0]["chain"]
@@ -262,7 +262,7 @@ class Benchmark(NephCase):
         text = (SCENES / "voxel_grid.yaml").read_text()
         scene = self.put("grounded.yaml", text.replace("name: voxel_grid", "name: grounded")
                          .replace("media:\n", ground, 1))
-        found, _ = self.measured(scene, "-e", "realtime", "--size", "32x18", "--frames", "1",
+        found, _ = self.measured(scene, "-e", "realtime", "--size", "32x18", "--repeat", "1",
                                  "--preset", "fixed")
         march, scene = [[p for p in found["engines"][0]["passes"] if p["pass"] == name][0]
                         for name in ("march", "scene")]
@@ -278,7 +278,7 @@ class Benchmark(NephCase):
                 (("slab_multiple_thin", "-e", "exact"), 64, "no chance"),
                 (("slab_multiple_thin", "-e", "magic"), 64, "neph engines"),
                 (("slab_multiple_thin", "--seconds", "nan"), 64, "0.01..10000"),
-                (("slab_multiple_thin", "-e", "march", "--frames", "0"), 64, "1.."),
+                (("slab_multiple_thin", "-e", "march", "--repeat", "0"), 64, "1.."),
                 (("slab_multiple_thin", "-e", "realtime", "-p", "magic"), 64, "magic"),
                 (("slab_multiple_thin", "-e", "march,tracer", "-p", "ours"), 64,
                  "none of the engines has presets"),
@@ -289,7 +289,7 @@ class Benchmark(NephCase):
                 (("voxel_grid", "-e", "march", "-s", "march:rays_per_px=4", "--size", "16x9"), 2,
                  "rays_per_px=1"),
                 (("slab_multiple_thin", "-e", "march"), 2, "multiple scattering"),
-                (("slab_multiple_thin", "--voxels", "1"), 64, "2.."),
+                (("slab_multiple_thin", "--resolution", "1"), 64, "2.."),
                 (("slab_multiple_thin", "--set", "povray:samples=3"), 64, "ENGINE:KEY=VALUE"),
                 (("slab_multiple_thin", "-e", "tracer", "--chain", "a.yaml"), 64, "in flight"),
                 (("voxel_grid", "-e", "march", "--chain", "no_such.yaml"), 66, "no_such.yaml"),

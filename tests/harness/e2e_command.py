@@ -18,7 +18,7 @@ EXAMPLES = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "docs/examples"
 SCENE = """
 name: even_fog
 title: Even fog before solids
-physics: Beer's law
+description: Beer's law
 camera: {position_m: [0, 2, 0], look_at_m: [1, 3, -10], vertical_fov_deg: 50}
 background_w_per_m2_sr: [0.5, 0.6, 0.7]
 scattering: none
@@ -281,7 +281,7 @@ for i in range(3):
         self.scene.write_text("""
 name: even_fog
 title: A layer of fog before an even sky
-physics: Beer's law
+description: Beer's law
 camera: {position_m: [0, 0, 0], look_at_m: [0, 0, -10], orthographic_height_m: 4}
 background_w_per_m2_sr: [1, 1, 1]
 scattering: none
@@ -378,7 +378,7 @@ write(light * job["settings"]["b"])
     @night.of_the_night
     def test_it_is_held_against_presets(self):
         def pick(presets):
-            found = self.json("pick", self.scene, "--presets", presets, "--size", "24x16",
+            found = self.json("pick", self.scene, "--preset", presets, "--size", "24x16",
                               "--frames", "16", "-o", "out", "-q", "--least", "flicker",
                               program=EXAMPLES / "fog.py", code=None)
             return found

@@ -49,7 +49,7 @@ class CommandLine(neph_case.NephCase):
         scene = self.folder / "lamp_in_fog.yaml"
         text = """name: lamp_in_fog
 title: A light in fog on the ray of the middle pixel
-physics: the integral of 1/d^2 has no bound there
+description: the integral of 1/d^2 has no bound there
 camera: {position_m: [0, 0, 5], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
 lights: [{position_m: [0, 0, LIGHT], intensity_w_per_sr: [1, 1, 1]}]
 scattering: single
@@ -86,14 +86,15 @@ media:
             (64, "--variant", ("height_fog_level", "--at", "3")), before=("scenes",))
 
     def test_tracers_go_on_from_a_checkpoint(self):
-        options = ["-e", "oracle", "--size", "16x9", "-q", "-o", self.folder]
+        options = ["--size", "16x9", "-q", "-o", self.folder]
+        by_oracle = ["-e", "oracle", *options]
         sums = self.folder / "sums"
         for samples in (8, 24):  # a finished render is given more samples
-            self.neph("render", "voxel_grid", *options, "-s", f"samples={samples}", "--checkpoint",
-                      sums)
+            self.neph("render", "voxel_grid", *by_oracle, "-s", f"samples={samples}",
+                      "--checkpoint", sums)
         in_two = self.folder / "in_two.exr"
         (self.folder / "voxel_grid_oracle_0000.exr").rename(in_two)
-        self.neph("render", "voxel_grid", *options, "-s", "samples=24")
+        self.neph("render", "voxel_grid", *by_oracle, "-s", "samples=24")
         found = self.json("compare", in_two, self.folder / "voxel_grid_oracle_0000.exr")
         worst = [row["value"] for row in found["measurements"]
                  if row["metric"] == "max_abs" and row["quantity"] == "radiance"]

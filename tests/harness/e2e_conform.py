@@ -16,7 +16,7 @@ class Conform(neph_case.NephCase):
     @classmethod
     def setUpClass(cls):
         cls.made = neph_case.scratch(cls.addClassCleanup) / "a"
-        cls.rendered = neph_case.run("conform", "--scene", "height_fog_level", "-e", "march",
+        cls.rendered = neph_case.run("conform", "--only", "height_fog_level", "-e", "march",
                                      "--size", "32x18", "-o", cls.made)
 
     def changed(self, change=lambda scene: None):
@@ -50,12 +50,12 @@ class Conform(neph_case.NephCase):
         self.assertEqual({c["worst"] for c in channels.values()}, {0.0})
 
     def test_a_part(self):
-        for part in (("-e", "tracer"), ("--scene", "voxel_grid")):
+        for part in (("-e", "tracer"), ("--only", "voxel_grid")):
             self.neph(*part, self.made, self.made, code=1, said="nothing to compare")
         folder = self.changed(lambda scene: scene["pictures"].append(
             {**scene["pictures"][0], "picture": "height_fog_level_tracer", "engine": "tracer"}))
         self.neph(self.made, folder, code=1)
-        done = self.neph("-e", "march", "--scene", "height_fog_level", self.made, folder)
+        done = self.neph("-e", "march", "--only", "height_fog_level", self.made, folder)
         self.assertIn("1 of 1 pictures agree", done.stdout)
 
     def test_other_pixels(self):
@@ -102,10 +102,10 @@ class Conform(neph_case.NephCase):
         self.assertIn("disney_cloud: left out: ", done.stdout)
         self.assertIn("NEPH_DISNEY_CLOUD is not set", done.stdout)
         self.assertIn("1 of 1 pictures are finite", done.stdout)
-        self.neph(*request, "--scene", "disney_cloud", code=66, **environment)
+        self.neph(*request, "--only", "disney_cloud", code=66, **environment)
 
     def test_nothing_rendered_is_no_success(self):
-        done = self.neph("--scene", "white_furnace", "-e", "march", "--size", "8x8", "-o",
+        done = self.neph("--only", "white_furnace", "-e", "march", "--size", "8x8", "-o",
                          self.folder / "none", code=1)
         self.assertIn("0 of 0", done.stdout)
 

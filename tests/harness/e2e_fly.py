@@ -23,7 +23,7 @@ ZOOM = 20  # which makes it 640 pixels wide
 TOWER = """
 name: tower
 title: a test
-physics: a test
+description: a test
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 40}
 frames: {count: 6, rate_hz: 30}
 sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}

@@ -69,8 +69,8 @@ class Install(unittest.TestCase):
     def test_the_manual_has_every_verb_and_option(self):
         path = self.prefix / "share/man/man1/neph.1"
         text = path.read_text().replace("\\-", "-")
-        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "--presets=A,B"),
-                             ("VALIDATE", "--time-limit=S"), ("FLICKER", "-r, --reference=WORD"),
+        for verb, option in (("RENDER", "--checkpoint=FILE"), ("STUDY FLICKER", "--seeds=N"),
+                             ("VALIDATE", "--budget=S"), ("FLICKER", "-r, --reference=FILES"),
                              ("COMPARE", "--fail-above=[QUANTITY:]METRIC[@MASK]=LIMIT")):
             self.assertIn(f"\n.SH NEPH {verb}\n", text)
             self.assertIn(option, text.split(f".SH NEPH {verb}\n")[1].split("\n.SH ")[0])

@@ -149,11 +149,11 @@ class Metrics(neph_case.NephCase):
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
         text = self.neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
                          self.folder / "weak").stdout
-        self.assertIn("not told apart: mae", text)
-        self.assertIn("16 frames are too few: intervals and p-values of a mean need 64", text)
+        self.assertRegex(text, r"^strong: mae 0.05.*, weak: 0.02.*; not told apart, lower in \d+ of "
+                               r"16 frames \(16 frames are too few: intervals and p-values")
         text = self.neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae",
                          "--versus", self.folder / "weak/f.04.exr").stdout
-        self.assertRegex(text, "^worse: mae .* p < 0.001")
+        self.assertRegex(text, "^strong: mae .*, weak: .*; worse, p < 0.001\n")
         self.neph(*run, self.folder / "nowhere", code=66, silent=True)
 
     def test_the_answer_comes_first_and_is_short(self):
@@ -186,14 +186,14 @@ class Metrics(neph_case.NephCase):
             for test, other, word in ((weak, strong, "better"), (strong, weak, "worse")):
                 text = self.neph("compare", reference, test, "--versus", other, "-m", metric,
                                  "-q").stdout
-                self.assertRegex(text, rf"^{word}: {metric} [0-9.]+.*, of --versus [0-9.]+ "
-                                       r"\(difference .*, p < 0.001\)$")
+                self.assertRegex(text, rf"^{test.name}: {metric} [0-9.]+.*, {other.name}: [0-9.]+"
+                                       rf"( dB)?; {word}, p < 0.001\n$")
         # No direction: a gain of the shift is neither good nor bad.
         text = self.neph("compare", reference, weak, "--versus", strong, "-m", "shift_gain",
                          "-q").stdout
-        self.assertRegex(text, "^(higher|lower|equal|not told apart): shift_gain ")
+        self.assertRegex(text, "^weak.exr: shift_gain .*; (higher|lower|equal|not told apart)")
         text = self.neph("compare", reference, weak, "--versus", weak, "-m", "mae", "-q").stdout
-        self.assertRegex(text, "^equal: mae ")
+        self.assertRegex(text, "^test: mae .*, other: .*; equal\n$")
 
     def test_names_of_masks_and_units_in_csv(self):
         layers = {channel: [0.5] * 256 for channel in "RGB"}
@@ -249,7 +249,7 @@ class Metrics(neph_case.NephCase):
                        lambda x, y: 0.5 + 0.5 * (frame >= 4) + 0.001 * (frame % 2))
         for test, code in (("stuck", 1), ("prompt", 0)):
             done = self.neph("flicker", "-r", self.folder / "lights", self.folder / test, "-m",
-                             "lag", "-s", "lag.step_frame=4", "--fail-above", "half_life_p50=20",
+                             "lag", "-s", "lag:step_frame=4", "--fail-above", "half_life_p50=20",
                              code=code)
             self.assertEqual("at least 4" in done.stderr, code == 1, done.stderr)
 
@@ -600,7 +600,7 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence("taa",
                             lambda x, y, t: 0.5 + 0.2 * gain * math.sin(w * (t - lag)) + noise(),
                             64)
-        found = self.json("flicker", "--reference", lights, taa, "-s", "follow.period_2=32")
+        found = self.json("flicker", "--reference", lights, taa, "-s", "follow:period_2=32")
         values = values_of(found)
         findings = {row["finding"]: row for row in found["findings"]}
         self.assertAlmostEqual(values["follow_gain_2_p50", "all"], gain, delta=1e-5)
@@ -610,7 +610,7 @@ class Metrics(neph_case.NephCase):
         self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing",
                       findings["follow"]["text"])
         self.assertNotIn("half_life", findings)  # lag is known
-        few = self.neph("flicker", "--reference", lights, taa, "-s", "follow.period_1=65", "-m",
+        few = self.neph("flicker", "--reference", lights, taa, "-s", "follow:period_1=65", "-m",
                         "follow")
         self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
 
@@ -622,7 +622,7 @@ class Metrics(neph_case.NephCase):
         taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step
                             or x < WIDTH // 4 else 0.6 - 0.4 * 0.8 ** (t - step + 1), 44)
         found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                          f"lag.step_frame={step}", "--frozen-ok")
+                          f"lag:step_frame={step}", "--frozen-ok")
         values = values_of(found)
         findings = {row["finding"]: row for row in found["findings"]}
         expected = {"ghost_area_1": 1, "ghost_area_8": 1, "ghost_area_16": 0.25,
@@ -666,7 +666,7 @@ class Metrics(neph_case.NephCase):
             "taa", lambda x, y, t: 0.2 if t < step else 0.6 - 0.4 * (1 - alpha) ** (t - step + 1),
             80)
         found = self.json("flicker", "--reference", lights, taa, "-m", "lag", "-s",
-                          f"lag.step_frame={step}", "--frozen-ok")
+                          f"lag:step_frame={step}", "--frozen-ok")
         values = values_of(found)
         for mask in ("all", "depth_edge"):
             self.assertAlmostEqual(values["half_life_mean", mask], math.log(0.5) / math.log(0.9),
@@ -733,7 +733,7 @@ class Metrics(neph_case.NephCase):
 
         def numbers(reference, test, *options):
             found = self.json("flicker", "-r", reference, test, "-m", "lag", "-s",
-                              "lag.step_frame=8", *options)
+                              "lag:step_frame=8", *options)
             return found["measurements"], values_of(found)
         names = {
             "plain": lambda t: f"f.{t + 1:04d}.exr",

@@ -25,7 +25,7 @@ import fog  # noqa: E402, the renderer that a user may begin with: it writes a f
 SCENE = """
 name: {name}
 title: Even fog
-physics: Beer's law
+description: Beer's law
 camera: {{position_m: [0, 2, 0], look_at_m: [1, 3, -10], vertical_fov_deg: 50}}
 background_w_per_m2_sr: [0.5, 0.6, 0.7]
 scattering: none

@@ -26,7 +26,7 @@ class Furnace(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = neph_case.scratch(cls.addClassCleanup)
-        cls.done = neph_case.run(*SUITE, *OURS, "-e", "povray", "--check", "furnace_box_4", "-o",
+        cls.done = neph_case.run(*SUITE, *OURS, "-e", "povray", "--only", "furnace_box_4", "-o",
                                  cls.folder, "--json", surroundings=VALIDATED, PATH="/nonexistent")
         has_run = cls.done.returncode in (0, 1)
         cls.physics = json.loads(cls.done.stdout)["physics"] if has_run else None
@@ -91,7 +91,7 @@ class OtherRuns(StudyCase):
         return document["physics"]
 
     def test_a_check_of_several_views_shows_them_all(self):
-        physics = self.suite("-e", "oracle", "--check", "reciprocity")
+        physics = self.suite("-e", "oracle", "--only", "reciprocity")
         self.assertEqual([len(check["views"]) for check in physics["checks"]], [2])
         self.assertEqual([len(row["pictures"]) for row in physics["rows"]], [2])
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
@@ -101,7 +101,7 @@ class OtherRuns(StudyCase):
         documents = []
         for jobs in ("1", "2"):
             folder = self.folder / jobs
-            words = ("-e", "march", "-e", "oracle", "--check", "furnace_box", "--jobs", jobs, "-o",
+            words = ("-e", "march", "-e", "oracle", "--only", "furnace_box", "--jobs", jobs, "-o",
                      folder)
             physics = self.suite(*words)
             del physics["seconds"]
@@ -118,13 +118,13 @@ class OtherRuns(StudyCase):
                           for path in (folder / "store/frames").rglob("frame.exr")}, kept)
 
     def test_the_table_for_people_names_check_participant_and_verdict(self):
-        done = self.neph(*SUITE, "-e", "exact", "--check", "furnace_box_4")
+        done = self.neph(*SUITE, "-e", "exact", "--only", "furnace_box_4")
         line = next(line for line in done.stdout.splitlines() if line.startswith("furnace_box_4"))
         self.assertEqual([line.split()[k] for k in (1, 2, -1)], ["exact", "rendered", "agrees"])
         self.assertIn("verdict: pass", done.stdout)
 
     def test_what_exact_leaves_to_the_tracers_is_not_measured_and_no_pass(self):
-        row, = self.suite("-e", "exact", "--check", "furnace_clouds", code=1)["rows"]
+        row, = self.suite("-e", "exact", "--only", "furnace_clouds", code=1)["rows"]
         self.assertEqual(row["verdict"], "not_measured")
         self.assertIn("cannot: clouds", row["reason"])
 
@@ -141,15 +141,15 @@ class OtherRuns(StudyCase):
     def test_wrong_commands_are_usage_errors_that_say_what_is_wrong(self):
         suite = ("validate", "--suite", "physics", "-e", "exact", "-q")
         self.check_refusals(
-            (64, ("perpetuum", "furnace"), (*suite, "--check", "perpetuum")),
-            (64, "--check", (*suite, "--check", "")),
+            (64, ("perpetuum", "furnace"), (*suite, "--only", "perpetuum")),
+            (64, "--only", (*suite, "--only", "")),
             (64, ("magic", "neph engines"), (*suite, "-e", "magic")),
             (64, ("-4", "2"), (*suite, "--samples", "-4")),
             (64, ("samples", "2"), (*suite, "--samples", "1")),
             (64, "many", (*suite, "--samples", "many")),
-            (64, ("height_fog_up", "--check"), (*suite, "height_fog_up")),
+            (64, ("height_fog_up", "--only"), (*suite, "height_fog_up")),
             (64, ("metaphysics", "catalog", "physics"), ("validate", "--suite", "metaphysics")),
-            (64, "--suite physics", ("validate", "--check", "furnace")),
+            (64, "--suite physics", ("validate", "--only", "furnace")),
             (64, "--suite physics", ("validate", "--samples", "4")),
             (64, ("magic", "cycles"), ("study", "magic", "height_fog_up")),
             (64, ("exact", "no step"), ("study", "exact", "height_fog_up")),

@@ -12,7 +12,7 @@ from neph_case import ROOT, NephCase
 
 EVEN = """name: even
 title: Even fog before the sky
-physics: Homogeneous. Truth is exact.
+description: Homogeneous. Truth is exact.
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 50}
 sun: {direction: [0.3, 0.6, -0.2], irradiance_w_per_m2: [3, 3, 3]}
 background_w_per_m2_sr: [0.5, 0.6, 0.7]
@@ -24,7 +24,7 @@ media:
 
 CLOUD = """name: cloud
 title: A cloud of some optical depth
-physics: A Gaussian cloud across the light, all orders of scattering. Truth is the tracer.
+description: A Gaussian cloud across the light, all orders of scattering. Truth is the tracer.
 camera: {position_m: [0, 0, 600], look_at_m: [0, 0, 0], vertical_fov_deg: 30}
 sun: {direction: [1, 0.3, 0], irradiance_w_per_m2: [10, 10, 10]}
 scattering: multiple
@@ -53,10 +53,10 @@ class Pick(NephCase):
         march, = found["left_out"]
         self.assertGreater(march["with"]["evaluations"], 1.0)
         # The file renders, and what it renders is the choice.
-        config = ("height_fog_level", "--config", "out/pick.json", "--size", "64x36")
+        config = ("height_fog_level", "--config", "out/pick/pick.json", "--size", "64x36")
         self.assertIn("height_fog_level_exact_0000.exr", self.render(*config).stdout)
         self.render(*config, "--preset", "ours", code=64)
-        self.put("out/pick.json", '{"format": "neph-configuration-1", "engine": "march", '
+        self.put("out/pick/pick.json", '{"format": "neph-configuration-1", "engine": "march", '
                  '"settings": "steps=-3"}')
         self.render(*config, code=65, said="1..65536")
 
@@ -99,14 +99,14 @@ class Pick(NephCase):
 
     def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
         def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "--presets", "fixed,ours", "--frames", "16",
+            return self.pick("gaussian_blob", "--preset", "fixed,ours", "--frames", "16",
                              *arguments, size="32x18", code=code)[0]
         found = pick("--least", "flicker", "--half-life", "8")
         self.assertEqual((found["preset"], found["found"]), ("ours", True))
         fixed, ours = found["candidates"]
         self.assertTrue(ours["on_front"])
         # The file renders what the preset does.
-        for name, words in (("a", ("--config", "out/pick.json")),
+        for name, words in (("a", ("--config", "out/pick/pick.json")),
                             ("b", ("-e", "realtime", "--preset", "ours", "-s", "steps=8"))):
             self.render("gaussian_blob", *words, "--size", "32x18", "--frames", "4", "-o", name)
         self.neph("compare", *(f"{name}/gaussian_blob_realtime_0003.exr" for name in "ab"), "-m",
@@ -118,7 +118,7 @@ class Pick(NephCase):
     @night.of_the_night
     def test_presets_over_scenes(self):
         def pick(*arguments, code=0):
-            return self.pick("gaussian_blob", "fence_sky", "--presets", "ours,fixed,ours+taa=off",
+            return self.pick("gaussian_blob", "fence_sky", "--preset", "ours,fixed,ours+taa=off",
                              "--frames", "16", "--jobs", "2", *arguments, size="48x27",
                              code=code)[0]
         found = pick("--least", "error")
@@ -132,10 +132,10 @@ class Pick(NephCase):
         again = pick("--lag", 1.01 * quick["lag"])
         self.assertEqual((again["preset"], again["found"]), ("ours+taa=off", True))
         self.assertIn("taa=off", again["settings"])
-        self.assertTrue((self.folder / "out/flicker_lag.svg").exists())
+        self.assertTrue((self.folder / "out/pick/flicker_lag.svg").exists())
         self.assertFalse(pick("--lag", 0.5 * quick["lag"], code=1)["found"])
         # The file is what `neph render` takes.
-        self.render("gaussian_blob", "--config", "out/pick.json", "--size", "16x9")
+        self.render("gaussian_blob", "--config", "out/pick/pick.json", "--size", "16x9")
 
     def test_a_cloud_at_rest(self):
         text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
@@ -169,10 +169,10 @@ class Pick(NephCase):
     def test_what_is_refused(self):
         self.check_refusals(
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),
-            (64, "--presets", ("voxel_grid", "--error", "1", "--suite", "tuning")),
-            (64, "what is reported", ("--presets", "ours", "--suite", "test")),
-            (64, "half-life", ("--presets", "ours", "--least", "x")),
-            (64, "at a time", ("--presets", "ours", "--ms", "9", "--jobs", "2")),
+            (64, "--preset", ("voxel_grid", "--error", "1", "--suite", "tuning")),
+            (64, "what is reported", ("--preset", "ours", "--suite", "test")),
+            (64, "half-life", ("--preset", "ours", "--least", "x")),
+            (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),
             (66, "", ("no_such_scene", "--error", "1")), before=("pick",))
 

@@ -142,7 +142,7 @@ class Post(neph_case.NephCase):
         scene.write_text("""
 name: walk
 title: a walk
-physics: none
+description: none
 camera:
   keys:
     - {frame: 0, position_m: [0, 1, 0], look_at_m: [100, 1, 0]}
@@ -179,7 +179,7 @@ volumes:
     WALK = """
 name: walk
 title: a walk
-physics: none
+description: none
 camera:
   keys:
     - {frame: 0, position_m: [0, 1, 0], look_at_m: [100, 1, 0]}

@@ -19,7 +19,7 @@ INF = math.inf
 MOVING = """
 name: moving
 title: a test
-physics: a test
+description: a test
 camera:
   keys:
     - {frame: 0, position_m: [0, 2, 0], look_at_m: [0, 2, -10]}

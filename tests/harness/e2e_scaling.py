@@ -40,7 +40,7 @@ class Scaling(NephCase):
             for point in line["points"]:
                 point["seconds"] *= 2.0
         self.put("there.json", json.dumps(other))
-        words = ("voxel_grid", "--size", "32x18", "-q", "--against", "there.json")
+        words = ("voxel_grid", "--size", "32x18", "-q", "--other-device", "there.json")
         done = self.neph(*words)
         table = done.stdout.split("there/here\n")[1].splitlines()
         self.assertEqual(len(table), sum(len(line["points"]) for line in here["lines"]))

@@ -13,7 +13,7 @@ from neph_case import StudyCase
 REST = """
 name: rest
 title: a test
-physics: a test
+description: a test
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 40}
 frames: {count: 16, rate_hz: 30}
 sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
@@ -53,7 +53,7 @@ class Study(StudyCase):
     def test_rest_and_motion_have_the_same_policy(self):
         """`off` is the march through centres: against these it has no error, against the reference
         it has."""
-        found = self.study(self.rest, self.moves, self.multiple, "--presets", "off,fixed",
+        found = self.study(self.rest, self.moves, self.multiple, "--preset", "off,fixed",
                            "--takes", "flicker", frames=20)
         rest, moves, multiple = found["scenes"]
         self.assertEqual([s["reference"] for s in (rest, moves)],
@@ -76,7 +76,7 @@ class Study(StudyCase):
 
     def interrupted(self, *arguments):
         """Ended by Ctrl-C after three finished takes or pictures: when each was written."""
-        store = self.folder / "out/store/frames"
+        store = self.folder / "out/study/store/frames"
         child = self.start(*self.command(*arguments))
         self.wait_until(lambda: store.exists() and len(list(store.iterdir())) >= 3, child)
         out, err = self.interrupt(child)
@@ -87,7 +87,7 @@ class Study(StudyCase):
         return kept
 
     def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
-        arguments = (self.rest, "--presets", "fixed,fixed+taa=off", "--takes", "flicker,step")
+        arguments = (self.rest, "--preset", "fixed,fixed+taa=off", "--takes", "flicker,step")
         kept = self.interrupted(*arguments)
         done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
@@ -100,8 +100,8 @@ class Study(StudyCase):
         for row in rows:
             self.assertTrue(row["value"] or row["because"], row)
             self.assertEqual(row["counts"] == "0", bool(row["because"]), row)
-        xml.etree.ElementTree.parse(self.folder / "out" / "flicker_lag.svg")
-        store = self.folder / "out" / "store" / "frames"
+        xml.etree.ElementTree.parse(self.folder / "out/study" / "flicker_lag.svg")
+        store = self.folder / "out/study" / "store" / "frames"
         entries = self.stamps(store)
         # a picture of the rest, two of the step, averaged and not; takes
         self.assertEqual(len(entries), 2 + 4 + 4)
@@ -111,7 +111,7 @@ class Study(StudyCase):
         self.assertEqual(len(again["results"]), len(rows))
         self.assertEqual(self.stamps(store), entries)
         by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs)
-                           for folder, jobs in (("out", 1), ("two", 2)))
+                           for folder, jobs in (("out/study", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
 
     def test_steps_do_not_depend_on_how_many_processes_render_them(self):
@@ -129,9 +129,9 @@ class Study(StudyCase):
         self.check_refusals(
             (64, ("best", "tuning"), ("--suite", "best")),
             (64, "not both", ("--suite", "test", rest)),
-            (64, ("nope", "off, seed"), (rest, "--presets", "nope")),
-            (64, "'ours' is twice", (rest, "--presets", "ours,fixed,ours")),
-            (64, "'zzz'", (rest, "--presets", "ours+zzz=1")),
+            (64, ("nope", "off, seed"), (rest, "--preset", "nope")),
+            (64, "'ours' is twice", (rest, "--preset", "ours,fixed,ours")),
+            (64, "'zzz'", (rest, "--preset", "ours+zzz=1")),
             (64, ("'turn'", "sine"), (rest, "--takes", "turn")),
             (64, "multiple of 4", (rest, "--frames", "18")),
             (66, "no_such", ("no_such",)), before=("study", "flicker", "-q"))

@@ -8,7 +8,7 @@ from neph_case import StudyCase
 
 # The second has neither history nor noise: all of its frames of a static scene are the same.
 PRESETS = ("ours", "ours+split=none+taa=off+ray_dither=none")
-LITTLE = ("--size", "32x18", "--frames", "16", "--steps", "4", "-q", "--presets",
+LITTLE = ("--size", "32x18", "--frames", "16", "--steps", "4", "-q", "--preset",
           ",".join(PRESETS))
 
 
@@ -36,8 +36,8 @@ class StudyConvergence(StudyCase):
 
     def test_what_is_refused(self):
         self.check_refusals((66, "nonesuch", ("nonesuch",)), (64, "which scenes?", ()),
-                            (64, "twice", ("fence_sky", "--presets", "ours,ours")),
-                            (64, "nonesuch", ("fence_sky", "--presets", "nonesuch")))
+                            (64, "twice", ("fence_sky", "--preset", "ours,ours")),
+                            (64, "nonesuch", ("fence_sky", "--preset", "nonesuch")))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from neph_case import StudyCase
 SLAB = """
 name: slab
 title: a test
-physics: a test
+description: a test
 camera: {position_m: [0, 8, 0], look_at_m: [1, 0, -4], vertical_fov_deg: 40}
 sun: {direction: [0.6, 0.75, 0.3], irradiance_w_per_m2: [6, 6, 6]}
 background_w_per_m2_sr: [0.5, 0.25, 0.125]
@@ -25,7 +25,7 @@ media:
       bounds: {min_m: [-1000, -3, -1000], max_m: [1000, 0, 1000]}
 """
 DARK = SLAB.replace("slab", "dark").replace("sun:", "# sun:")
-LITTLE = ("--size", "12x8", "--steps", "32", "--noise", "0.5", "--samples", "4")
+LITTLE = ("--size", "12x8", "--steps", "32", "--noise-limit", "0.5", "--samples", "4")
 
 
 class StudyLight(StudyCase):
@@ -40,7 +40,7 @@ class StudyLight(StudyCase):
         table, lines = self.folder / "light.md", self.folder / "light.csv"
         fit = self.folder / "fit.inc"
         models = "march,march_horizon"
-        arguments = ("slab.yaml", "--models", models, "--suns", "50:180", "--albedo", "1,0.9",
+        arguments = ("slab.yaml", "--model", models, "--suns", "50:180", "--albedo", "1,0.9",
                      "--csv", lines, "--markdown", table, "--fit", fit)
         found = self.json(*arguments)
         self.assertEqual([c["albedo"] for c in found["cells"]], [1, 0.9])
@@ -68,16 +68,16 @@ class StudyLight(StudyCase):
         with lines.open(newline="") as file:
             self.assertEqual(len(list(csv.DictReader(file))), 4)
         self.assertIn("| march | dense parts | 2 |", table.read_text())
-        xml.etree.ElementTree.parse(self.folder / "out" / "light.svg")
+        xml.etree.ElementTree.parse(self.folder / "out/study" / "light.svg")
         self.assertIn(".attenuation = {", fit.read_text())
-        store = self.folder / "out" / "store" / "frames"
+        store = self.folder / "out/study" / "store" / "frames"
         before = self.stamps(store)
         self.assertEqual(self.json(*arguments), found)
         self.assertEqual(self.stamps(store), before)
 
     def test_results_do_not_depend_on_the_number_of_jobs(self):
         def results(jobs):
-            found = self.json("slab.yaml", "--models", "march", "--albedo", "1,0.9", "--jobs",
+            found = self.json("slab.yaml", "--model", "march", "--albedo", "1,0.9", "--jobs",
                               jobs, "-o", f"out{jobs}")
             for cell in found["cells"]:
                 del cell["tracer_s"], cell["models"][0]["render_s"]
@@ -88,7 +88,7 @@ class StudyLight(StudyCase):
     def test_a_sun_that_sinks_is_seen_by_who_remembers(self):
         bias = {}
         for speed in (0, 50):
-            found = self.json("slab.yaml", "--models", "realtime+lighting=octaves,march_octaves",
+            found = self.json("slab.yaml", "--model", "realtime+lighting=octaves,march_octaves",
                               "--suns", "8:0", "--sun-speed", speed)
             self.assertEqual(found["sun_speed_deg_per_s"], speed)
             bias[speed] = [m["all"]["bias"] for m in found["cells"][0]["models"]]
@@ -105,13 +105,13 @@ class StudyLight(StudyCase):
             (64, "no elevation and azimuth", ("slab.yaml", "--suns", "50")),
             (64, "--sun-speed", ("slab.yaml", "--sun-speed", "51")),
             (64, "is no number", ("slab.yaml", "--g", "much")),
-            (64, "is no lighting model", ("slab.yaml", "--models", "tracer")),
+            (64, "is no lighting model", ("slab.yaml", "--model", "tracer")),
             (64, "outside -0.999..0.999", ("slab.yaml", "--g", "1.5")),
             (66, "nowhere", ("nowhere",)))
 
     def test_what_cannot_be_lit_is_left_out_and_laws_hold_of_models_alone(self):
         table = self.folder / "laws.md"
-        done = self.neph("dark.yaml", "--models", "march_octaves_fitted,march_horizon", "--laws",
+        done = self.neph("dark.yaml", "--model", "march_octaves_fitted,march_horizon", "--laws",
                          "--markdown", table, "--json", "--jobs", 2)
         self.assertIn("[2/2] part", done.stderr)  # the laws are a part, too
         found = json.loads(done.stdout)

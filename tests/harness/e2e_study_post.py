@@ -31,7 +31,7 @@ class StudyPost(StudyCase):
             rows = list(csv.DictReader(file))
         self.assertEqual([row["chain"] for row in rows], list(chains))
         self.assertAlmostEqual(float(rows[1]["flip"]), curve["flip"], places=7)
-        chart = (self.folder / "out" / "post.svg").read_text()
+        chart = (self.folder / "out/study" / "post.svg").read_text()
         root = ElementTree.fromstring(chart)
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         # That of the legend, but no FLIP of HDR; of light those that are not as it was.
@@ -46,7 +46,7 @@ class StudyPost(StudyCase):
     def test_a_few_chains_of_another_seed(self):
         """The curve is always there; the frames are those of the seed."""
         def curve_and_grain(seed):
-            found = self.json("railings", *LITTLE, "--chains", "grain", "--seed", seed, "-q",
+            found = self.json("railings", *LITTLE, "--only", "grain", "--seed", seed, "-q",
                               "-o", f"out{seed}")
             chains = found["scenes"][0]["chains"]
             self.assertEqual([chain["name"] for chain in chains],
@@ -66,7 +66,7 @@ class StudyPost(StudyCase):
         self.check_refusals(
             (64, "which scenes", ()),
             (64, "multiples of 4", ("railings", "--frames", "18")),
-            (64, "'nonsense'", ("railings", "--chains", "grain,nonsense")),
+            (64, "'nonsense'", ("railings", "--only", "grain,nonsense")),
             (64, "none_such", ("railings", "--preset", "none_such", *LITTLE)),
             (66, "no_such_scene", ("no_such_scene", *LITTLE)))
 

@@ -15,7 +15,7 @@ class StudyScreen(StudyCase):
 
     def test_a_table_and_its_files(self):
         # Slices know the step, whose foot is in the picture; nothing of it is behind anything.
-        words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--models",
+        words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--model",
                  "screen+gi=off+warm_up=0+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+warm_up=0",
                  "--markdown", "a.md", "--quiet")
         found = self.json(*words)["scenes"]
@@ -42,7 +42,7 @@ class StudyScreen(StudyCase):
     def look_at_the_page(self, found):
         """A picture for each part that a scene has, as many squares of a colour as pixels are lost
         by its reason, and nothing from a network."""
-        page = (self.folder / "out/screen/index.html").read_text()
+        page = (self.folder / "out/study/screen/index.html").read_text()
         self.assertNotIn("http://", page)
         self.assertNotIn("https://", page)
         for scene, parts in found.items():
@@ -52,7 +52,7 @@ class StudyScreen(StudyCase):
                 self.assertEqual(sum(truth["lost_by"].values()), truth["lost"])
                 self.assertEqual(f'src="{scene}_{name}.png"' in page, truth["pixels"] > 0)
                 if truth["pixels"] > 0:
-                    self.count_colours(self.folder / f"out/screen/{scene}_{name}.png", truth)
+                    self.count_colours(self.folder / f"out/study/screen/{scene}_{name}.png", truth)
 
     def count_colours(self, path, truth):
         """Yellow, blue, orange, dark: what is not grey has its reason's colour in it, three parts
@@ -73,7 +73,7 @@ class StudyScreen(StudyCase):
     def test_turned_solids_hide_as_they_stand(self):
         """The blocks of the room are turned: where what a ray meets is on no screen, a ray says
         why."""
-        found = self.json("surface_room", "--size", "32x18", "--samples", "64", "--models",
+        found = self.json("surface_room", "--size", "32x18", "--samples", "64", "--model",
                           "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet")
         truth = found["scenes"]["surface_room"]["ambient occlusion"]
         self.assertGreater(truth["lost"], 40)
@@ -82,7 +82,7 @@ class StudyScreen(StudyCase):
     def test_pictures_flicker_by_what_rays_leave(self):
         """One ray and no memory is another picture each frame; what stands still has one truth."""
         calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
-        found = self.json("surface_rough", "--size", "24x14", "--samples", "32", "--models",
+        found = self.json("surface_rough", "--size", "24x14", "--samples", "32", "--model",
                           f"{calm},{raw}", "--frames", "16", "--quiet")
         over = found["scenes"]["surface_rough"]["over_frames"]
         self.assertEqual(over["frames"], 16)
@@ -92,21 +92,21 @@ class StudyScreen(StudyCase):
         self.assertLess(over["models"][calm]["error"], over["models"][raw]["error"])
         # A mark a model in each of five panels, and that of the legend; the first is 1 in those of
         # light, and not drawn there.
-        root = ElementTree.parse(self.folder / "out/screen/screen.svg").getroot()
+        root = ElementTree.parse(self.folder / "out/study/screen/screen.svg").getroot()
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         self.assertEqual(len(marks), 1 + 3 * 2 + 2)
         names = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
         self.assertEqual(names.count("gi=off"), 3)
         self.assertEqual(names.count("ssr_rays=1+ssr_history=0+ssr_smooth=0"), 5)
-        self.assertIn("screen.svg", (self.folder / "out/screen/index.html").read_text())
+        self.assertIn("screen.svg", (self.folder / "out/study/screen/index.html").read_text())
 
     def test_a_scene_that_moves_has_a_truth_a_frame(self):
-        self.neph("surface_ground", "--size", "8x5", "--samples", "2", "--models",
+        self.neph("surface_ground", "--size", "8x5", "--samples", "2", "--model",
                   "screen+gi=off", "--frames", "64", "--quiet", "--markdown", "a.md")
         self.assertIn("| surface_ground | screen+gi=off | 32 |", (self.folder / "a.md").read_text())
 
     def test_a_scene_of_one_frame_has_one_truth_for_all(self):
-        found = self.json("surface_room", "--size", "8x5", "--samples", "2", "--models",
+        found = self.json("surface_room", "--size", "8x5", "--samples", "2", "--model",
                           "screen+gi=off", "--frames", "16", "--quiet")
         over = found["scenes"]["surface_room"]["over_frames"]
         self.assertEqual(over["frames"], 16)
@@ -117,7 +117,7 @@ class StudyScreen(StudyCase):
         """Another program says the same, of the truth and so of a screen: within 4.5 standard
         errors, which docs/surfaces.md has for four times as many pixels."""
         found = self.json("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
-                          "1024", "--cycles", "1024", "--models", "screen", "--quiet")["scenes"]
+                          "1024", "--cycles", "1024", "--model", "screen", "--quiet")["scenes"]
         for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),
                             ("reflections", 0.042)):
             against = found["surface_rough"]["against_cycles"][part]
@@ -131,7 +131,7 @@ class StudyScreen(StudyCase):
         results = []
         for jobs in ("1", "2"):
             done = self.neph("surface_step", "surface_rough", "--size", "8x5", "--samples", "2",
-                             "--rays", "4", "--models", "screen+gi=off+warm_up=0", "--jobs",
+                             "--rays", "4", "--model", "screen+gi=off+warm_up=0", "--jobs",
                              jobs, "-o", f"out{jobs}", "--json")
             pages = sorted((self.folder / f"out{jobs}/screen").iterdir())
             results.append((json.loads(done.stdout),
@@ -141,13 +141,13 @@ class StudyScreen(StudyCase):
 
     def test_refusals(self):
         little = ("--size", "4x4", "--samples", "2")
-        self.check_refusals((64, "no screen", (*little, "--models", "march")),
+        self.check_refusals((64, "no screen", (*little, "--model", "march")),
                             (2, "without solids", (*little, "height_fog_up")),
                             (64, "16 frames", (*little, "--frames", "3")),
                             (66, "nowhere", (*little, "nowhere")))
 
     def test_a_folder_with_other_files_is_left_alone(self):
-        page = self.put("out/screen/index.html")
+        page = self.put("out/study/screen/index.html")
         self.neph("surface_step", "--size", "4x4", "--samples", "2", code=64,
                   said="name another folder with -o")
         self.assertEqual(page.read_text(), "mine")

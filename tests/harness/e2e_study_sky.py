@@ -10,14 +10,13 @@ TABLES = "altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4"
 
 
 class StudySky(StudyCase):
-    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64", "--suns",
-             "30")
+    words = ("study", "sky", "--size", "8x8", "--truth", "oracle", "--samples", "64")
 
     def test_cells_files_and_reuse(self):
         models = (f"sky+{TABLES},sky+multiple=closure+{TABLES},march,"
                   f"sky+on=device+{TABLES}")
         table = self.folder / "sky.md"
-        arguments = ("--suns", "30,-30", "--altitudes", "2", "--models", models, "--markdown",
+        arguments = ("--elevations", "30,-30", "--altitudes", "2", "--model", models, "--markdown",
                      table, "--json")
         done = self.neph(*arguments)
         found = json.loads(done.stdout)
@@ -40,7 +39,7 @@ class StudySky(StudyCase):
 
     def test_results_do_not_depend_on_the_number_of_jobs(self):
         def results(jobs):
-            done = self.neph("--suns", "30,5", "--altitudes", "2", "--samples", 2, "--models",
+            done = self.neph("--elevations", "30,5", "--altitudes", "2", "--samples", 2, "--model",
                              f"sky+degree=0+{TABLES}", "--jobs", jobs, "-o", f"out{jobs}",
                              "--json")
             found = json.loads(done.stdout)
@@ -53,18 +52,18 @@ class StudySky(StudyCase):
         self.assertIn("[2/2] part", two[1])
 
     def test_finer_tables_are_a_truth(self):
-        cell, = self.json("--altitudes", "2", "--truth", f"sky+{TABLES}", "--models",
-                          f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
+        cell, = self.json("--elevations", "30", "--altitudes", "2", "--truth", f"sky+{TABLES}",
+                          "--model", f"sky+{TABLES},sky+{TABLES}+degree=0")["cells"]
         same, coarser = cell["models"].values()
         self.assertEqual([cell["noise"], same["mean"], same["worst"]], [0, 0, 0])
         self.assertGreater(coarser["mean"], 0.001)
 
     def test_refusals(self):
-        self.check_refusals((64, "no number", ("--suns", "high")),
-                            (64, "sun 91 degrees", ("--suns", "91")),
+        self.check_refusals((64, "no number", ("--elevations", "high")),
+                            (64, "sun 91 degrees", ("--elevations", "91")),
                             (64, "altitude of 0 m", ("--altitudes", "0")),
                             (64, "no truth", ("--truth", "march")),
-                            (64, "degree", ("--models", "sky+degree=9")),
+                            (64, "degree", ("--model", "sky+degree=9")),
                             (2, "no planet", ("fence_backlit",)))
 
 

@@ -90,7 +90,7 @@ class Sweep(NephCase):
         self.assertAlmostEqual(numbers[-1]["value"], point["error"]["value"], places=9)
 
     def check_page(self, document):
-        page = self.folder / "out/sweep"
+        page = self.folder / "out/sweep/sweep"
         self.assertTrue((page / "index.html").exists())
         shown = json.loads((page / "data.json").read_text())
         self.assertEqual(shown["points"], document["points"])
@@ -149,7 +149,7 @@ class Sweep(NephCase):
         # Nothing is random in a march against an exact truth.
         self.assertEqual([(p["label"], p["outcome"]) for p in document["points"]],
                          [("steps=4", "on all"), ("steps=16", "on all")])
-        self.assertTrue((self.folder / "out/seed_2/sweep/index.html").exists())
+        self.assertTrue((self.folder / "out/sweep/seed_2/sweep/index.html").exists())
 
     def test_what_is_refused(self):
         self.put("plan.yaml", PLAN.replace("engine: march,", "engine: marsh,"))
@@ -160,10 +160,10 @@ class Sweep(NephCase):
         self.sweep("-o", "", code=64)
         self.sweep(scene="camera_dolly", code=2, said="moves for 8 pictures")
         # Somebody's folder is left alone, and before anything is rendered.
-        mine = self.put("out/sweep/mine.txt")
+        mine = self.put("out/sweep/sweep/mine.txt")
         self.sweep("--only", "march", code=64)
         self.assertEqual(mine.read_text(), "mine")
-        frames = self.folder / "out/store/frames"
+        frames = self.folder / "out/sweep/store/frames"
         self.assertFalse(frames.exists() and any(frames.iterdir()))
 
 

@@ -17,6 +17,13 @@ exit 1
 """
 
 
+# POV-Ray for the small frame by which neph tells slow from hanging, and no end for others.
+SLOW_POVRAY = """#!/bin/sh
+case "$*" in *--version*|*W4*) exec %s "$@";; esac
+exec sleep 600
+""" % shutil.which("povray")
+
+
 class Verdict(NephCase):
     def put_program(self, name, text):
         """Which has passed its trial."""
@@ -24,9 +31,10 @@ class Verdict(NephCase):
         keep_trial(self.folder / "bin" / name, self.folder, has_voxels=True)
         return {**environment, "XDG_CACHE_HOME": str(self.folder)}
 
-    def validate(self, *engines, scene="scattering_slab_above", output="out", code=1,
+    def validate(self, *engines, scene="scattering_slab_above", output="out", code=1, budget=300,
                  **environment):
         wanted = [word for engine in engines for word in ("-e", engine)]
+        wanted += ["--budget", str(budget)]
         done = self.neph("validate", scene, *wanted, "--no-charts", "--size", "16x9", "-q",
                          "--json", "-o", self.folder / output, code=code, **environment)
         frames = {f["engine"]: f for s in json.loads(done.stdout or "{}").get("scenes", [])
@@ -48,8 +56,29 @@ class Verdict(NephCase):
         self.assertIn("had no database (it was removed, or ", done.stderr)
         self.assertIn("a new one is made of its 2 frames", done.stderr)
 
+    @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
+    def test_what_did_not_fit_its_budget_is_in_the_verdict(self):
+        """It is no failure, and the verdict says that it is without this engine."""
+        program = self.put_program("povray", SLOW_POVRAY)
+        words = ["exact", "oracle", "povray"]
+        done, frames = self.validate(*words, code=0, budget=1, **program)
+        self.assertEqual(frames["povray"]["status"], "over_budget", frames["povray"])
+        self.assertRegex(frames["povray"]["reason"], "^did not fit into 1 s: by a .* 4x3 px")
+        said = "pass, without povray (did not fit its budget)"
+        self.assertIn(f"\nverdict: {said}\n", done.stderr)
+        self.assertIn("frames: 3 of 3 in the report, 1 compared with the truth", done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual((document["verdict"], document["verdict_text"]), ("pass", said))
+        done, _ = self.validate("exact", "povray", budget=1, **program)
+        self.assertIn("\nverdict: fail, without povray (did not fit its budget)\n", done.stderr)
+        self.assertIn("nothing was compared with a truth", done.stderr)
+
+    def test_an_engine_that_is_not_installed_is_in_the_verdict(self):
+        done, _ = self.validate("exact", "oracle", "povray", code=0, PATH="/nonexistent")
+        self.assertIn("\nverdict: pass, without povray (not installed)\n", done.stderr)
+
     def test_the_physics_suite_keeps_the_row_of_a_broken_engine(self):
-        document = self.json("validate", "--suite", "physics", "--check", "slab_iso", "-e",
+        document = self.json("validate", "--suite", "physics", "--only", "slab_iso", "-e",
                              "exact", "-e", "povray", "-q", "-o", self.folder, code=1,
                              **self.put_program("povray", POVRAY))
         self.assertEqual(document["verdict"], "fail")

@@ -95,7 +95,7 @@ static bool agree(void **state, const struct device *a, const struct device *b)
 {
     struct neph_diag diag = {0};
     char folder_a[SCRATCH_PATH_MAX], folder_b[SCRATCH_PATH_MAX];
-    const struct neph_conform_part all = {.engine = NULL};
+    const struct neph_conform_part all = {.engine_count = 0};
     json_t *report = NULL;
     write_device(scratch_path(state, folder_a, "a"), a);
     write_device(scratch_path(state, folder_b, "b"), b);

@@ -275,7 +275,7 @@ static void test_text_holds_no_string_of_the_scene(void **state)
     set_full_stage(&plain);
     set_full_stage(&hostile);
     hostile.scene.name = "x\n#include \"/etc/passwd\"\n#fopen F \"owned\" write";
-    hostile.scene.title = hostile.scene.physics = hostile.scene.path = hostile.scene.name;
+    hostile.scene.title = hostile.scene.description = hostile.scene.path = hostile.scene.name;
     for (int kind = 0; kind <= NEPH_POVRAY_DEPTH; kind++) {
         const struct neph_povray_world world = world_of(&plain), hostile_world = world_of(&hostile);
         char *text = text_of(&world, kind), *other = text_of(&hostile_world, kind);

@@ -318,6 +318,38 @@ static void test_a_link_to_a_report_stays_a_link(void **state)
     neph_validation_finish(&validation);
 }
 
+static void assert_verdict(const struct neph_validation *validation, const char *expected)
+{
+    char text[256] = "";
+    FILE *out = fmemopen(text, sizeof(text), "w");
+    neph_validation_print_verdict(validation, out);
+    fclose(out);
+    assert_string_equal(text, expected);
+}
+
+/* "pass" is about the frames that were compared. */
+static void test_a_verdict_names_the_engines_that_it_is_without(void **state)
+{
+    struct neph_validation made = validation_of(state);
+    add_scene(state, &made, "cloud");
+    made.field = (struct neph_run_engines){
+        .count = 2, .engines = {neph_engine_find("exact"), neph_engine_find("march")}};
+    struct neph_frame_result *fog = &made.scenes[0].frames[1], *cloud = &made.scenes[1].frames[1];
+    assert_verdict(&made, "pass");
+    fog->outcome = NEPH_OUTCOME_OVER_BUDGET;
+    assert_verdict(&made, "pass, without march in 1 of 2 scenes (did not fit its budget)");
+    cloud->note = "64 samples per pixel did not fit into 30 s";
+    assert_verdict(&made, "pass, without march in 1 of 2 scenes (did not fit its budget), "
+                          "with fewer samples than set for march in 1 of 2 scenes");
+    cloud->is_look = true;
+    fog->outcome = cloud->outcome = NEPH_OUTCOME_MISSING;
+    assert_verdict(&made, "pass, without march (not installed)");
+    fog->outcome = cloud->outcome = NEPH_OUTCOME_CANNOT;
+    made.verdict = NEPH_VERDICT_FAIL;
+    assert_verdict(&made, "fail");
+    neph_validation_finish(&made);
+}
+
 #define report_test(function) cmocka_unit_test_setup_teardown(function, setup, scratch_teardown)
 
 int main(void)
@@ -331,6 +363,7 @@ int main(void)
         report_test(test_the_last_of_two_runs_stands),
         report_test(test_folders_of_others_are_given_back),
         report_test(test_a_link_to_a_report_stays_a_link),
+        report_test(test_a_verdict_names_the_engines_that_it_is_without),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

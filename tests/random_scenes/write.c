@@ -235,7 +235,7 @@ void recipe_write(const struct recipe *recipe, const char *name, const char *not
     static const char *const scatterings[] = {"none", "single", "multiple"};
     fprintf(file,
             "%sname: %s\ntitle: Random scene %d of seed %llu\n"
-            "physics: engines that know this scene agree about it\n",
+            "description: engines that know this scene agree about it\n",
             note, name, recipe->index, (unsigned long long)recipe->seed);
     write_camera(recipe, file);
     fprintf(file, "frames: {count: %d}\n", RECIPE_KEY_FRAME + 1);

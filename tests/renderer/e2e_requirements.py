@@ -26,12 +26,11 @@ LOCAL_SIZE, WORKGROUP, PUSH_CONSTANT = 17, 4, 9
 CAPABILITIES = {
     1: (),  # Shader
     11: ("shaderInt64",),
-    46: (),  # SampledBuffer
     47: (),  # ImageBuffer
     49: ("shaderStorageImageExtendedFormats",),
     61: ("subgroupSupportedOperations", "subgroupSupportedStages"),  # GroupNonUniform
     62: ("subgroupSupportedOperations",),  # GroupNonUniformVote
-    5304: (),  # UniformTexelBufferArrayDynamicIndexing, which pack_shader.py removes
+    5305: (),  # StorageTexelBufferArrayDynamicIndexing, which pack_shader.py removes
 }
 # The least that Vulkan promises of each limit that has no row.
 THREADS, SHARED_BYTES, PUSH_BYTES = 128, 16384, 128

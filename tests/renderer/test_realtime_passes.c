@@ -32,15 +32,20 @@ struct id {
 struct module {
     struct id *ids;
     uint32_t targets_binding; /* + 1: the last of all but those of images and texels */
-    uint32_t texels_binding;  /* + 1; 0: its texels are no targets */
+    bool sees_targets;        /* as texels, too */
     uint32_t reads, writes;
 };
+
+static bool is_of_texels(uint32_t binding)
+{
+    return binding >= NEPH_GPU_TEXELS_BINDING && binding <= NEPH_GPU_TEXEL_FOURS_BINDING;
+}
 
 static void take_access(struct module *module, const uint32_t *words)
 {
     const struct id *base = &module->ids[words[3]], *index = &module->ids[words[4]];
-    if (base->binding == 0 ||
-        (base->binding != module->targets_binding && base->binding != module->texels_binding))
+    if (base->binding == 0 || (base->binding != module->targets_binding &&
+                               !(module->sees_targets && is_of_texels(base->binding - 1))))
         return;
     assert_true(index->constant > 0); /* the optimiser knows which target it is */
     module->ids[words[2]].target = index->constant;
@@ -52,7 +57,7 @@ static void take_instruction(struct module *module, const uint32_t *words)
     if (operation == OP_DECORATE && words[2] == DECORATION_BINDING) {
         module->ids[words[1]].binding = words[3] + 1;
         if (words[3] + 1 > module->targets_binding && words[3] != NEPH_GPU_IMAGES_BINDING &&
-            words[3] != NEPH_GPU_TEXELS_BINDING)
+            !is_of_texels(words[3]))
             module->targets_binding = words[3] + 1;
     } else if (operation == OP_CONSTANT) {
         module->ids[words[2]].constant = words[3] + 1;
@@ -76,7 +81,7 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
     uint32_t *words = test_shader_words(shader->code, shader->code_bytes, constants, count,
                                         &word_count);
     struct module module = {.ids = calloc(words[BOUND], sizeof(*module.ids)),
-                            .texels_binding = pass->rays ? 0 : NEPH_GPU_TEXELS_BINDING + 1};
+                            .sees_targets = !pass->rays};
     assert_non_null(module.ids);
     for (size_t i = HEADER_WORDS; i < word_count; i += words[i] >> 16)
         take_instruction(&module, words + i);

@@ -69,15 +69,15 @@ int deal_ray(int thread, int count)
 
 // --- words of targets -------------------------------------------------------------------------
 
-// lavapipe reads texels faster than words of a buffer. A texel has as many words as an element, so
-// the formats have to be known.
+// lavapipe reads texels faster than words of a buffer. How many words an element has is known only
+// where the formats are.
 const bool READS_TEXELS = SPECIALISED && !GPU_ACCESS;
 
 uint load_word(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return texelFetch(target_texels[target], int(index)).x;
+        return imageLoad(target_texels[target], int(index)).x;
 #endif
     return targets[target].words[index];
 }
@@ -86,7 +86,7 @@ uvec2 load_word_pair(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return texelFetch(target_texels[target], int(index)).xy;
+        return imageLoad(target_texel_pairs[target], int(index)).xy;
 #endif
     if (GPU_ACCESS)
         return target_pairs[target].words[index];
@@ -97,7 +97,7 @@ uvec4 load_word_four(int target, uint index)
 {
 #ifdef SEES_TEXELS
     if (READS_TEXELS)
-        return texelFetch(target_texels[target], int(index));
+        return imageLoad(target_texel_fours[target], int(index));
 #endif
     return target_fours[target].words[index];
 }

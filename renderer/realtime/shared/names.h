@@ -58,55 +58,60 @@
 #define RT_FORMAT_COUNT 6
 
 // --- targets: the images that passes hand to each other ---------------------------------------
+//
+// In the order of the words of 32 bits that an element has, since a CPU sees them as texels through
+// three arrays, which are as long as they must be (device.glsl): only the first RT_WORD_TARGET_COUNT
+// targets may have elements of one word, and only the first RT_PAIR_TARGET_COUNT of two.
 
-// Full resolution.
-#define RT_DEPTH 0  // R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
-#define RT_BEHIND 1 // RGB: radiance of what is behind all media, of the same rays
-// Half resolution, rounded up.
-#define RT_HALF_DEPTH 2        // R: eye depth [m] chosen from 2x2 pixels
-#define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
-#define RT_HISTORY 4           // RGBA: in-scattered radiance, transmittance; of the reconstruction
-#define RT_HISTORY_BEFORE 5
-// R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
-#define RT_HISTORY_STATE 6
-#define RT_HISTORY_STATE_BEFORE 7
-// Quarter resolution, rounded up.
-#define RT_TILE 8          // R: slot 0..3 of the tile's ray, G: its depth / 10000 m
-#define RT_RAY 9           // RGBA: in-scattered radiance, transmittance of this frame's ray
-#define RT_RAY_DISTANCE 10 // R: distance along the ray of what the medium shows [m]
-// Full resolution again.
-#define RT_VOLUME 11          // RGBA: in-scattered radiance, transmittance after the upscale
-#define RT_VOLUME_DISTANCE 12 // R: [m]
-#define RT_COLOR 13           // RGB: the composed frame
-// RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
-#define RT_TAA_OUT 14
-#define RT_TAA_BEFORE 15
-// The depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
+// One word.
+#define RT_DEPTH 0 // full; R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
+// Full; the depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
 // jittered_depth is on.
-#define RT_STEADY_DEPTH 16
-#define RT_SHARPENED 17 // RGB: the picture after sharpening
-// RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that move.
-// A: 1 where it is one of those, moving or not
+#define RT_STEADY_DEPTH 1
+#define RT_HALF_DEPTH 2        // half, rounded up; R: eye depth [m] chosen from 2x2 pixels
+#define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
+// Half; R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
+#define RT_HISTORY_STATE 4
+#define RT_HISTORY_STATE_BEFORE 5
+#define RT_TILE 6 // quarter, rounded up; R: slot 0..3 of the tile's ray, G: its depth / 10000 m
+#define RT_RAY_DISTANCE 7    // quarter; R: distance along the ray of what the medium shows [m]
+#define RT_VOLUME_DISTANCE 8 // full; R: the same after the upscale [m]
+#define RT_WORD_TARGET_COUNT 9
+// Two words.
+#define RT_HISTORY 9 // half; RGBA: in-scattered radiance, transmittance; of the reconstruction
+#define RT_HISTORY_BEFORE 10
+#define RT_RAY 11    // quarter; RGBA: in-scattered radiance, transmittance of this frame's ray
+#define RT_VOLUME 12 // full; RGBA: in-scattered radiance, transmittance after the upscale
+// Full; RGB: after TAA; the history of the next frame. A: its age, with taa_age_max
+#define RT_TAA_OUT 13
+#define RT_TAA_BEFORE 14
+// Four words.
+#define RT_BEHIND 15    // full; RGB: radiance of what is behind all media, of the same rays
+#define RT_COLOR 16     // full; RGB: the composed frame
+#define RT_SHARPENED 17 // full; RGB: the picture after sharpening
+// Full; RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that
+// move. A: 1 where it is one of those, moving or not
 #define RT_MOVED 18
 // Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
 // in-scattered radiance and transmittance
 #define RT_FROXELS 19
 #define RT_RAY_TARGET_COUNT 20 // passes with rays know those before, which leaves room for a scene
-// What the same rays saw when they were marched before (realtime/gradient/gradient.comp).
-#define RT_KEPT_RAY 20    // half resolution; RGB: radiance of the medium, A: transmittance
-#define RT_KEPT_BEHIND 21 // RGB: radiance of what is behind all media
-// Quarter resolution. Two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
+// Two words. What the same rays saw when they were marched before (gradient/gradient.comp).
+#define RT_KEPT_RAY 20          // half; RGB: radiance of the medium, A: transmittance
+#define RT_KEPT_BEHIND 21       // full; RGB: radiance of what is behind all media
+#define RT_PAIR_TARGET_COUNT 22
+// Four words. Quarter; two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
 // change that no light explains.
 #define RT_LOOK_NOW 22
 #define RT_LOOK_THEN 23        // RGB: what it saw; A: 1 where it was marched before, else 0
 #define RT_LOOK_BEHIND_NOW 24  // the same of what is behind, sums of the pixels that were looked at
 #define RT_LOOK_BEHIND_THEN 25 // A: how many there are
-// What has changed around a tile (gradient/change.comp). RGB: the light of a frame over that of the
+// Quarter; what has changed around a tile (gradient/change.comp). RGB: the light of a frame over that of the
 // frame before; A: the change that this does not explain.
 #define RT_CHANGE 26        // of the medium
 #define RT_CHANGE_BEHIND 27 // of what is behind all media
-// With taa=locks. R: what is left of a lock, 0 .. 1; G: four times the luma that it was made with;
-// B: the nearest eye depth of 3x3 rendered pixels [m].
+// Of the frame; with taa=locks. R: what is left of a lock, 0 .. 1; G: four times the luma that it was made
+// with; B: the nearest eye depth of 3x3 rendered pixels [m].
 #define RT_TAA_STATE 28
 #define RT_TAA_STATE_BEFORE 29
 #define RT_TARGET_COUNT 30
@@ -130,22 +135,22 @@
 // format with target_format=half; with float.
 #define RT_TARGETS                                                                                 \
     {RT_FULL, RT_R32F, RT_R32F},              /* RT_DEPTH */                                       \
-        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_BEHIND */                                      \
+        {RT_FULL, RT_R32F, RT_R32F},          /* RT_STEADY_DEPTH */                                \
         {RT_HALF, RT_R32F, RT_R32F},          /* RT_HALF_DEPTH */                                  \
         {RT_HALF, RT_R32F, RT_R32F},          /* RT_HALF_DEPTH_BEFORE */                           \
-        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                                     \
-        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */                              \
         {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE */                               \
         {RT_HALF, RT_RG16F, RT_RG32F},        /* RT_HISTORY_STATE_BEFORE */                        \
         {RT_QUARTER, RT_RG16F, RT_RG32F},     /* RT_TILE */                                        \
-        {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                                         \
         {RT_QUARTER, RT_R16F, RT_R32F},       /* RT_RAY_DISTANCE */                                \
-        {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                                      \
         {RT_FULL, RT_R16F, RT_R32F},          /* RT_VOLUME_DISTANCE */                             \
-        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_COLOR */                                       \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY */                                     \
+        {RT_HALF, RT_RGBA16F, RT_RGBA32F},    /* RT_HISTORY_BEFORE */                              \
+        {RT_QUARTER, RT_RGBA16F, RT_RGBA32F}, /* RT_RAY */                                         \
+        {RT_FULL, RT_RGBA16F, RT_RGBA32F},    /* RT_VOLUME */                                      \
         {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_OUT */                                     \
         {RT_PICTURE, RT_RGBA16F, RT_RGBA32F}, /* RT_TAA_BEFORE */                                  \
-        {RT_FULL, RT_R32F, RT_R32F},          /* RT_STEADY_DEPTH */                                \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_BEHIND */                                      \
+        {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_COLOR */                                       \
         {RT_PICTURE, RT_RGBA32F, RT_RGBA32F}, /* RT_SHARPENED */                                   \
         {RT_FULL, RT_RGBA32F, RT_RGBA32F},    /* RT_MOVED */                                       \
         {RT_FROXEL, RT_RGBA32F, RT_RGBA32F},  /* RT_FROXELS */                                     \

@@ -116,9 +116,13 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// And once more, to be read by a CPU (neph_buffer_see_texels()): texels of as many words as the
-// buffer's view has, which may be one, two or four.
-layout(binding = NEPH_GPU_TEXELS_BINDING) uniform usamplerBuffer target_texels[KNOWN_TARGETS];
+// And once more, to be read by a CPU (neph_buffer_see_texels()).
+layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
+uniform readonly uimageBuffer target_texels[RT_WORD_TARGET_COUNT];
+layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui)
+uniform readonly uimageBuffer target_texel_pairs[RT_PAIR_TARGET_COUNT];
+layout(binding = NEPH_GPU_TEXEL_FOURS_BINDING, rgba32ui)
+uniform readonly uimageBuffer target_texel_fours[RT_TARGET_COUNT];
 #endif
 
 #include "device.glsl"

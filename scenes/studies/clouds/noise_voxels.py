@@ -9,7 +9,7 @@ HEAD = """# SPDX-License-Identifier: MIT
 # Written by noise_voxels.py.
 name: {name}
 title: A ball of noise in {size} voxels
-physics: >
+description: >
   Lumps, holes and hard edges at the scale of the cloud itself; optical depth of some {depth}.
   Truth: tracer.
 camera: {{position_m: {camera_m}, look_at_m: [0, 0, 0], vertical_fov_deg: 34}}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * JUnit's XML, which GitLab, Jenkins and most other CI systems read: a suite of test cases, each
+ * passed, failed or skipped.
+ */
+#ifndef NEPH_HARNESS_DOCUMENT_JUNIT_H
+#define NEPH_HARNESS_DOCUMENT_JUNIT_H
+
+#include "base/arena.h"
+
+enum neph_junit_result {
+    NEPH_JUNIT_PASSED,
+    NEPH_JUNIT_FAILED,
+    NEPH_JUNIT_SKIPPED,
+    NEPH_JUNIT_RESULT_COUNT,
+};
+
+struct neph_junit_case;
+
+/* Set the name ("neph compare") and the seconds of the run; the rest is 0 at first. Free with
+ * neph_junit_finish(). Texts are copied. */
+struct neph_junit {
+    const char *name; /* borrowed */
+    double seconds;   /* of the whole run */
+    struct neph_arena arena;
+    struct neph_junit_case *cases; /* of the arena, in their order */
+    int count, room;
+};
+
+/* Append a case. CI systems group cases by `group`, and recognise a case of an earlier run by both
+ * names. `message` is the reason of a failure or a skip; a case that passed has none. */
+void neph_junit_add(struct neph_junit *junit, const char *group, const char *name,
+                    enum neph_junit_result result, const char *message);
+
+/* Write the file. NEPH_ERR_MEMORY: memory was short, here or in neph_junit_add(); errors of
+ * neph_file_write(). */
+enum neph_status neph_junit_write(const struct neph_junit *junit, const char *path,
+                                  struct neph_diag *diag);
+
+void neph_junit_finish(struct neph_junit *junit);
+
+#endif

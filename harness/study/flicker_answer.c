@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/study/flicker_answer.h"
+
+#include "harness/study/flicker_pairs.h"
+
+#include <math.h>
+
+enum { RIVAL_LINES = 3, METRIC_LINES = 3, TEXT_SIZE = 400 };
+
+/* Presets by a metric, the best first; those without a number last. */
+struct ranking {
+    int metric;
+    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
+    int order[NEPH_STUDY_PRESETS_MAX];
+};
+
+static bool is_before(const struct neph_study_level *a, const struct neph_study_level *b)
+{
+    return a->mean < b->mean || (isfinite(a->mean) && isnan(b->mean));
+}
+
+static enum neph_status rank(const struct neph_flicker_study *study, int metric,
+                             struct ranking *ranking, struct neph_diag *diag)
+{
+    const enum neph_status status = neph_study_levels(study, metric, 0, ranking->levels, diag);
+    ranking->metric = metric;
+    for (int preset = 0; preset < study->params->preset_count && !status; preset++) {
+        int place = preset; /* an insertion: equals keep their order */
+        for (; place > 0 &&
+               is_before(&ranking->levels[preset], &ranking->levels[ranking->order[place - 1]]);
+             place--)
+            ranking->order[place] = ranking->order[place - 1];
+        ranking->order[place] = preset;
+    }
+    return status;
+}
+
+/* The first metric of the takes that were rendered; -1: there is none. */
+static int first_metric(const struct neph_flicker_study *study, int from)
+{
+    for (int metric = from; neph_study_metrics[metric].title; metric++)
+        if (study->params->takes[neph_study_metrics[metric].take])
+            return metric;
+    return -1;
+}
+
+/* ": 0.81 times (0.7 to 0.95): better, p = 0.03, better in 7, worse in 2, alike in 0 scenes" */
+static const char *pair_words(const struct neph_study_pair *pair, char text[TEXT_SIZE])
+{
+    char interval[NEPH_ANSWER_INTERVAL_SIZE] = "", p[32] = "";
+    const double low = pair->has_interval ? pair->low : NAN,
+                 high = pair->has_interval ? pair->high : NAN;
+    if (pair->has_interval)
+        neph_answer_interval(pow(10.0, low), pow(10.0, high), interval);
+    if (isfinite(pair->p_sign))
+        snprintf(p, sizeof(p), pair->p_sign < 0.001 ? ", p < 0.001" : ", p = %.2g", pair->p_sign);
+    if (isnan(pair->mean))
+        snprintf(text, TEXT_SIZE, ": not measured in the same scene");
+    else
+        snprintf(text, TEXT_SIZE,
+                 ": %.3g times%s: %s%s, better in %d, worse in %d, alike in %d scenes",
+                 pow(10.0, pair->mean), interval, neph_answer_difference_word(low, high), p,
+                 pair->better, pair->worse, pair->alike);
+    return text;
+}
+
+/* Both values are geometric means over the scenes in which all presets have one. */
+static enum neph_status answer_pair(const struct neph_flicker_study *study, int metric, int best,
+                                    int rival, const char *end, struct neph_answer *answer,
+                                    struct neph_diag *diag)
+{
+    char text[TEXT_SIZE];
+    const double scale = neph_study_metrics[metric].scale;
+    struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
+    struct neph_study_pair pair = {.mean = NAN};
+    enum neph_status status = neph_study_levels(study, metric, 0, levels, diag);
+    if (!status)
+        status = neph_study_pair(study, metric, 0, best, rival, &pair, diag);
+    if (!status)
+        neph_answer_add(answer, "%s: %s %.3g, %s %.3g%s%s", neph_study_metrics[metric].title,
+                        study->params->presets[best], scale * pow(10.0, levels[best].mean),
+                        study->params->presets[rival], scale * pow(10.0, levels[rival].mean),
+                        pair_words(&pair, text), end);
+    return status;
+}
+
+static void answer_single(const struct neph_flicker_study *study, const struct ranking *ranking,
+                          const char *end, struct neph_answer *answer)
+{
+    const struct neph_study_metric *metric = &neph_study_metrics[ranking->metric];
+    const double level = ranking->levels[0].mean;
+    if (isnan(level))
+        neph_answer_add(answer, "%s: not measured: %s%s", study->params->presets[0], metric->title,
+                        end);
+    else
+        neph_answer_add(answer, "%s: %.3g: %s%s", study->params->presets[0],
+                        metric->scale * pow(10.0, level), metric->title, end);
+}
+
+static void answer_left_out(const struct neph_flicker_study *study, struct neph_answer *answer)
+{
+    for (int i = 0; i < study->params->scene_count; i++)
+        if (study->scenes[i].left_out)
+            neph_answer_add(answer, "left out: %s: %.200s", study->scenes[i].name,
+                            study->scenes[i].left_out);
+    if (study->failed_count > 0)
+        neph_answer_add(answer, "%d sequences broke; --all says why", study->failed_count);
+}
+
+static enum neph_status answer_presets(const struct neph_flicker_study *study,
+                                       const struct ranking *ranking, const char *end,
+                                       struct neph_answer *answer, struct neph_diag *diag)
+{
+    const int *order = ranking->order, count = study->params->preset_count;
+    enum neph_status status = answer_pair(study, ranking->metric, order[0], order[1], end, answer,
+                                          diag);
+    for (int i = 2; i < count && i < 2 + RIVAL_LINES && !status; i++)
+        status = answer_pair(study, ranking->metric, order[0], order[i], "", answer, diag);
+    int lines = 0;
+    for (int metric = first_metric(study, ranking->metric + 1);
+         metric >= 0 && lines < METRIC_LINES && !status; metric = first_metric(study, metric + 1)) {
+        const bool is_first = neph_study_metrics[metric].take !=
+                              neph_study_metrics[metric - 1].take;
+        if (!is_first) /* one of each take */
+            continue;
+        status = answer_pair(study, metric, order[0], order[1], "", answer, diag);
+        lines++;
+    }
+    return status;
+}
+
+enum neph_status neph_flicker_answer(const struct neph_flicker_study *study,
+                                     struct neph_answer *answer, struct neph_diag *diag)
+{
+    const struct neph_flicker_study_params *params = study->params;
+    struct ranking ranking;
+    char end[96];
+    int scene_count = 0;
+    for (int i = 0; i < params->scene_count; i++)
+        scene_count += !study->scenes[i].left_out;
+    snprintf(end, sizeof(end), " (%d scene%s, %d seed%s)", scene_count, scene_count == 1 ? "" : "s",
+             params->seed_count, params->seed_count == 1 ? "" : "s");
+    const int metric = first_metric(study, 0);
+    enum neph_status status = metric < 0 ? NEPH_OK : rank(study, metric, &ranking, diag);
+    if (!status && metric >= 0 && params->preset_count == 1)
+        answer_single(study, &ranking, end, answer);
+    else if (!status && metric >= 0)
+        status = answer_presets(study, &ranking, end, answer, diag);
+    if (!status)
+        answer_left_out(study, answer);
+    return status;
+}

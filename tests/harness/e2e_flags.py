@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""One vocabulary of flags over all verbs, as docs/flags.md has it; old names warn."""
+import collections
+import pathlib
+import re
+import unittest
+
+import neph_case
+from neph_case import ROOT
+
+OPTION = re.compile(r"^  (?:-(?P<letter>\S), |    )--(?P<name>[\w-]+)(?:=(?P<argument>\S+))?"
+                    r"(?: +(?P<text>.*))?$")
+TEXT_COLUMN = 29
+# Verbs with one table of options, or one after the other in one folder.
+FAMILIES = {"export": "render", "flicker": "compare"}
+# Names that look like the plural of another and have a meaning of their own: how many frames, seeds
+# or steps of a ray there are; a list of masks.
+PLURALS = {"frames", "seeds", "steps", "masks"}
+
+Flag = collections.namedtuple("Flag", "verb letter argument text")
+
+
+def ask(*words):
+    done = neph_case.run(*words, "--help")
+    assert done.returncode == 0, (words, done.stderr)
+    return done.stdout
+
+
+def verbs():
+    """The words of each verb; a kind of study is one."""
+    names = re.findall(r"^  (\w+) +", ask().split("\n\n`neph")[0], re.MULTILINE)
+    kinds = re.findall(r"^  (\w+) +", ask("study").split("\n\nExamples")[0], re.MULTILINE)
+    return [(name,) for name in names if name != "study"] + [("study", kind) for kind in kinds]
+
+
+def options(words):
+    """{name: Flag} of the help of a verb."""
+    found, name = {}, None
+    for line in ask(*words).splitlines():
+        option = OPTION.match(line)
+        if option:
+            name = option["name"]
+            found[name] = Flag(" ".join(words), option["letter"], option["argument"],
+                               option["text"] or "")
+        elif name and line.startswith(TEXT_COLUMN * " "):
+            found[name] = found[name]._replace(text=f"{found[name].text} {line.strip()}".strip())
+        else:
+            name = None
+    return found
+
+
+def rows(heading):
+    """The cells of the table behind a heading of the page."""
+    text = (ROOT / "docs/flags.md").read_text().split(heading)[1]
+    table = re.search(r"\n\|.*?\n\n", text, re.DOTALL)[0].strip().splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table]
+
+
+def documented():
+    """{name: (letter, argument, defaults)} of the page."""
+    found = {}
+    for flag, defaults, _ in rows("# One vocabulary"):
+        option = re.fullmatch(r"`(?:-(\w), )?--([\w-]+)(?:=(\S+))?`", flag)
+        found[option[2]] = option[1], option[3], defaults.split("; ")
+    return found
+
+
+def form(argument):
+    """One form for what settings are of: an engine that may be left out, an extractor, a chain."""
+    return re.sub(r"^(\[ENGINE:\]|ENGINE:|EXTRACTOR:)?KEY=VALUE$", "KEY=VALUE", argument or "")
+
+
+class Flags(unittest.TestCase):
+    maxDiff = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.verbs = {" ".join(words): options(words) for words in verbs()}
+        cls.flags = collections.defaultdict(list)
+        for found in cls.verbs.values():
+            for name, flag in found.items():
+                if name not in ("help", "usage"):
+                    cls.flags[name].append(flag)
+        cls.flags = dict(cls.flags)
+
+    def shared(self):
+        """Names that more than one family of verbs has."""
+        return {name: flags for name, flags in self.flags.items()
+                if len({FAMILIES.get(flag.verb, flag.verb) for flag in flags}) > 1}
+
+    def test_all_verbs_were_read(self):
+        self.assertGreater(len(self.verbs), 25)
+        self.assertGreater(len(self.shared()), 30)
+
+    def test_a_name_has_one_letter_and_one_form_of_its_argument(self):
+        for name, flags in self.flags.items():
+            forms = {(flag.letter, form(flag.argument)) for flag in flags}
+            self.assertEqual(len(forms), 1, (name, sorted(flags)))
+
+    def test_a_letter_stands_for_one_name(self):
+        names = collections.defaultdict(set)
+        for name, flags in self.flags.items():
+            names[flags[0].letter].add(name)
+        del names[None]
+        self.assertEqual({letter: found for letter, found in names.items() if len(found) > 1}, {})
+
+    def test_the_page_has_what_verbs_share_and_nothing_else(self):
+        page = documented()
+        self.assertEqual(sorted(set(self.shared()) - set(page)), [])
+        gone = sorted(name for name in page if name not in self.flags)
+        self.assertEqual(gone, [])
+        for name, (letter, argument, _) in page.items():
+            flag = self.flags[name][0]
+            self.assertEqual((flag.letter, form(flag.argument)), (letter, form(argument)), name)
+
+    def test_defaults_are_those_of_the_page(self):
+        for name, (_, argument, allowed) in documented().items():
+            for flag in self.flags[name]:
+                said = re.search(r"\(default: ([^();,]*(?:, else \d+)?)", flag.text)
+                if not said or allowed == ["own"] or not argument:
+                    continue
+                verb = flag.verb.split()[0]
+                wanted = [word.replace("VERB", "nightly" if verb == "baseline" else verb)
+                          for word in allowed]
+                self.assertTrue(any(said[1].startswith(word) for word in wanted),
+                                (flag.verb, name, said[1], wanted))
+
+    def test_every_verb_has_what_all_have(self):
+        for verb, found in self.verbs.items():
+            for name in "json", "quiet":
+                self.assertIn(name, found, verb)
+
+    def test_no_two_names_of_one_thing(self):
+        plurals = {name for name in self.flags if name.endswith("s") and name[:-1] in self.flags}
+        self.assertEqual(plurals - PLURALS, set())
+        texts = collections.defaultdict(set)
+        for name, flags in self.flags.items():
+            for flag in flags:
+                texts[flag.text].add(name)
+        self.assertEqual([names for text, names in texts.items() if text and len(names) > 1], [])
+
+    def test_old_names_warn_in_one_line_and_work(self):
+        table = re.findall(r'^    \{"([\w ]+)", "([\w-]+)", "([\w-]+)"\},$',
+                           (ROOT / "harness/old_options.c").read_text(), re.MULTILINE)
+        page = [tuple(cell.strip("`").removeprefix("--") for cell in row)
+                for row in rows("## Names of")]
+        self.assertEqual(page, table)
+        for verb, old, new in table:
+            self.assertIn(new, self.verbs[verb], verb)
+            self.assertNotIn(old, self.verbs[verb], verb)
+            value = "=5" if self.verbs[verb][new].argument else ""
+            done = neph_case.run(*verb.split(), f"--{old}{value}", "--help")
+            self.assertEqual(done.returncode, 0, (verb, old, done.stderr))
+            self.assertEqual(done.stderr, f"neph {verb}: --{old} is now --{new}; the old spelling "
+                             "goes with the next release\n")
+            self.assertEqual(neph_case.run(*verb.split(), f"--{new}{value}", "--help").stderr, "")
+
+
+class Commands(neph_case.NephCase):
+    in_folder = True
+
+    def test_settings_of_extractors_with_a_dot(self):
+        self.neph("render", "absorbing_slab", "-e", "exact", "--size", "8x8", "-o", ".")
+        frame = self.folder / "absorbing_slab_exact_0000.exr"
+        words = ("compare", frame, frame, "-m", "flip", "-q")
+        self.neph(*words, "-s", "flip.nonsense=1", code=64,
+                  said=("-s flip.nonsense=1 is now -s flip:nonsense=1", "nonsense"))
+        done = self.neph(*words, "-s", "flip:nonsense=1", code=64, said="nonsense")
+        self.assertNotIn("is now", done.stderr)
+
+    def test_a_volume_file_by_its_letter(self):
+        small = ("--resolution", "2", "-q")
+        self.neph("bake", "gaussian_blob", "-o", "old.vdb", *small, said="neph bake SCENE FILE")
+        self.assertEqual(self.neph("bake", "gaussian_blob", "new.vdb", *small).stderr, "")
+        self.neph("bake", "gaussian_blob", *small)
+        files = [self.folder / name for name in ("old.vdb", "new.vdb",
+                                                 "out/bake/gaussian_blob.vdb")]
+        self.assertEqual(len({path.stat().st_size for path in files}), 1)
+
+    def test_lists_by_comma_and_repeated_are_the_same(self):
+        words = ("validate", "absorbing_slab", "--no-charts", "--size", "8x8", "-q")
+        by_comma = self.json(*words, "-e", "exact,oracle")
+        repeated = self.json(*words, "-e", "exact", "-e", "oracle")
+        names = [[frame["engine"] for frame in found["scenes"][0]["frames"]]
+                 for found in (by_comma, repeated)]
+        self.assertEqual(names, [["exact", "oracle"]] * 2)
+        self.neph(*words, "-e", "exact,exact", code=64, said="'exact' is twice")
+        self.neph("render", "absorbing_slab", "-e", "exact,march", code=64, said="not several")
+        self.neph("render", "absorbing_slab", "-e", "exact", "-e", "march", code=64,
+                  said="not several")
+        self.assertTrue((self.folder / "out/validate/store").is_dir())
+
+    def test_every_verb_says_where_its_results_are(self):
+        little = ("--size", "16x9")
+        frame = "out/render/height_fog_level_march_0000.exr"
+        for words, code, place in (
+                (("render", "height_fog_level", *little), 0, frame),
+                (("export", "absorbing_slab", *little), 0, "out/export"),
+                (("bake", "gaussian_blob", "--resolution", "2"), 0, "out/bake/gaussian_blob.vdb"),
+                (("view", "-r", frame, frame), 0, "out/view/index.html"),
+                (("post", frame, "-r", frame, "-p", "unreal"), 0, "out/post"),
+                (("conform", "--only", "height_fog_level", "-e", "march", *little), 0,
+                 "out/conform"),
+                (("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", *little), None,
+                 "out/validate/report/index.html")):
+            done = self.neph(*words, code=code)
+            self.assertIn(place, done.stdout + done.stderr)
+            self.assertTrue((self.folder / place).exists(), place)
+        shown = [(self.folder / "out/post" / name / pathlib.Path(frame).name).read_bytes()
+                 for name in ("", "reference")]
+        self.assertEqual(*shown)
+
+    def test_a_store_of_before_is_named_once(self):
+        words = ("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", "--size", "8x8",
+                 "-q")
+        self.neph(*words, "-o", "out")
+        self.neph(*words, said="-o out uses again")
+        self.assertNotIn("uses again", self.neph(*words).stderr)
+        again = self.json(*words, "-o", "out")
+        self.assertEqual([frame["reused"] for frame in again["scenes"][0]["frames"]],
+                         [True, True])
+
+    def test_a_setting_with_and_without_its_engine(self):
+        words = ("render", "height_fog_level", "--size", "8x8", "-q", "-s")
+        for setting in "march:steps=5", "steps=5":
+            self.neph(*words, setting, "-o", setting)
+        frames = [self.folder / name / "height_fog_level_march_0000.exr"
+                  for name in ("march:steps=5", "steps=5")]
+        numbers = self.json("compare", *frames, "-m", "max_abs")["measurements"]
+        self.assertEqual({row["value"] for row in numbers if row["metric"] == "max_abs"} - {None},
+                         {0.0})
+        self.neph(*words, "tracer:steps=5", code=64, said="tracer:steps")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""`neph scenes`: files to begin with, all errors of a file, a .vdb in place of a scene."""
+import math
+import re
+import unittest
+
+import frames
+import neph_case
+
+SIZE = ("--size", "32x18", "-q")
+# Three blocks apart from each other, and a name that no scene could have.
+BLOCK = """title: A block
+camera: {position_m: [0, 0, 9], look_at_m: [0, 0, 0], vertical_fov_deg: 40}
+scattering: none
+media:
+  - grid: {size: [5, 4, 3], origin_m: [10, 20, -7], spacing_m: [2, 1, 3], extinction_per_m: 1,
+      albedo: [0, 0, 0], values: VALUES}
+"""
+VALUES = [1 + (3 * i) % 7 for i in range(60)]
+
+
+class Scenes(neph_case.NephCase):
+    in_folder = True
+
+    def volume(self):
+        """Nodes from (10, 20, -7) to (18, 23, -1) m."""
+        self.put("block.yaml", BLOCK.replace("VALUES", str(VALUES)))
+        self.neph("bake", "block.yaml", "-o", "Block 1.vdb")
+        return self.folder / "Block 1.vdb"
+
+    def rendered(self, scene, name, *words):
+        """Planes of a small frame that has light in it and something that takes light away."""
+        self.neph("render", scene, "-e", "march", *SIZE, "-o", "out", *words)
+        planes = frames.read_exr(self.folder / "out" / f"{name}_march_0000.exr")[2]
+        self.assertGreater(max(planes["G"]), 0)
+        self.assertTrue(all(math.isfinite(value) for value in planes["G"]))
+        self.assertLess(min(planes["transmittance.G"]), 0.9)
+        return planes
+
+    def test_files_to_begin_with(self):
+        self.volume()
+        for kind, *more in (("fog",), ("cloud",), ("grid",), ("vdb", "--vdb", "Block 1.vdb")):
+            with self.subTest(kind=kind):
+                file = f"my_{kind}.yaml"
+                said = self.neph("scenes", "--new", kind, file, *more).stdout
+                self.assertIn(f"{file}: written; `neph scenes {file}` checks it", said)
+                text = (self.folder / file).read_text()
+                self.assertGreater(text.count("#"), 5)
+                self.assertEqual(self.json("scenes", file)["name"], f"my_{kind}")
+                for engine in self.json("scenes", file)["engines"]:
+                    if engine["engine"] in ("exact", "tracer", "march", "realtime", "cycles"):
+                        self.assertTrue(engine["can_render"], engine)
+                self.rendered(file, f"my_{kind}")
+
+    def test_no_file_is_overwritten_unasked(self):
+        mine = self.put("fog.yaml", "mine")
+        self.neph("scenes", "--new", "fog", "fog.yaml", code=64, silent=True,
+                  said=("'fog.yaml' is there, and is not overwritten", "--force"))
+        self.assertEqual(mine.read_text(), "mine")
+        self.neph("scenes", "--new", "fog", "fog.yaml", "--force")
+        self.assertIn("height_fog", mine.read_text())
+
+    def test_refusals(self):
+        self.check_refusals(
+            (64, "fog, cloud, grid or vdb", ("--new", "fig", "fig.yaml")),
+            (64, "1 to 64 of a-z, 0-9 and _, then .yaml", ("--new", "fog", "My fog.yaml")),
+            (64, "1 to 64 of a-z, 0-9 and _, then .yaml", ("--new", "fog", "fog")),
+            (64, "name it, such as my_fog.yaml", ("--new", "fog")),
+            (64, "--new vdb needs --vdb", ("--new", "vdb", "a.yaml")),
+            (64, "--new vdb needs --vdb", ("--new", "fog", "a.yaml", "--vdb", "a.vdb")),
+            (64, "belong to --new", ("block.yaml", "--force")),
+            (66, "there is no file 'none.vdb'", ("--new", "vdb", "a.yaml", "--vdb", "none.vdb")),
+            (66, "there is no file 'none.vdb'", ("none.vdb",)),
+            before=("scenes",))
+        self.assertFalse((self.folder / "a.yaml").exists())
+
+    def test_all_errors_of_a_file(self):
+        self.put("wrong.yaml", BLOCK.replace("VALUES", "[1, -2]").replace("none", "some") +
+                 "gates:\n  - {engine: march, quantity: radiance, metric: none, maximum: 1, "
+                 "reason: r}\n")
+        places = ["wrong.yaml:3:13: scattering: found 'some', expected one of none, single",
+                  "wrong.yaml:6:38: media[0].grid.values[1]: -2 is outside 0 to 1e+06",
+                  "wrong.yaml:8:51: gates[0].metric: 'none' is no metric"]
+        for verb in (("scenes",), ("render",), ("validate", "-o", "out"), ("bake", "-o", "a.vdb")):
+            with self.subTest(verb=verb):
+                said = self.neph(*verb, "wrong.yaml", code=65, silent=True).stderr
+                found = re.findall(r"^wrong\.yaml:.*$", said, re.M)
+                self.assertEqual(len(found), len(places), said)
+                for line, place in zip(found, places):
+                    self.assertTrue(line.startswith(place), (line, place))
+
+    def test_the_older_name_of_description(self):
+        self.put("old.yaml", BLOCK.replace("VALUES", str(VALUES)) + "physics: words\n")
+        said = self.neph("scenes", "old.yaml", said="warning: old.yaml:7: the key `physics` is now "
+                         "called `description`")
+        self.assertIn("\nwords\n", said.stdout)
+
+    def test_a_vdb_is_a_scene(self):
+        vdb = self.volume()
+        text = self.neph("scenes", vdb.name).stdout
+        self.put("block_1.yaml", text)  # the name of the scene that the file is read as
+        self.assertEqual(self.json("scenes", "block_1.yaml")["hash"],
+                         self.json("scenes", vdb.name)["hash"])
+        self.neph("scenes", "--new", "vdb", "other.yaml", "--vdb", vdb.name)
+        self.assertEqual((self.folder / "other.yaml").read_text(), text)
+        # The densest vertical column has an optical depth of 20, as the text says.
+        columns = [sum(VALUES[20 * k + 5 * j + i] for j in range(4)) / max(VALUES)
+                   for k in range(3) for i in range(5)]
+        density_1_per_m = float(re.search(r"extinction_per_m: ([0-9.]+)", text)[1])
+        self.assertAlmostEqual(density_1_per_m * max(columns) * max(VALUES), 20, delta=20e-5)
+        # The whole volume is in the frame: nothing of it at the edges, in a square one either.
+        for size in ("48x27", "32x32"):
+            planes = self.rendered(vdb.name, "block_1", "--size", size)
+            width, height = map(int, size.split("x"))
+            passed = planes["transmittance.G"]
+            edges = [passed[j * width + i] for j in range(height) for i in range(width)
+                     if i in (0, width - 1) or j in (0, height - 1)]
+            self.assertGreater(min(edges), 0.999)
+
+    def test_verbs_take_a_vdb(self):
+        vdb = self.volume()
+        entry = self.json("bake", vdb.name, "-o", "again.vdb")
+        self.assertTrue(entry["is_copy"])
+        self.assertEqual(entry["size"], [5, 4, 3])
+        document = self.json("validate", vdb.name, "-e", "exact", "-e", "march", "-o", "out",
+                             "--no-charts", *SIZE)
+        self.assertEqual([scene["name"] for scene in document["scenes"]], ["block_1"])
+
+    def test_a_vdb_far_from_the_world(self):
+        self.put("far.yaml", BLOCK.replace("VALUES", str(VALUES)).replace("10, 20", "200000, 20"))
+        self.neph("bake", "far.yaml", "-o", "far.vdb")
+        self.neph("scenes", "far.vdb", code=65, silent=True,
+                  said=("spans 199998 to 200010 m along x", "unit_m"))
+
+
+if __name__ == "__main__":
+    unittest.main()
