@@ -57,8 +57,8 @@ class Compare(neph_case.NephCase):
             self.assertRegex(lines[0], rf"^{after.name}: [\d.]+ times the threshold, "
                                        rf"{before.name}: [\d.]+; better, p < 0.001, in 64 of 64 "
                                        r"frames; worst at \(\d+, \d+\), period 4 frames$")
-            self.assertEqual(lines[1], "no reference: change of the scene itself counts as flicker; "
-                                       "bias and lag are not known")
+            self.assertEqual(lines[1], "no reference: change of the scene itself counts as "
+                                       "flicker; bias and lag are not known")
             self.assertLessEqual(len(lines), 10)
             x, y = map(int, re.search(r"worst at \((\d+), (\d+)\)", lines[0]).groups())
             self.assertTrue(abs(x - 36) <= 8 and abs(y - 8) <= 8, lines[0])  # the disk, and a tile
