@@ -56,12 +56,29 @@ static void test_others_shorten_the_time(void **state)
     assert_true(neph_progress_left_s(&progress) == 6.0);
 }
 
+/* Steps of kinds of which fewer were expected, or none. */
+static void test_no_count_passes_its_total(void **state)
+{
+    struct neph_progress progress = neph_progress_start(true, 2);
+    int done, total;
+    neph_progress_expect(&progress, 1, 5, 1.0);
+    for (int i = 0; i < 12; i++) {
+        step(&progress, i % 3, 1.0);
+        neph_progress_count(&progress, &done, &total);
+        assert_int_equal(done, i + 1);
+        assert_true(done <= total);
+    }
+    /* 4 steps of each: 2, 5 and 0 were expected */
+    assert_int_equal(total, 4 + 5 + 4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nothing_is_known_before_the_first_step),
         cmocka_unit_test(test_kinds_have_paces_of_their_own),
         cmocka_unit_test(test_others_shorten_the_time),
+        cmocka_unit_test(test_no_count_passes_its_total),
         cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
