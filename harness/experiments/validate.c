@@ -124,8 +124,8 @@ static const struct neph_cli_option options[] = {
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
     {.name = "size",
-     .help = "Size in pixels (default: 192x108; quick: 320x180 of a cloud and of shafts, 96x54 of "
-             "a fog and a slab)"},
+     .help = "Size in pixels (default: 192x108; quick: 320x180, its fog and its slab "
+             "96x54)"},
     {"seed", 0, NULL, "Of scenes: the S-th seed of engines that draw paths (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, seed), .minimum = 1,
      .maximum = 1000000},

@@ -7,8 +7,8 @@
  * is not measured. */
 static const double flight_s = 2.0, renders_s = 6.0;
 
-/* Whether the minutes are too short for frames of an engine that makes each anew: of the render that
- * there was. */
+/* Whether warm frames of this engine would take too long, by the render that made the frame. Frames
+ * of an engine that remembers take less than its first one. */
 static bool takes_too_long(const struct neph_frame_result *frame)
 {
     return neph_flight_applies(frame->engine) && !frame->engine->remembers &&

@@ -67,7 +67,7 @@ static void test_the_start_of_a_ladder(void **state)
 
 enum { POINTS = 6, SERIES = 2000 };
 
-/* Of mean 0 and variance 1: twelve even numbers. */
+/* A number of mean 0 and variance 1: the sum of twelve even ones. */
 static double normal(uint64_t *state)
 {
     double sum = -6.0;
