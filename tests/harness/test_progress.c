@@ -44,6 +44,22 @@ static void test_steps_that_fall_away_are_not_waited_for(void **state)
     assert_int_equal(total, 1);
 }
 
+/* A step beyond the expected ones raises the total. */
+static void test_no_count_passes_its_total(void **state)
+{
+    struct neph_progress progress = neph_progress_start(true, 2);
+    int done, total;
+    for (int i = 0; i < 5; i++)
+        step(&progress, 0, 1.0);
+    neph_progress_credit(&progress, 1, 3, 6.0);
+    neph_progress_count(&progress, &done, &total);
+    assert_int_equal(done, 8);
+    assert_int_equal(total, 8);
+    neph_progress_expect(&progress, 1, 2, 0.0);
+    neph_progress_count(&progress, &done, &total);
+    assert_int_equal(total, 10);
+}
+
 /* Two processes: what the other has done is done, and what is left is done by both. */
 static void test_others_shorten_the_time(void **state)
 {
@@ -62,6 +78,7 @@ int main(void)
         cmocka_unit_test(test_nothing_is_known_before_the_first_step),
         cmocka_unit_test(test_kinds_have_paces_of_their_own),
         cmocka_unit_test(test_others_shorten_the_time),
+        cmocka_unit_test(test_no_count_passes_its_total),
         cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
