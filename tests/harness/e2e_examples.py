@@ -109,7 +109,7 @@ width_px: 16
 height_px: 9
 frames: 16
 warm_up: 4
-truth_samples: 2
+truth_samples: 4
 rounds: 1
 seeds: 1
 series:
