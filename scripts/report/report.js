@@ -435,10 +435,9 @@
         (scenes.length > 0 || !physics) && el("p", {}, gateSentence(all, failing, open),
         unfinishedFrames.length > 0 && [" ", derived("frames.broken", unfinishedFrames.length),
           plural(unfinishedFrames.length, " rendering", " renderings"), " did not finish."],
-        withoutSentence(late),
+        worstSentence(compared()), withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
-            " scene was", " scenes were"), " left out: its data are not on this machine."],
-        worstSentence(compared()))));
+            " scene was", " scenes were"), " left out: its data are not on this machine."])));
   }
 
   /** All that failed, that no gate limits, that could not be measured or is not here. */
@@ -646,8 +645,8 @@
         + "count. Bias is the difference of the means: errors of both signs cancel, so a bias near "
         + "0 does not mean that an engine is right. The page ranks by RMSE."),
       entry("Times", "Warm frame: the wall time of one frame of an engine that is already running, "
-        + "the median of several runs, with a 95\u00a0% interval. Start-up stands in its own column. "
-        + "“Not measured” is no time at all."),
+        + "with its interval and how often it was rendered, as “neph benchmark” measures it. "
+        + "Start-up stands in its own column. “Not measured”: there was no time to repeat it."),
       entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
         + "another one is named. A dash was not measured. “Cannot” is an honest refusal: the "
         + "engine does not model what the scene asks for. Point at a number for all its digits."),
@@ -736,15 +735,20 @@
       .sort((a, b) => sizeOf(b) - sizeOf(a));
     if (list.length === 0)
       return el("p", { class: "soft" }, "Nothing was measured in this scene.");
+    const isNoisy = list.some((frame) => typeof frame.noise?.value === "number");
+    const noise = (frame) => (typeof frame.noise?.value === "number"
+      ? number(frame.noise, "value", { scale: 100, unit: "%" })
+      : el("span", { class: "soft" }, "none"));
     const isFailing = ({ engine }) => gatesOf(scene)
       .some((gate) => gate.engine === engine && gate.verdict === "fail");
     return scrolling(`${titleOf(scene)}: what matters`, table("wide five",
       [colHead("Engine, worst first"), columns.map(({ head, note }) => numHead(head, note)),
+        isNoisy && numHead("Noise left", "in a pixel, of the rms"),
         numHead("Warm frame", "wall time"), numHead("Start-up", "wall time"), colHead("Gates")],
       list.map((frame) => el("tr", { class: isFailing(frame) ? "failing" : null },
         rowHead(frame.engine, small(frame.rung)),
         columns.map(({ find }) => num(cardNumber(find(frame)))),
-        num(speed(frame)), num(startUp(frame)),
+        isNoisy && num(noise(frame)), num(speed(frame)), num(startUp(frame)),
         words(gatedWords(scene, frame), frame.note
           && el("div", { class: "small" }, frame.note))))),
     speedNote(scene));
@@ -756,19 +760,24 @@
 
   /** A frame of an engine that is already running: the same definition for all engines. */
   function speed({ speed: found }) {
-    if (typeof found?.seconds !== "number") return notMeasured();
-    return [number(found, "seconds", { unit: "s" }), small(
-      Array.isArray(found.interval) && [interval(found), " s"],
-      typeof found.runs === "number" && [" of ", number(found, "runs"), " runs"])];
+    if (typeof found?.render_s !== "number") return notMeasured();
+    return [number(found, "render_s", { unit: "s" }), small(
+      typeof found.low_s === "number" && ["[", number(found, "low_s"), ", ",
+        number(found, "high_s"), "]", unitText("s")],
+      typeof found.repeats === "number" && [" of ", number(found, "repeats")])];
   }
 
-  const startUp = ({ speed: found }) => (typeof found?.startup_s === "number"
-    ? number(found, "startup_s", { unit: "s" }) : notMeasured());
+  const startUp = ({ speed: found }) => (typeof found?.start_s === "number"
+    ? number(found, "start_s", { unit: "s" }) : notMeasured());
 
   function speedNote(scene) {
-    const said = [...new Set(framesOf(scene).map((frame) => frame.speed?.what).filter(Boolean))];
-    return ["Times of this run, each rendered once, stand below under “What ran, and what it cost”. ",
-      said.join(" ")];
+    const timed = framesOf(scene).filter((frame) => typeof frame.speed?.render_s === "number");
+    const kinds = [...new Set(timed.map((frame) => frame.speed.interval))].map((kind) =>
+      `${kind} (${timed.filter((frame) => frame.speed.interval === kind)
+        .map((frame) => frame.engine).join(", ")})`);
+    return [kinds.length > 0 && `Intervals of times: ${kinds.join("; ")}. `,
+      "What each frame of this page cost when it was rendered stands under “What ran, and what "
+      + "it cost”."];
   }
 
   // -------------------------------------------------------------------------------------- pictures
