@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/fields.h"
 
+#include "base/text.h"
 #include "scenes/errors.h"
 #include "scenes/spelling.h"
 
@@ -610,4 +611,29 @@ void neph_fields_default(const struct neph_field *fields, void *target)
 {
     for (; fields->key; fields++)
         set_default(fields, target);
+}
+
+/* --- Checks --- */
+
+bool neph_is_identifier(const char *text)
+{
+    return strspn(text, NEPH_NAME_CHARACTERS) == strlen(text);
+}
+
+/* Shorter directions are refused: their normalised form would be noise. */
+#define DIRECTION_MIN 1e-9
+
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction)
+{
+    return neph_vec3_length(direction) < DIRECTION_MIN
+               ? neph_refuse(reader, path, "a direction of length 0; give one such as [0, 1, 0]")
+               : NEPH_OK;
+}
+
+bool neph_has_control(const char *text, const char *except)
+{
+    const size_t length = strlen(text);
+    const bool has_line = strchr(text, '\n') && !strchr(except, '\n');
+    return has_line || strchr(text, '\t') || neph_text_first_unfit(text, length) < length;
 }

@@ -9,6 +9,7 @@
 #define NEPH_SCENES_FIELDS_H
 
 #include "base/arena.h"
+#include "base/vec3.h"
 #include "scenes/document.h"
 
 #include <stdbool.h>
@@ -38,7 +39,8 @@ enum neph_field_type {
 /* What of a row goes into the scene's hash: a line with its name and value (scenes/hash_text.h). */
 enum neph_hashing {
     NEPH_HASHED,
-    NEPH_HASHED_IF_SET,    /* where it is not 0: hashes from before the key was there stay */
+    NEPH_HASHED_IF_SET,    /* where it, or a row of its record, is not 0: hashes from before stay */
+    NEPH_HASHED_AS_THREE,  /* a number, on one line with the two of the next rows */
     NEPH_HASHED_WITH_LAST, /* where the row before it is */
     NEPH_HASHED_AS_MADE,   /* not as it is written: the hash has the things that it is made into */
     NEPH_NOT_HASHED,       /* no rendered value depends on it */
@@ -131,6 +133,18 @@ struct neph_path {
     char text[NEPH_FIELD_PATH_MAX];
 };
 struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Whether a text is of these characters alone. Names of scenes are so long at most. */
+#define NEPH_NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789_"
+#define NEPH_NAME_MAX_BYTES 64
+bool neph_is_identifier(const char *text);
+
+/* Whether a text has control characters, but for those of `except`, or bytes that are no UTF-8. */
+bool neph_has_control(const char *text, const char *except);
+
+/* A direction has a length. */
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction);
 
 /* The lines of a scene's hash, see scenes/hash_text.h: of every row that does not say otherwise. */
 void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text);

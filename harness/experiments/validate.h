@@ -32,7 +32,8 @@ struct neph_validate_tier {
     int width_px, height_px;    /* of the scenes' frames */
     double budget_s;            /* of each frame of an external renderer */
     const char *const *charts;  /* ids, NULL-terminated; NULL: all */
-    int chart_repeats;          /* runs of each point of a chart */
+    int chart_repeats;          /* renders of each point of a chart */
+    bool with_times;            /* the speeds of the scenes' frames are measured, too */
 };
 
 extern const struct neph_experiment neph_experiment_catalog;

@@ -40,7 +40,7 @@ static const struct {
                             "-e exact -e oracle -e tracer -e march -e povray --samples 64", NULL,
                             30.0, 5},
     [NEPH_NIGHT_STRESS] = {"validate --suite stress --only", "", NULL, 20.0, 9},
-    [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --only march,ours", "96x54", 60.0, 16},
+    [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --plan sweep --only march,ours", "96x54", 60.0, 16},
     [NEPH_NIGHT_SPEED] = {"benchmark", "-e march,realtime", "192x108", 30.0, 2},
 };
 
@@ -69,8 +69,8 @@ static const struct listed quick_steps[] = {
     {NEPH_NIGHT_STRESS, "edge_halo", NULL, NULL},
     {NEPH_NIGHT_STRESS, "froxel_leak", .variant = "fixed+froxels=on"},
     {NEPH_NIGHT_SWEEP, "voxel_grid", NULL, NULL},
-    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --only march,tracer", NULL},
-    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --only march", NULL},
+    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --plan sweep --only march,tracer", NULL},
+    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --plan sweep --only march", NULL},
     {NEPH_NIGHT_SWEEP, "cloud_gaps", "--untimed --plan shadows --only map", NULL},
     {NEPH_NIGHT_SPEED, "voxel_grid", NULL, NULL},
 };

@@ -10,13 +10,17 @@
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
 #include "harness/report/report.h"
+#include "harness/report/scene_times.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Kinds of steps beside those of scenes, for the time left. */
-enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_OVER_TIME };
+enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_TIMES, KIND_OVER_TIME };
+
+static const double times_typical_s = 20.0; /* of a scene */
+
 _Static_assert((int)KIND_OVER_TIME < (int)NEPH_PROGRESS_KINDS, "kinds of progress");
 
 struct run {
@@ -138,6 +142,8 @@ static void expect_all(struct run *run)
         choose_scene(run, i);
         expect_scene(run, 1);
     }
+    if (params->times)
+        neph_progress_expect(&run->progress, KIND_TIMES, params->scene_count, times_typical_s);
     if (params->charts)
         neph_progress_expect(&run->progress, KIND_CHART, neph_charts_step_count(params->charts),
                              NEPH_CHARTS_STEP_TYPICAL_S * params->charts->repeats);
@@ -180,6 +186,8 @@ static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
         .hint = neph_arena_text(arena, diag->hint)};
     free(clean);
     *diag = (struct neph_diag){.line = 0};
+    if (run->params->times)
+        neph_progress_expect(&run->progress, KIND_TIMES, -1, 0.0);
     expect_scene(run, -1);
 }
 
@@ -209,6 +217,27 @@ static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
     return status ? status : show(run, diag);
 }
 
+/* How long the frames take, once nothing else renders. */
+static enum neph_status time_scenes(struct run *run, struct neph_diag *diag)
+{
+    struct neph_validation *made = run->made;
+    enum neph_status status = NEPH_OK;
+    run->progress.kind = KIND_TIMES;
+    for (int i = 0; i < made->scene_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        char what[128];
+        snprintf(what, sizeof(what), "times of %s", made->scenes[i].name);
+        neph_progress_begin(&run->progress, what);
+        status = neph_data_load_scene(made->scenes[i].name, &scene, diag);
+        if (!status)
+            status = neph_scene_times(&run->scenes, scene, &made->scenes[i], diag);
+        if (!status)
+            neph_progress_over(&run->progress, what, "measured");
+        neph_scene_destroy(scene);
+    }
+    return status ? status : show(run, diag);
+}
+
 static enum neph_status run_all(struct run *run, struct neph_diag *diag)
 {
     const struct neph_validate_params *params = run->params;
@@ -216,10 +245,12 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     while (run->next < params->scene_count && !status)
         status = run_scene(run, diag);
+    if (!status && params->times)
+        status = time_scenes(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
-                                    &made->over_time, diag);
+        status = neph_over_time_run(params->device, run->store, params->times, &run->progress,
+                                    &made->arena, &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

@@ -17,6 +17,7 @@
 #include "harness/report/error_parts.h"
 #include "harness/report/over_time.h"
 #include "harness/run/job.h"
+#include "harness/run/speed.h"
 #include "harness/study/study.h"
 
 #include <stdio.h>
@@ -42,16 +43,20 @@ const char *neph_shown_name(enum neph_shown which);
 struct neph_frame_result {
     const struct neph_engine *engine;
     enum neph_outcome outcome;
-    const char *reason;   /* "" of a rendered frame */
-    const char *note;     /* what it lacks of what was asked for or claims no physics in, or "" */
-    bool is_look;         /* it claims no physics: its engine, or by its settings */
-    const char *settings; /* canonical */
-    bool reused;          /* taken from the store */
-    struct neph_cost cost;
+    const char *reason;    /* "" of a rendered frame */
+    const char *note;      /* what it lacks of what was asked for or claims no physics in, or "" */
+    bool is_look;          /* it claims no physics: its engine, or by its settings */
+    const char *settings;  /* canonical */
+    bool reused;           /* taken from the store */
+    struct neph_cost cost; /* of the one render that made it, start-up included */
+    struct neph_speed speed; /* of warm frames, start-up apart; repeats 0: not measured */
+    struct neph_job job;     /* that rendered it; without the scene */
+    double noise;            /* standard error of a pixel over the rms radiance; NaN: it has none */
     uint64_t seed;
     double step_optical_depth;      /* the most that a step spans; NaN: it has no fixed steps */
     const char *path;               /* of the frame in the store; NULL unless rendered */
     const char *second_path;        /* by a second seed; NULL: none */
+    struct neph_cost second_cost;   /* of that one */
     const struct neph_study *study; /* that chose its step; NULL: none */
     const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
     struct neph_measurements measurements;  /* owned */
