@@ -13,7 +13,6 @@
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
-#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>

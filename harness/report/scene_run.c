@@ -300,7 +300,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     return status;
 }
 
-/* Of each frame of a scene. */
+/* A frame of a scene: what its second seed needs. */
 struct frame_job {
     int index; /* of its engine in the field */
     struct neph_settings chosen;

@@ -249,8 +249,8 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
         status = time_scenes(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
-                                    &made->over_time, diag);
+        status = neph_over_time_run(params->device, run->store, params->times, &run->progress,
+                                    &made->arena, &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

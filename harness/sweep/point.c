@@ -129,6 +129,8 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
 
 /* --- sequences ------------------------------------------------------------------------------ */
 
+static const double reference_typical_s = 1.0; /* of a frame */
+
 static enum neph_status have_reference(struct neph_sweep_bench *bench, const struct neph_job *job,
                                        int frame_count, struct neph_reference *reference,
                                        struct neph_diag *diag)
@@ -138,6 +140,10 @@ static enum neph_status have_reference(struct neph_sweep_bench *bench, const str
     if (status || (reference->text && strcmp(reference->key, key) == 0))
         return status;
     neph_reference_finish(reference);
+    neph_progress_expect(
+        bench->progress, bench->progress->kind,
+        neph_reference_picture_count(job->shot.scene, job->shot.frame, frame_count),
+        reference_typical_s);
     return neph_reference_make(job, frame_count, bench->store, bench->progress, reference, diag);
 }
 

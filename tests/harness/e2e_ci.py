@@ -149,7 +149,8 @@ class OnlyEngine(neph_case.NephCase):
         self.assertIn("is above the limit, 0.001: of a test", message)
 
     def test_where_the_first_reference_cannot(self):
-        self.put("even_fog.yaml", SCENE.replace("scattering: none", "scattering: multiple"))
+        self.put("even_fog.yaml", SCENE.replace("scattering: none", "scattering: multiple")
+                 .replace("0.05, albedo: [0, 0, 0]", "0.05, albedo: [0.5, 0.5, 0.5]"))
         document = json.loads(self.validate("-e", "command", "--only-engine", "--json",
                                             code=None).stdout)
         rendered = [frame["engine"] for frame in document["scenes"][0]["frames"]

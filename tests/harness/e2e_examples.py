@@ -109,7 +109,7 @@ width_px: 16
 height_px: 9
 frames: 16
 warm_up: 4
-truth_samples: 2
+truth_samples: 4
 rounds: 1
 seeds: 1
 series:
@@ -155,9 +155,8 @@ def make_frames(folder):
         frames.grey_exr(folder / f"{name}.exr", WIDTH, HEIGHT, values(i), Z=depths)
     for i, name in enumerate(("old", "new", "ref", "before", "after")):
         picture(folder / f"{name}.png", i)
-    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b", "half",
-                                 "walk", "before", "after", "reference",
-                                 "test")):
+    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b",
+                                 "half", "walk", "before", "after", "reference", "test")):
         (folder / name).mkdir()
         stem = "f" if name == "test" else "frame"
         for frame in range(LENGTH):

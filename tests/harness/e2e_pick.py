@@ -168,7 +168,7 @@ class Pick(NephCase):
 
     def test_configurations_of_some_engines_only(self):
         """The choice has the engine or the name that was asked for, and the first line says it."""
-        words = ("--error", "0.7", "-o", "few")
+        words = ("--error", "1", "-o", "few")
         for option, engine in ((("-e", "march"), "march"), (("--only", "fixed"), "realtime")):
             found, _ = self.pick("voxel_grid", *words, *option, size="32x18")
             self.assertEqual(found["engine"], engine)

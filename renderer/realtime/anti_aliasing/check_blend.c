@@ -30,15 +30,14 @@ static double moving_weight(double speed_px)
 
 /* --- the blend and the format --------------------------------------------------------------- */
 
-/* What weight a frame of 1 had over a history of 0 ... read off the output. */
+/* The weight that a frame had over a history, from the output. */
 static double weight_of(double out, double frame, double history)
 {
     return (out - history) / (frame - history);
 }
 
-/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below 1
- * % is not averaged at all. Colours are known to some
- * ulps, the weight to that over r. */
+/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below
+ * 1 % is not averaged at all. Colours are known to some ulps, the weight to that over r. */
 static void test_the_contrast_law_takes_small_differences_whole(void **state)
 {
     OWNED(passes) struct test_passes test;

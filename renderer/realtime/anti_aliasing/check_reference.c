@@ -118,7 +118,7 @@ static double filter_weight(const struct reference *cpu, const struct neighbourh
     return exp(-2.29 * squared);
 }
 
-/* What there is of the frame in a pixel: the sum of the filter, at most 1. */
+/* How much of the pixel is covered by samples: the sum of the filter's weights, at most 1. */
 double taa_coverage(const struct reference *cpu, const struct neighbourhood *around)
 {
     double sum = upsamples(cpu) ? 0.0 : 1.0;
@@ -167,7 +167,7 @@ static struct colour from_space(int space, struct colour value)
     return value;
 }
 
-/* Crossed where no colour is_valid. */
+/* Empty, low above high, where no colour is valid. */
 static struct box extremes(const struct neighbourhood *around, const bool among[9])
 {
     struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
@@ -256,8 +256,8 @@ struct colour taa_clamp_history(const struct reference *cpu, struct colour histo
 
 /* --- motion: the shader's float32, operation by operation ------------------------------------- */
 
-/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody
- * asks. */
+/* What has changed around the tile of a pixel, of the medium and behind it; false where no setting
+ * uses it. */
 static bool find_change(const struct reference *cpu, int x, int y, float changes[2][4])
 {
     cpu_fetch_tile(cpu, RT_CHANGE, x / 4, y / 4, changes[0]);
@@ -270,7 +270,7 @@ static double beyond(double value, double least)
     return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-/* Whether light changes by more than what is_valid as a change, as far as anybody knows. */
+/* Whether the light changes by more than taa_change; without a gradient it may. */
 static bool is_changing(const struct reference *cpu, int x, int y)
 {
     float changes[2][4];
@@ -459,7 +459,7 @@ static double fetch_age(const struct reference *cpu, const float place_px[2])
 
 static const double static_px = 0.02f;
 
-/* History of what rests, in the light of this frame. */
+/* The history of a static pixel, in the light of this frame. */
 static struct colour relight(const struct reference *cpu, int x, int y, struct colour history,
                              const struct neighbourhood *around, double speed_px)
 {
@@ -479,7 +479,7 @@ static struct colour relight(const struct reference *cpu, int x, int y, struct c
     return history;
 }
 
-/* How far a pixel is from being at rest. */
+/* 0: the pixel is static and in the same light, 1: it moves or changes. */
 static double find_change_share(const struct reference *cpu, int x, int y, double speed_px)
 {
     float changes[2][4];
@@ -535,7 +535,7 @@ struct colour taa_blend(const struct reference *cpu, struct colour frame, struct
     return frame;
 }
 
-/* What both sides of a step are worth, `part` of the way. */
+/* `to` at part 1, `from` at 0. */
 static struct colour between(struct colour from, struct colour to, double part)
 {
     for (int c = 0; c < 3 && part != 1.0; c++)

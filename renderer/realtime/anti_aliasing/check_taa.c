@@ -9,7 +9,7 @@
 
 /* --- jitter -------------------------------------------------------------------------------- */
 
-/* As listed in an analysis of Unreal Engine 4.26; printed with 9 digits from float32. */
+/* As listed in an analysis of Unreal Engine 4.26's jitter; printed with 9 digits from float32. */
 static void test_the_eight_places_are_those_of_unreal(void **state)
 {
     static const double listed_px[8][2] = {
@@ -66,7 +66,7 @@ static void run(struct test_passes *test)
 static void test_the_pass_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 1;
-    int resting = 0; /* by the kernel that a GPU has of pictures at rest */
+    int resting = 0; /* of static frames, by a GPU's kernel: odd seeds compile it on any device */
     for (int round = 0; round < 120; round++) {
         const uint64_t start = seed;
         char text[768];
