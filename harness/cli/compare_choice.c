@@ -77,7 +77,7 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
-    neph_choose(comparison, extractor); /* who sets something wants it */
+    neph_choose(comparison, extractor); /* a setting takes its extractor, too */
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);
