@@ -110,7 +110,8 @@ study fog         | quick | study fog fog_look_evening --size 12x8 --directions 
             a.csv --markdown a.md
 study fog more    | full  | study fog fog_look_ridge --all
 study sky         | quick | study sky --size 8x8 --truth oracle --samples 64 --elevations 30 \
-            --altitudes 2 --model sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
+            --altitudes 2 --model \
+            sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
             --json --markdown a.md -q
 study sky more    | full  | study sky --size 8x8 --samples 64 --elevations 30,-30 --altitudes 2 \
             --all
@@ -212,7 +213,8 @@ WRONG_WORDS = (
     "study nonsense", "study steps march", "study flicker --suite nonsense",
     "study flicker --takes sign", "study light --model nonsense", "study fog height_fog_up",
     "study fog fog_look_ridge --model unity", "study sky --elevations 91",
-    "study sky --truth march", "study screen --model nonsense", "study post railings --frames 18", "ablate --suite nonsense",
+    "study sky --truth march", "study screen --model nonsense",
+    "study post railings --frames 18", "ablate --suite nonsense",
     "ablate fence_backlit --only nonsense", "ablate slab_multiple_thin", "render",
     "render voxel_grid -e nonsense", "render voxel_grid -s nonsense=1", "render no_such.yaml",
     "render voxel_grid -e realtime -p nonsense", "render voxel_grid --frame 99", "bake voxel_grid",
@@ -225,7 +227,8 @@ WRONG_WORDS = (
     "nightly --executor nonsense", "baseline", "baseline accept", "baseline forget",
     "baseline accept --why x", "store", "store mend", "store gc", "store check",
     "store gc -o out/nightly --limit much", "scenes no_such",
-    "scenes voxel_grid --variant nonsense", "engines nonsense", "doctor nonsense", "export voxel_grid -e nonsense")
+    "scenes voxel_grid --variant nonsense", "engines nonsense", "doctor nonsense",
+    "export voxel_grid -e nonsense")
 
 # Files that commands name, written into the folder of each case that names them.
 INPUTS = {"plan.yaml": """title: a small one
