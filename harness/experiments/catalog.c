@@ -17,7 +17,7 @@ struct chosen_scenes {
     struct neph_scene_plan plans[TIER_SCENES_MAX];
 };
 
-/* Of the tier; a size or engines that the user names are those of all scenes. */
+/* The scenes of a tier. A size or engines that the user names are those of all scenes. */
 static void choose_planned(const struct neph_validate_request *request,
                            const struct neph_validate_tier *tier, struct chosen_scenes *chosen,
                            struct neph_validate_params *params)
@@ -79,14 +79,19 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     const bool is_tier = !names_engines && request->shared.operand_count == 0;
     struct neph_validation validation = {.title = NULL};
     struct neph_validate_params params = neph_validate_params_of(request, run);
+    struct neph_times times = {.path = NULL};
     const struct neph_charts_params charts = {.ids = tier->charts,
+                                              .times = &times,
                                               .repeats = tier->chart_repeats,
                                               .time_limit_s = params.budget_s,
                                               .device = run->device};
     struct chosen_scenes chosen = {.listed = NULL};
-    enum neph_status status = choose_scenes(request, &params, &chosen, diag);
     params.over_time = is_tier && !request->no_charts;
     params.charts = params.over_time ? &charts : NULL;
+    enum neph_status status = choose_scenes(request, &params, &chosen, diag);
+    if (!status && params.charts)
+        status = neph_times_open_in(request->shared.output, &times, diag);
+    params.times = params.over_time && tier->with_times ? &times : NULL;
     const char *engines[NEPH_ENGINE_COUNT];
     if (is_tier && tier->engines)
         choose_engines(tier->engines, engines, &params);
@@ -94,6 +99,7 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
         status = neph_validate(&params, run->store, &validation, diag);
     status = neph_validate_publish(request, &validation, publication, status, diag);
     neph_validation_finish(&validation);
+    neph_times_close(&times);
     neph_data_free_names(chosen.listed);
     return status;
 }

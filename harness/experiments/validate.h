@@ -14,9 +14,9 @@
 struct neph_validate_request {
     struct neph_cli_shared shared; /* operands: scenes */
     struct neph_cli_list engines, only, presets;
-    const char *tier, *suite, *pictures;
+    const char *tier, *suite, *pictures, *junit;
     int budget_s, samples, page_limit_mb, seed;
-    bool no_charts, on_device;
+    bool no_charts, on_device, only_engine;
     /* Opened by `prepare`, closed by `finish`. */
     char *page_folder;
     struct neph_report *report;   /* of the catalogue and of the physics suite */
@@ -32,7 +32,8 @@ struct neph_validate_tier {
     int width_px, height_px;    /* of the scenes' frames */
     double budget_s;            /* of each frame of an external renderer */
     const char *const *charts;  /* ids, NULL-terminated; NULL: all */
-    int chart_repeats;          /* runs of each point of a chart */
+    int chart_repeats;          /* renders of each point of a chart */
+    bool with_times;            /* the speeds of the scenes' frames are measured, too */
 };
 
 extern const struct neph_experiment neph_experiment_catalog;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each point is a setting: the error is the relative RMSE of radiance against `exact`, the time
- * that of the radiance pass alone. A point is measured `repeats` times (with another seed where the
- * engine draws random numbers): the middle one is shown, the smallest and largest are its bars.
+ * Each point is a setting: its error is the relative RMSE of radiance against `exact`, its time is
+ * that of a warm frame without start-up (harness/run/speed.h). All points of a series take turns,
+ * so that other work of the machine slows all of them. A point has `repeats` renders (with another
+ * seed where the engine draws random numbers): the chart shows the middle error, its bars reach
+ * from the smallest to the largest.
  */
 #include "harness/report/charts.h"
 
@@ -15,13 +17,16 @@
 #include "harness/engines/engines.h"
 #include "harness/progress.h"
 #include "harness/report/vega.h"
+#include "harness/run/benchmark.h"
 #include "harness/run/job.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { POINTS_MAX = 6 };
+enum { POINTS_MAX = 6, FLIGHT_ROUNDS = 4 };
+
+static const double flight_round_s = 0.15; /* of a point */
 
 /* Small, so that a chart takes a minute; errors of a mean over the image do not depend on it. */
 static const int chart_width_px = 48, chart_height_px = 27;
@@ -33,19 +38,20 @@ struct series {
     const char *varied; /* the setting that changes */
     double values[POINTS_MAX];
     int count;
-    double order; /* of the ideal line drawn beside it: error ~ seconds^-order */
+    double order;    /* of the ideal line drawn beside it: error ~ seconds^-order */
+    bool is_by_work; /* each value is more work than the one before */
 };
 
 static const struct series slab_series[] = {
-    {"march: steps", "march", NULL, "steps", {2, 4, 8, 16, 32, 64}, 6, 2.0},
-    {"Cycles: samples", "cycles", NULL, "samples", {1, 4, 16, 64, 256}, 5, 0.5},
-    {"POV-Ray: intervals", "povray", NULL, "intervals", {4, 8, 16, 32, 64}, 5, 2.0},
+    {"march: steps", "march", NULL, "steps", {2, 4, 8, 16, 32, 64}, 6, 2.0, true},
+    {"Cycles: samples", "cycles", NULL, "samples", {4, 16, 64, 256}, 4, 0.5, true},
+    {"POV-Ray: intervals", "povray", NULL, "intervals", {4, 8, 16, 32, 64}, 5, 2.0, true},
 };
 static const struct series fog_series[] = {
-    {"march: steps", "march", NULL, "steps", {4, 8, 16, 32, 64, 128}, 6, 2.0},
-    {"Cycles: samples", "cycles", NULL, "samples", {1, 4, 16, 64}, 4, 0.5},
-    {"Cycles: step, 64 samples", "cycles", "samples=64", "step", {4, 2, 1, 0.5}, 4, 0.0},
-    {"POV-Ray: intervals", "povray", NULL, "intervals", {4, 8, 16, 32, 64}, 5, 1.0},
+    {"march: steps", "march", NULL, "steps", {4, 8, 16, 32, 64, 128}, 6, 2.0, true},
+    {"Cycles: samples", "cycles", NULL, "samples", {1, 4, 16, 64}, 4, 0.5, true},
+    {"Cycles: step, 64 samples", "cycles", "samples=64", "step", {4, 2, 1, 0.5}, 4, 0.0, true},
+    {"POV-Ray: intervals", "povray", NULL, "intervals", {4, 8, 16, 32, 64}, 5, 1.0, true},
 };
 
 static const struct chart {
@@ -62,31 +68,43 @@ enum { CHART_COUNT = sizeof(charts_table) / sizeof(charts_table[0]) };
 
 struct point {
     int repeats;
-    double seconds[NEPH_CHARTS_REPEATS_MAX], error[NEPH_CHARTS_REPEATS_MAX]; /* ascending */
+    double error[NEPH_CHARTS_REPEATS_MAX], render_s[NEPH_CHARTS_REPEATS_MAX];
+    struct neph_settings settings;
+    struct neph_speed speed;
     char label[64];
+};
+
+/* The points of a series; those whose error is not known are left out in the end. */
+struct measured {
+    const struct series *series;
+    const struct neph_engine *engine;
+    struct neph_engine_info info;
+    struct point points[POINTS_MAX];
 };
 
 struct sweep {
     const struct neph_scene *scene;
     struct neph_image *truth;
     struct neph_store *store;
+    struct neph_times *times;
     struct neph_progress *progress;
     int repeats;
     double time_limit_s;
     struct neph_shared_device *device;
-    json_t *points, *slopes; /* of a chart; owned */
-    char absent[512];        /* what is missing there */
+    json_t *points, *slopes, *falls; /* of a chart; owned */
+    char absent[512];                /* what is missing there */
 };
 
 static struct neph_job make_job(const struct sweep *sweep, const struct neph_engine *engine,
-                                const struct neph_engine_info *info, int repeat)
+                                const struct neph_engine_info *info,
+                                const struct neph_settings *settings, int repeat)
 {
     return (struct neph_job){
         .engine = engine,
         .info = info,
         .repeat = repeat,
         .shot = {.scene = sweep->scene,
-                 .settings = neph_settings_default(engine),
+                 .settings = *settings,
                  .width_px = chart_width_px,
                  .height_px = chart_height_px,
                  .layers = NEPH_LAYER_RADIANCE,
@@ -94,6 +112,13 @@ static struct neph_job make_job(const struct sweep *sweep, const struct neph_eng
                  .time_limit_s = sweep->time_limit_s,
                  .device = sweep->device},
     };
+}
+
+static struct neph_job job_of_point(const struct sweep *sweep, const struct measured *measured,
+                                    int index, int repeat)
+{
+    return make_job(sweep, measured->engine, &measured->info, &measured->points[index].settings,
+                    repeat);
 }
 
 static enum neph_status relative_rmse(const struct sweep *sweep, const char *frame_path,
@@ -114,54 +139,179 @@ static enum neph_status relative_rmse(const struct sweep *sweep, const char *fra
     return status;
 }
 
-/* All repeats of one setting; `*rendered` tells whether the engine could. */
-static enum neph_status measure_point(const struct sweep *sweep, const struct neph_engine *engine,
-                                      const struct neph_engine_info *info,
-                                      const struct series *series, double value,
-                                      struct point *point, bool *rendered, struct neph_diag *diag)
+/* ---- a series -------------------------------------------------------------------------------- */
+
+static enum neph_status set_up(const struct sweep *sweep, const struct series *series,
+                               struct measured *measured, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
-    *rendered = true;
-    snprintf(point->label, sizeof(point->label), "%s=%g", series->varied, value);
-    char what[160];
-    snprintf(what, sizeof(what), "chart of %s: %s %s", sweep->scene->name, engine->name,
-             point->label);
-    neph_progress_begin(sweep->progress, what);
-    const double start_s = neph_wall_s();
-    point->repeats = sweep->repeats;
-    for (int repeat = 0; repeat < sweep->repeats && !status && *rendered; repeat++) {
-        struct neph_job job = make_job(sweep, engine, info, repeat);
-        struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    *measured = (struct measured){.series = series, .engine = neph_engine_find(series->engine)};
+    neph_engine_probe(measured->engine, sweep->device, &measured->info);
+    for (int i = 0; i < series->count && !status; i++) {
+        struct point *point = &measured->points[i];
+        point->settings = neph_settings_default(measured->engine);
+        snprintf(point->label, sizeof(point->label), "%s=%g", series->varied, series->values[i]);
         if (series->fixed)
-            status = neph_settings_set(engine, &job.shot.settings, series->fixed, diag);
+            status = neph_settings_set(measured->engine, &point->settings, series->fixed, diag);
         if (!status)
-            status = neph_settings_set(engine, &job.shot.settings, point->label, diag);
-        if (!status)
-            status = neph_job_run(&job, sweep->store, &result, diag);
-        *rendered = !status && result.outcome == NEPH_OUTCOME_RENDERED;
-        if (*rendered) {
-            point->seconds[repeat] = result.cost.render_s;
-            status = relative_rmse(sweep, result.frame_path, &point->error[repeat], diag);
-        }
-        neph_job_result_finish(&result);
+            status = neph_settings_set(measured->engine, &point->settings, point->label, diag);
     }
-    neph_progress_step(sweep->progress, what, *rendered ? "measured" : "not measured",
-                       neph_wall_s() - start_s);
-    neph_sort_doubles(point->seconds, (size_t)point->repeats);
-    neph_sort_doubles(point->error, (size_t)point->repeats);
     return status;
 }
+
+static void begin_step(const struct sweep *sweep, const struct measured *measured, int index,
+                       char what[160])
+{
+    snprintf(what, 160, "chart of %s: %s %s", sweep->scene->name, measured->engine->name,
+             measured->points[index].label);
+    neph_progress_begin(sweep->progress, what);
+}
+
+/* One render of a point, or its frame from the store. */
+static enum neph_status render_point(const struct sweep *sweep, struct measured *measured,
+                                     int index, struct neph_diag *diag)
+{
+    struct point *point = &measured->points[index];
+    const struct neph_job job = job_of_point(sweep, measured, index, point->repeats);
+    struct neph_job_result result = {.outcome = NEPH_OUTCOME_FAILED};
+    enum neph_status status = neph_job_run(&job, sweep->store, &result, diag);
+    if (!status && result.outcome == NEPH_OUTCOME_RENDERED) {
+        point->render_s[point->repeats] = result.cost.render_s;
+        status = relative_rmse(sweep, result.frame_path, &point->error[point->repeats], diag);
+        point->repeats += !status;
+    }
+    neph_job_result_finish(&result);
+    return status;
+}
+
+/* Without chance one render knows the error, and frames in flight the time. */
+static int renders_of(const struct series *series, int repeats)
+{
+    return neph_flight_applies(neph_engine_find(series->engine)) ? 1 : repeats;
+}
+
+/* All points once, then all of them again. */
+static enum neph_status render_points(const struct sweep *sweep, struct measured *measured,
+                                      struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int repeat = 0; repeat < renders_of(measured->series, sweep->repeats) && !status; repeat++)
+        for (int i = 0; i < measured->series->count && !status; i++) {
+            char what[160];
+            const double start_s = neph_wall_s();
+            begin_step(sweep, measured, i, what);
+            if (measured->points[i].repeats == repeat)
+                status = render_point(sweep, measured, i, diag);
+            neph_progress_step(sweep->progress, what,
+                               measured->points[i].repeats > repeat ? "rendered" : "not rendered",
+                               neph_wall_s() - start_s);
+        }
+    return status;
+}
+
+/* ---- its times ------------------------------------------------------------------------------- */
+
+/* Rounds of frames in flight, of all points by turns. */
+static enum neph_status fly_points(const struct sweep *sweep, struct measured *measured,
+                                   struct neph_diag *diag)
+{
+    struct neph_speed_flight flights[POINTS_MAX] = {{.picture = 0}};
+    const int count = measured->series->count;
+    enum neph_status status = NEPH_OK;
+    neph_progress_begin(sweep->progress, "times of a chart");
+    for (int i = 0; i < count && !status; i++) {
+        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        if (measured->points[i].repeats > 0)
+            status = neph_speed_flight_open(&job, &flights[i], diag);
+    }
+    for (int round = 0; round < FLIGHT_ROUNDS && !status; round++)
+        for (int i = 0; i < count && !status; i++)
+            if (flights[i].job.engine)
+                status = neph_speed_flight_round(&flights[i], flight_round_s, diag);
+    for (int i = 0; i < count; i++) {
+        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        if (!status && flights[i].job.engine) {
+            measured->points[i].speed = neph_speed_of_flight(&flights[i]);
+            status = neph_speed_keep(sweep->times, &job, &measured->points[i].speed, diag);
+        }
+        neph_speed_flight_close(&flights[i]);
+    }
+    return status;
+}
+
+/* Points that are known from an earlier run stay as they are only when all of them are: times of
+ * two runs are not of the same hour. */
+static enum neph_status time_flights(const struct sweep *sweep, struct measured *measured,
+                                     struct neph_diag *diag)
+{
+    bool all = true;
+    for (int i = 0; i < measured->series->count; i++) {
+        const struct neph_job job = job_of_point(sweep, measured, i, 0);
+        all = all && (measured->points[i].repeats == 0 ||
+                      neph_speed_find(sweep->times, &job, &measured->points[i].speed));
+    }
+    return all ? NEPH_OK : fly_points(sweep, measured, diag);
+}
+
+/* What renders take before their first sample, by a line through all numbers of samples. */
+static double start_by_samples(const struct measured *measured)
+{
+    int samples[POINTS_MAX], count = 0;
+    double mean_s[POINTS_MAX], least_s[POINTS_MAX];
+    for (int i = 0; i < measured->series->count; i++) {
+        const struct point *point = &measured->points[i];
+        if (point->repeats == 0)
+            continue;
+        samples[count] = (int)measured->series->values[i];
+        mean_s[count] = least_s[count] = point->render_s[0];
+        for (int k = 1; k < point->repeats; k++) {
+            mean_s[count] += point->render_s[k];
+            least_s[count] = fmin(least_s[count], point->render_s[k]);
+        }
+        mean_s[count++] /= point->repeats;
+    }
+    return neph_rungs_start(samples, mean_s, least_s, count);
+}
+
+/* The start-up is that of the series: by its samples, where it varies these, else by a small
+ * frame. */
+static enum neph_status time_renders(const struct sweep *sweep, struct measured *measured,
+                                     struct neph_diag *diag)
+{
+    const int first = 0, last = measured->series->count - 1;
+    const struct point *least = &measured->points[first], *most = &measured->points[last];
+    const bool is_by_samples = strcmp(measured->series->varied, "samples") == 0;
+    double process_s = NAN, in_render_s = NAN;
+    if (least->repeats == 0 || most->repeats == 0)
+        return NEPH_OK;
+    const struct neph_job job = job_of_point(sweep, measured, last, 0);
+    const enum neph_status status = neph_speed_start(&job, most->render_s[0], sweep->store,
+                                                     &process_s, &in_render_s, diag);
+    if (is_by_samples)
+        in_render_s = start_by_samples(measured);
+    for (int i = 0; i <= last && !status; i++)
+        measured->points[i].speed = neph_speed_of_renders(
+            measured->points[i].render_s, measured->points[i].repeats, process_s, in_render_s);
+    return status;
+}
+
+/* ---- as JSON --------------------------------------------------------------------------------- */
 
 /* `place`: rank of the setting in its series, by which the points are joined. */
 static json_t *point_json(const struct series *series, const struct point *point, int place)
 {
     const int middle = point->repeats / 2, last = point->repeats - 1;
-    return json_pack("{s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "series",
-                     series->name, "engine", series->engine, "label", point->label, "place", place,
-                     "seconds", point->seconds[middle], "seconds_low", point->seconds[0],
-                     "seconds_high", point->seconds[last], "error", point->error[middle],
-                     "error_low", point->error[0], "error_high", point->error[last], "unit",
-                     "relative RMSE of radiance");
+    const struct neph_speed *speed = &point->speed;
+    const bool is_timed = neph_speed_is_measured(speed);
+    json_t *json = json_pack("{s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:f, s:f, s:f, s:s}", "series",
+                             series->name, "engine", series->engine, "label", point->label, "place",
+                             place, "seconds", is_timed ? json_real(speed->render_s) : json_null(),
+                             "seconds_low", is_timed ? json_real(speed->low_s) : json_null(),
+                             "seconds_high", is_timed ? json_real(speed->high_s) : json_null(),
+                             "error", point->error[middle], "error_low", point->error[0],
+                             "error_high", point->error[last], "unit", "relative RMSE of radiance");
+    neph_json_set(&json, "speed", neph_speed_json(speed));
+    return json;
 }
 
 /* The ideal line of a series starts at half the error of its first point and ends at the time of
@@ -171,10 +321,11 @@ static void add_slope(struct sweep *sweep, const struct series *series, const st
 {
     if (series->order <= 0.0)
         return;
-    const int middle = first->repeats / 2;
-    const double start_s = first->seconds[middle], end_s = last->seconds[middle];
-    const double error = 0.5 * first->error[middle];
+    const double start_s = first->speed.render_s, end_s = last->speed.render_s;
+    const double error = 0.5 * first->error[first->repeats / 2];
     char line[96];
+    if (!(start_s > 0.0 && end_s > 0.0))
+        return;
     snprintf(line, sizeof(line), "%s: error ~ 1/time^%g", series->engine, series->order);
     neph_json_add(&sweep->slopes,
                   json_pack("{s:s, s:f, s:f}", "line", line, "seconds", start_s, "error", error));
@@ -182,31 +333,65 @@ static void add_slope(struct sweep *sweep, const struct series *series, const st
                                             "error", error * pow(end_s / start_s, -series->order)));
 }
 
-static enum neph_status run_series(struct sweep *sweep, const struct series *series,
-                                   struct neph_diag *diag)
+/* More work that took less time is a fault of the measurement, and is said. */
+static void check_order(struct sweep *sweep, const struct measured *measured)
 {
-    const struct neph_engine *engine = neph_engine_find(series->engine);
-    struct neph_engine_info info;
-    struct point measured[POINTS_MAX] = {{.repeats = 0}};
+    struct neph_speed speeds[POINTS_MAX];
+    int earlier;
+    for (int i = 0; i < measured->series->count; i++)
+        speeds[i] = measured->points[i].speed;
+    const int later = neph_speed_falls(speeds, measured->series->count, &earlier);
+    if (later < 0 || !measured->series->is_by_work)
+        return;
+    char text[256];
+    snprintf(text, sizeof(text),
+             "%s: %s took less time than %s, beyond their intervals; the machine was busy with "
+             "something else, so these times are no measurement",
+             measured->series->name, measured->points[later].label,
+             measured->points[earlier].label);
+    neph_json_add(&sweep->falls, json_string(text));
+}
+
+static void add_series(struct sweep *sweep, struct measured *measured)
+{
+    const struct series *series = measured->series;
+    const struct point *first = NULL, *last = NULL;
     int count = 0;
-    enum neph_status status = NEPH_OK;
-    neph_engine_probe(engine, sweep->device, &info);
-    for (int i = 0; i < series->count && !status; i++) {
-        bool rendered;
-        status = measure_point(sweep, engine, &info, series, series->values[i], &measured[count],
-                               &rendered, diag);
-        if (!status && rendered)
-            neph_json_add(&sweep->points, point_json(series, &measured[count++], i));
+    for (int i = 0; i < series->count; i++) {
+        struct point *point = &measured->points[i];
+        if (point->repeats == 0)
+            continue;
+        neph_sort_doubles(point->error, (size_t)point->repeats);
+        neph_json_add(&sweep->points, point_json(series, point, i));
+        first = first ? first : point;
+        last = point;
+        count++;
     }
     if (count >= 2)
-        add_slope(sweep, series, &measured[0], &measured[count - 1]);
-    if (!status && count < series->count) {
+        add_slope(sweep, series, first, last);
+    if (count < series->count) {
         const size_t used = strlen(sweep->absent);
         snprintf(sweep->absent + used, sizeof(sweep->absent) - used,
                  " %s: %d of %d points not rendered.", series->name, series->count - count,
                  series->count);
     }
-    return status;
+}
+
+static enum neph_status run_series(struct sweep *sweep, const struct series *series,
+                                   struct neph_diag *diag)
+{
+    struct measured measured;
+    enum neph_status status = set_up(sweep, series, &measured, diag);
+    if (!status)
+        status = render_points(sweep, &measured, diag);
+    if (!status)
+        status = neph_flight_applies(measured.engine) ? time_flights(sweep, &measured, diag)
+                                                      : time_renders(sweep, &measured, diag);
+    if (status)
+        return status;
+    check_order(sweep, &measured);
+    add_series(sweep, &measured);
+    return NEPH_OK;
 }
 
 static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag)
@@ -214,7 +399,8 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
     const struct neph_engine *exact = neph_engine_find("exact");
     struct neph_engine_info info;
     neph_engine_probe(exact, sweep->device, &info);
-    const struct neph_job job = make_job(sweep, exact, &info, 0);
+    const struct neph_settings settings = neph_settings_default(exact);
+    const struct neph_job job = make_job(sweep, exact, &info, &settings, 0);
     struct neph_cost cost;
     return neph_job_render(&job, &sweep->truth, &cost, diag);
 }
@@ -223,16 +409,19 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
 static const char *make_caption(const struct chart *chart, const struct sweep *sweep,
                                 struct neph_arena *arena)
 {
-    char runs[160] = "One run of each point: how they scatter is not known.";
+    char runs[160] = "One render of each point: its time is not measured.";
     if (sweep->repeats > 1)
-        snprintf(runs, sizeof(runs),
-                 "Middle of %d runs (other seeds where the engine draws random numbers), bars from "
-                 "the smallest to the largest.",
-                 sweep->repeats);
-    return neph_arena_format(arena,
-                             "Scene %s at %dx%d px against exact. Seconds of the radiance pass "
-                             "alone, without start-up. %s A point without error is not drawn.%s",
-                             chart->scene, chart_width_px, chart_height_px, runs, sweep->absent);
+        snprintf(
+            runs, sizeof(runs),
+            "Errors: middle of %d renders (other seeds where the engine draws random numbers), "
+            "bars from the smallest to the largest.",
+            sweep->repeats);
+    return neph_arena_format(
+        arena,
+        "Scene %s at %dx%d px against exact. Times of warm frames, start-up apart: of frames in "
+        "flight the median, bars from 10 %% to 90 %%; of whole renders the mean, bars its 95 %% "
+        "interval. %s A point without error or time is not drawn.%s",
+        chart->scene, chart_width_px, chart_height_px, runs, sweep->absent);
 }
 
 /* The points of all series, in the specification. */
@@ -261,6 +450,7 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
     sweep->truth = NULL;
     sweep->points = json_array();
     sweep->slopes = json_array();
+    sweep->falls = json_array();
     sweep->absent[0] = '\0';
     if (!status)
         status = render_truth(sweep, diag);
@@ -270,9 +460,11 @@ static enum neph_status run_chart(const struct chart *chart, struct sweep *sweep
         *made = (struct neph_chart){.id = chart->id,
                                     .title = chart->title,
                                     .caption = make_caption(chart, sweep, arena),
-                                    .spec = json_incref(spec)};
+                                    .spec = json_incref(spec),
+                                    .falls = json_incref(sweep->falls)};
     json_decref(sweep->points);
     json_decref(sweep->slopes);
+    json_decref(sweep->falls);
     json_decref(spec);
     neph_image_destroy(sweep->truth);
     neph_scene_destroy(scene);
@@ -293,7 +485,8 @@ int neph_charts_step_count(const struct neph_charts_params *params)
     for (size_t i = 0; i < CHART_COUNT; i++)
         for (int k = 0; k < charts_table[i].series_count && is_wanted(params, &charts_table[i]);
              k++)
-            count += charts_table[i].series[k].count;
+            count += charts_table[i].series[k].count *
+                     renders_of(&charts_table[i].series[k], params->repeats);
     return count;
 }
 
@@ -302,6 +495,7 @@ enum neph_status neph_charts_run(const struct neph_charts_params *params, struct
                                  struct neph_chart **charts, int *count, struct neph_diag *diag)
 {
     struct sweep sweep = {.store = store,
+                          .times = params->times,
                           .progress = progress,
                           .repeats = params->repeats,
                           .time_limit_s = params->time_limit_s,
@@ -319,7 +513,7 @@ enum neph_status neph_charts_run(const struct neph_charts_params *params, struct
 
 json_t *neph_chart_json(const struct neph_chart *chart)
 {
-    return json_pack("{s:s, s:s, s:s, s:s?, s:s?, s:O}", "id", chart->id, "title", chart->title,
-                     "caption", chart->caption, "svg", chart->svg, "missing", chart->missing,
-                     "spec", chart->spec);
+    return json_pack("{s:s, s:s, s:s, s:s?, s:s?, s:O, s:O?}", "id", chart->id, "title",
+                     chart->title, "caption", chart->caption, "svg", chart->svg, "missing",
+                     chart->missing, "spec", chart->spec, "times_fall", chart->falls);
 }

@@ -8,8 +8,10 @@
 #include "harness/report/scene_layers.h"
 #include "harness/report/step_depth.h"
 #include "harness/run/budget.h"
+#include "harness/run/noise.h"
 #include "harness/run/seed.h"
 #include "harness/study/studies.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -234,10 +236,13 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .is_look = neph_is_look(job->engine, &job->shot.settings),
         .settings = neph_arena_text(run->arena, result->settings),
         .cost = result->cost,
+        .job = *job,
+        .noise = NAN,
         .seed = job->shot.seed,
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
         .path = neph_arena_text(run->arena, result->frame_path),
     };
+    frame->job.shot.scene = NULL; /* it will be gone */
 }
 
 /* `*chosen` receives the settings, for the second seed. */
@@ -286,6 +291,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
         status = neph_job_run(&job, run->store, &result, diag);
     if (!status) {
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
+        frame->second_cost = result.cost;
         if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
             frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker's result tells that it is late */
         end_step(run, &step, &result);
@@ -294,7 +300,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     return status;
 }
 
-/* Of each frame of a scene. */
+/* A frame of a scene: what its second seed needs. */
 struct frame_job {
     int index; /* of its engine in the field */
     struct neph_settings chosen;
@@ -349,6 +355,22 @@ static int find_truth(const struct neph_scene_result *result)
     return -1;
 }
 
+/* What chance has left in a frame: between its two seeds, or by its own account. */
+static enum neph_status measure_noise(const struct neph_image *image,
+                                      struct neph_frame_result *frame, struct neph_diag *diag)
+{
+    struct neph_image *second = NULL;
+    enum neph_status status = NEPH_OK;
+    if (frame->second_path)
+        status = neph_exr_read(frame->second_path, &second, diag);
+    if (second)
+        frame->noise = neph_noise_of_two(image, second);
+    else if (frame->engine->stochastic)
+        frame->noise = neph_noise_of_frame(image);
+    neph_image_destroy(second);
+    return status;
+}
+
 /* The second frame of an engine: the first again of one that draws nothing, NULL where it was not
  * rendered. Destroy it unless it is `first`. */
 static enum neph_status read_second(const struct neph_frame_result *frame, struct neph_image *first,
@@ -388,7 +410,9 @@ static enum neph_status measure_frame(const struct neph_scene_run *run, const st
     struct neph_bakes_summary bakes;
     if (neph_bakes_of_frame(image, &bakes))
         frame->bakes = neph_arena_copy(run->arena, &bakes, sizeof(bakes));
-    status = neph_measure_validity(image, &frame->measurements, diag);
+    status = measure_noise(image, frame, diag);
+    if (!status)
+        status = neph_measure_validity(image, &frame->measurements, diag);
     if (!status && truth)
         status = neph_measure(truth->image, image, NULL, viewing, &frame->measurements, diag);
     if (!status && truth)
@@ -428,12 +452,29 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->title = neph_arena_text(run->arena, scene->title);
     result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
+    result->file = neph_arena_text(run->arena, scene->path);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;
     result->viewing = NEPH_VIEWING_DEFAULTS;
-    result->viewing.exposure_ev = scene->exposure_ev;
-    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
+    result->viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
+    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 *
+                                                     exp2(-neph_scene_display(scene)->exposure_ev);
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
+}
+
+/* With --only-engine a further reference engine renders nothing once the scene has a reference. */
+static bool is_left_out(const struct neph_scene_run *run, int index,
+                        const struct neph_scene_result *result)
+{
+    return run->field->is_reference_only[index] && find_truth(result) >= 0;
+}
+
+static void leave_out(const struct neph_scene_run *run, int index, struct neph_scene_result *result)
+{
+    neph_progress_expect(run->progress, KIND_FRAME + index, -1, 0.0);
+    if (has_second_seed(run->field->engines[index]))
+        neph_progress_expect(run->progress, KIND_SECOND_SEED + index, -1, 0.0);
+    result->left_out_count++;
 }
 
 static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
@@ -447,6 +488,10 @@ static enum neph_status render_all(const struct neph_scene_run *run, const struc
         const int f = result->frame_count;
         if (!takes_part(run, i))
             continue;
+        if (is_left_out(run, i, result)) {
+            leave_out(run, i, result);
+            continue;
+        }
         jobs[f].index = i;
         status = run_frame(run, i, scene, &result->frames[f], &jobs[f].chosen, diag);
         result->frame_count++;

@@ -29,6 +29,7 @@ struct neph_validate_params {
     int scene_count;
     const char *const *engines; /* names; engine_count 0: all that are no shortcut */
     int engine_count;
+    bool only_engines;           /* beside `engines` only the reference of each scene is rendered */
     const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
     int setting_count;
     int width_px, height_px;
@@ -37,7 +38,8 @@ struct neph_validate_params {
     struct neph_shared_device *device; /* as neph_shot.device */
     int jobs; /* processes that render scenes at the same time; results do not depend on it */
     bool quiet;
-    bool skip_absent; /* a scene whose data is not there goes into `absent` */
+    bool skip_absent;         /* a scene whose data is not there goes into `absent` */
+    struct neph_times *times; /* speeds of frames are measured and kept there; NULL: they are not */
     const struct neph_charts_params *charts; /* NULL: none */
     bool over_time;                          /* the sequence of over_time.h too */
     struct neph_report *report;              /* published after each scene; NULL: none is */

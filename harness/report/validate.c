@@ -10,13 +10,17 @@
 #include "harness/experiment/pool.h"
 #include "harness/progress.h"
 #include "harness/report/report.h"
+#include "harness/report/scene_times.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Kinds of steps beside those of scenes, for the time left. */
-enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_OVER_TIME };
+enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_TIMES, KIND_OVER_TIME };
+
+static const double times_typical_s = 20.0; /* of a scene */
+
 _Static_assert((int)KIND_OVER_TIME < (int)NEPH_PROGRESS_KINDS, "kinds of progress");
 
 struct run {
@@ -37,6 +41,22 @@ struct told {
     bool is_over, is_late; /* it was rendered; but for frames that are to be tried again */
 };
 
+static bool names_engine(const struct neph_validate_params *params,
+                         const struct neph_engine *engine)
+{
+    for (int i = 0; i < params->engine_count; i++)
+        if (strcmp(params->engines[i], engine->name) == 0)
+            return true;
+    return false;
+}
+
+/* The engines whose frames others are measured against, but for oracle: it takes minutes for what
+ * tracer renders in seconds. */
+static bool can_be_reference(const struct neph_engine *engine)
+{
+    return engine->rung <= NEPH_RUNG_TRACER && !neph_engine_is(engine, "oracle");
+}
+
 static enum neph_status choose_engines(const struct neph_validate_params *params,
                                        struct neph_run_engines *field, struct neph_diag *diag)
 {
@@ -49,16 +69,17 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return NEPH_ERR_USAGE;
         }
     for (int i = 0; i < known; i++) {
-        bool wanted = params->engine_count == 0 && !engines[i]->shortcut_of &&
-                      !engines[i]->is_guest;
-        for (int j = 0; j < params->engine_count; j++)
-            wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
-        if (!wanted)
+        const bool is_named = names_engine(params, engines[i]);
+        const bool is_reference = params->only_engines && can_be_reference(engines[i]);
+        const bool is_usual = params->engine_count == 0 && !engines[i]->shortcut_of &&
+                              !engines[i]->is_guest;
+        if (!is_named && !is_reference && !is_usual)
             continue;
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
         field->settings[field->count] = neph_settings_default(engines[i]);
+        field->is_reference_only[field->count] = !is_named && is_reference;
         struct neph_engine_info *info = &field->infos[field->count++];
         neph_engine_probe(engines[i], params->device, info);
         if (info->warning[0])
@@ -121,6 +142,8 @@ static void expect_all(struct run *run)
         choose_scene(run, i);
         expect_scene(run, 1);
     }
+    if (params->times)
+        neph_progress_expect(&run->progress, KIND_TIMES, params->scene_count, times_typical_s);
     if (params->charts)
         neph_progress_expect(&run->progress, KIND_CHART, neph_charts_step_count(params->charts),
                              NEPH_CHARTS_STEP_TYPICAL_S * params->charts->repeats);
@@ -163,6 +186,8 @@ static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
         .hint = neph_arena_text(arena, diag->hint)};
     free(clean);
     *diag = (struct neph_diag){.line = 0};
+    if (run->params->times)
+        neph_progress_expect(&run->progress, KIND_TIMES, -1, 0.0);
     expect_scene(run, -1);
 }
 
@@ -192,6 +217,27 @@ static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
     return status ? status : show(run, diag);
 }
 
+/* How long the frames take, once nothing else renders. */
+static enum neph_status time_scenes(struct run *run, struct neph_diag *diag)
+{
+    struct neph_validation *made = run->made;
+    enum neph_status status = NEPH_OK;
+    run->progress.kind = KIND_TIMES;
+    for (int i = 0; i < made->scene_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        char what[128];
+        snprintf(what, sizeof(what), "times of %s", made->scenes[i].name);
+        neph_progress_begin(&run->progress, what);
+        status = neph_data_load_scene(made->scenes[i].name, &scene, diag);
+        if (!status)
+            status = neph_scene_times(&run->scenes, scene, &made->scenes[i], diag);
+        if (!status)
+            neph_progress_over(&run->progress, what, "measured");
+        neph_scene_destroy(scene);
+    }
+    return status ? status : show(run, diag);
+}
+
 static enum neph_status run_all(struct run *run, struct neph_diag *diag)
 {
     const struct neph_validate_params *params = run->params;
@@ -199,10 +245,12 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
     enum neph_status status = NEPH_OK;
     while (run->next < params->scene_count && !status)
         status = run_scene(run, diag);
+    if (!status && params->times)
+        status = time_scenes(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
-                                    &made->over_time, diag);
+        status = neph_over_time_run(params->device, run->store, params->times, &run->progress,
+                                    &made->arena, &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/measure.h"
+#include "harness/document/junit.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/results.h"
@@ -16,6 +17,7 @@
 #include "harness/report/error_parts.h"
 #include "harness/report/over_time.h"
 #include "harness/run/job.h"
+#include "harness/run/speed.h"
 #include "harness/study/study.h"
 
 #include <stdio.h>
@@ -28,6 +30,8 @@ struct neph_run_engines {
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
     struct neph_settings settings[NEPH_FIELD_MAX]; /* those that the user wants */
+    /* Engines that --only-engine adds: each renders only scenes without an earlier reference. */
+    bool is_reference_only[NEPH_FIELD_MAX];
 };
 
 /* What difference maps are drawn of. */
@@ -39,16 +43,20 @@ const char *neph_shown_name(enum neph_shown which);
 struct neph_frame_result {
     const struct neph_engine *engine;
     enum neph_outcome outcome;
-    const char *reason;   /* "" of a rendered frame */
-    const char *note;     /* what it lacks of what was asked for or claims no physics in, or "" */
-    bool is_look;         /* it claims no physics: its engine, or by its settings */
-    const char *settings; /* canonical */
-    bool reused;          /* taken from the store */
-    struct neph_cost cost;
+    const char *reason;    /* "" of a rendered frame */
+    const char *note;      /* what it lacks of what was asked for or claims no physics in, or "" */
+    bool is_look;          /* it claims no physics: its engine, or by its settings */
+    const char *settings;  /* canonical */
+    bool reused;           /* taken from the store */
+    struct neph_cost cost; /* of the one render that made it, start-up included */
+    struct neph_speed speed; /* of warm frames, start-up apart; repeats 0: not measured */
+    struct neph_job job;     /* that rendered it; without the scene */
+    double noise;            /* standard error of a pixel over the rms radiance; NaN: it has none */
     uint64_t seed;
     double step_optical_depth;      /* the most that a step spans; NaN: it has no fixed steps */
     const char *path;               /* of the frame in the store; NULL unless rendered */
     const char *second_path;        /* by a second seed; NULL: none */
+    struct neph_cost second_cost;   /* of that one */
     const struct neph_study *study; /* that chose its step; NULL: none */
     const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
     struct neph_measurements measurements;  /* owned */
@@ -69,13 +77,16 @@ struct neph_gate_result {
     double maximum;
     enum neph_gate_verdict verdict;
     const char *reason;
+    int line; /* in the scene file; 0: it is the limit of what no gate of the scene names */
 };
 
 struct neph_scene_result {
     const char *name, *title, *physics, *hash;
+    const char *file;        /* of the scene, as it was named */
     int width_px, height_px; /* of its frames */
     struct neph_viewing viewing;
-    int frame_count; /* one per engine of the field that renders this scene, in its order */
+    int frame_count;    /* one per engine of the field that renders this scene, in its order */
+    int left_out_count; /* engines that --only-engine added, and that render it not */
     struct neph_frame_result *frames;
     int truth; /* index of the frame that the others are measured against; -1: there is none */
     double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
@@ -150,6 +161,10 @@ void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
 /* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
  * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
+
+/* A test case for each frame and each gate of the scenes, for each row of the physics suite, and
+ * for the verdict of the run. */
+void neph_validation_junit(const struct neph_validation *validation, struct neph_junit *junit);
 
 /* For people: a line for each frame, and what is to be said of it below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);

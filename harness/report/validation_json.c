@@ -9,14 +9,26 @@
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
+/* null: nothing is random in it. */
+static json_t *noise_json(const struct neph_frame_result *frame)
+{
+    char text[128];
+    if (!(frame->noise > 0.0))
+        return json_null();
+    snprintf(text, sizeof(text), "noise left in a pixel: %.2g %% of the rms radiance",
+             100.0 * frame->noise);
+    return json_pack("{s:f, s:s, s:s}", "value", frame->noise, "unit", "1", "text", text);
+}
+
 static json_t *frame_json(const struct neph_frame_result *frame)
 {
     const struct neph_engine *engine = frame->engine;
-    return json_pack(
+    json_t *json = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:f, s:f, s:f, s:I, s:I, s:o, s:s?, s:s?, s:s?, "
         "s:{s:s?, s:s?}, s:o, s:o, s:b, s:o}",
         "engine", engine->name, "rung", neph_rung_name(engine->rung), "status",
@@ -31,6 +43,9 @@ static json_t *frame_json(const struct neph_frame_result *frame)
         neph_measurements_json(&frame->measurements), "study",
         frame->study ? neph_study_json(frame->study) : json_null(), "look", frame->is_look, "bake",
         frame->bakes ? neph_bakes_summary_json(frame->bakes) : json_null());
+    neph_json_set(&json, "noise", noise_json(frame));
+    neph_json_set(&json, "speed", neph_speed_json(&frame->speed));
+    return json;
 }
 
 static json_t *gate_json(const struct neph_gate_result *gate)

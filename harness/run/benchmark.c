@@ -118,16 +118,17 @@ static double log_cost(const struct neph_rmse_rung *rung)
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
-/* The start was timed when the machine may have been busy, and no render is shorter than its start
- * and the share of its samples. */
+/* The start was timed when the machine may have been busy: it is the least that the rungs show. */
 static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
 {
-    const struct neph_rmse_rung *first = &rungs[0], *last = &rungs[NEPH_BENCHMARK_RUNGS - 1];
-    const double per_sample_s = fmax(1e-9, (last->render_s - first->render_s) /
-                                               (last->samples - first->samples));
-    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
-        climb->start_s = fmin(climb->start_s,
-                              fmax(0.0, climb->least_s[k] - rungs[k].samples * per_sample_s));
+    int samples[NEPH_BENCHMARK_RUNGS];
+    double mean_s[NEPH_BENCHMARK_RUNGS];
+    for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++) {
+        samples[k] = rungs[k].samples;
+        mean_s[k] = rungs[k].render_s;
+    }
+    climb->start_s = fmin(climb->start_s,
+                          neph_rungs_start(samples, mean_s, climb->least_s, NEPH_BENCHMARK_RUNGS));
     for (int k = 0; k < NEPH_BENCHMARK_RUNGS; k++)
         rungs[k].render_s -= climb->start_s;
 }

@@ -50,6 +50,11 @@ enum neph_status neph_rungs_plan(const struct neph_job *job, struct neph_rungs_a
 void neph_rungs_learn(const struct neph_job *job, int rung, double noise2,
                       struct neph_rungs *rungs);
 
+/* What renders take before their first sample: kernels compiled, grids read. Of renders of `count`
+ * numbers of samples, ascending, their mean times and the least of each; no render is shorter than
+ * its start and the share of its samples. */
+double neph_rungs_start(const int *samples, const double *mean_s, const double *least_s, int count);
+
 enum {
     NEPH_BENCHMARK_RUNGS = NEPH_RUNGS,
     NEPH_BENCHMARK_ENGINES_MAX = 4,

@@ -22,14 +22,13 @@
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_TEXEL_FORMAT_COUNT == 3, "a new kind");
 
-static const double warm_up_s = 1.0, limit_s = 10.0;
+static const double limit_s = 10.0;
 
 /* A GPU's clock takes its time to rise, and lavapipe's has none. */
 static const double cpu_ceiling_s = 0.25, gpu_ceiling_s = 1.0;
 
 enum {
-    WARM_UP_FRAMES = 16, /* four turns of the four frames: a history */
-    REST_FRAMES = 8,     /* looked at together */
+    REST_FRAMES = 8, /* looked at together */
     REST_FRAMES_MAX = 512
 };
 
@@ -132,8 +131,7 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
     enum neph_status status = flown.costs && flown.frame_s && room ? NEPH_OK
                                                                    : neph_fail_memory(diag);
     if (!status)
-        status = neph_flight_fly(&engine->job, picture, WARM_UP_FRAMES, NEPH_BENCHMARK_FRAMES_MAX,
-                                 warm_up_s, NULL, diag);
+        status = neph_flight_warm_up(&engine->job, picture, diag);
     if (!status)
         status = come_to_rest(&engine->job, picture, diag);
     if (!status)
@@ -339,24 +337,6 @@ static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engin
 
 /* --- all of it ---------------------------------------------------------------------------- */
 
-/* The device is opened for it: the time is from nothing. */
-static enum neph_status first_picture(struct neph_benchmark_frames_engine *engine,
-                                      struct neph_diag *diag)
-{
-    struct neph_shared_device *const shared = engine->job.shot.device;
-    const double start_s = neph_wall_s();
-    struct neph_image *image = NULL;
-    struct neph_cost cost;
-    engine->job.shot.device = NULL;
-    enum neph_status status = neph_job_open(&engine->job, diag);
-    if (!status)
-        status = neph_job_render(&engine->job, &image, &cost, diag);
-    engine->first_s = neph_wall_s() - start_s;
-    engine->job.shot.device = shared;
-    neph_image_destroy(image);
-    return status;
-}
-
 static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark,
                                    struct neph_benchmark_frames_engine *engine, int frame_count,
                                    struct neph_diag *diag)
@@ -365,7 +345,7 @@ static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark
     const uint64_t others_bytes = neph_device_memory();
     neph_device_memory_watch();
     engine->reference = reference_of(&engine->job);
-    enum neph_status status = first_picture(engine, diag);
+    enum neph_status status = neph_flight_open(&engine->job, &engine->first_s, diag);
     if (!status)
         status = time_frames(engine, &picture, frame_count, diag);
     engine->device_bytes = neph_device_memory_most() - others_bytes;

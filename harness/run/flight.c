@@ -5,7 +5,12 @@
 #include "metrics/statistics.h"
 #include "scenes/motion.h"
 
+#include <limits.h>
 #include <math.h>
+
+static const double warm_up_s = 1.0;
+
+enum { HISTORY_FRAMES = 16 }; /* four turns of the four frames */
 
 bool neph_flight_applies(const struct neph_engine *engine)
 {
@@ -65,6 +70,36 @@ enum neph_status neph_flight_fly(struct neph_job *job, long *picture, int least,
     if (flown)
         flown->all_s += before_s - start_s;
     return status;
+}
+
+enum neph_status neph_flight_open(struct neph_job *job, double *first_s, struct neph_diag *diag)
+{
+    struct neph_shared_device *const shared = job->shot.device;
+    const double start_s = neph_wall_s();
+    struct neph_image *image = NULL;
+    struct neph_cost cost;
+    job->shot.device = NULL;
+    enum neph_status status = neph_job_open(job, diag);
+    if (!status)
+        status = neph_job_render(job, &image, &cost, diag);
+    *first_s = neph_wall_s() - start_s;
+    job->shot.device = shared;
+    neph_image_destroy(image);
+    return status;
+}
+
+enum neph_status neph_flight_warm_up(struct neph_job *job, long *picture, struct neph_diag *diag)
+{
+    const int least = job->engine->remembers ? HISTORY_FRAMES : 1;
+    return neph_flight_fly(job, picture, least, INT_MAX, warm_up_s, NULL, diag);
+}
+
+struct neph_spread neph_flight_time(struct neph_flown *flown)
+{
+    const bool has_clock = flown->count > 0 && isfinite(flown->costs[0].gpu_s);
+    for (int i = 0; has_clock && i < flown->count; i++)
+        flown->frame_s[i] = flown->costs[i].gpu_s;
+    return neph_spread_of(flown->frame_s, flown->count);
 }
 
 struct neph_spread neph_spread_of(double *values, int count)

@@ -32,6 +32,18 @@ bool neph_flight_applies(const struct neph_engine *engine);
  * wind blows no cloud away. */
 int neph_flight_frame(long picture, int count);
 
+/* Open the job's sequence on a device that it opens for itself, and take its first picture:
+ * `*first_s` from nothing, with device, kernels and grids. Close it with neph_job_close(). */
+enum neph_status neph_flight_open(struct neph_job *job, double *first_s, struct neph_diag *diag);
+
+/* A second of pictures that are not timed, and of an engine that remembers at least as many as fill
+ * its history. */
+enum neph_status neph_flight_warm_up(struct neph_job *job, long *picture, struct neph_diag *diag);
+
+/* The time of a picture: on the device's clock where it has one, else by the wall clock. Reorders
+ * what has come home. */
+struct neph_spread neph_flight_time(struct neph_flown *flown);
+
 /* Pictures of a job whose sequence is open, from number `*picture` on, until there are `most`, or
  * `least` and the time is over. They are added to `flown`, which may be NULL. Errors: those of the
  * engine; NEPH_ERR_INTERRUPTED. */

@@ -114,3 +114,14 @@ void neph_rungs_learn(const struct neph_job *job, int rung, double noise2, struc
     if (rungs->aim.error > 0.0)
         go_by_error(job, rung + 1, rungs->samples[rung], noise2, rungs);
 }
+
+double neph_rungs_start(const int *samples, const double *mean_s, const double *least_s, int count)
+{
+    const int last = count - 1;
+    const double per_sample_s = fmax(1e-9,
+                                     (mean_s[last] - mean_s[0]) / (samples[last] - samples[0]));
+    double start_s = INFINITY;
+    for (int k = 0; k < count; k++)
+        start_s = fmin(start_s, fmax(0.0, least_s[k] - samples[k] * per_sample_s));
+    return start_s;
+}

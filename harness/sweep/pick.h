@@ -12,7 +12,7 @@
 #include "harness/run/store.h"
 #include "harness/sweep/ladder_filter.h"
 #include "harness/sweep/results.h"
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 
 struct neph_pick_params {
     const char *scene;     /* a name of the catalogue, or a path */

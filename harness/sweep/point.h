@@ -9,7 +9,7 @@
 
 #include "harness/progress.h"
 #include "harness/study/reference.h"
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 #include "harness/sweep/truth.h"
 
 /* What points share. References are of the last point's model: points that follow each other with

@@ -9,7 +9,7 @@
 
 #include "harness/json.h"
 #include "harness/run/store.h"
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 
 /* --- exponents ------------------------------------------------------------------------------ */
 

@@ -12,7 +12,7 @@
 
 #include "harness/run/store.h"
 #include "harness/sweep/results.h"
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 
 struct neph_sweep_params {
     const struct neph_sweep_plan *plan;

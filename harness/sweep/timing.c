@@ -101,21 +101,11 @@ static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sw
 
 /* --- what came of it ------------------------------------------------------------------------ */
 
-/* On the device's clock where it has one. */
-static struct neph_spread flight_time(struct timed *timed)
-{
-    struct neph_flown *flown = &timed->flown;
-    if (flown->count > 0 && isfinite(flown->costs[0].gpu_s))
-        for (int i = 0; i < flown->count; i++)
-            flown->frame_s[i] = flown->costs[i].gpu_s;
-    return neph_spread_of(flown->frame_s, flown->count);
-}
-
 static void conclude_time(struct timed *timed, struct neph_sweep_point *point)
 {
     if (timed->flies && timed->flown.count > 0) {
         point->timed = timed->flown.count;
-        point->time = flight_time(timed);
+        point->time = neph_flight_time(&timed->flown);
     } else if (timed->rendered > 0) {
         point->timed = timed->rendered;
         point->time = neph_spread_of(timed->seconds, timed->rendered);
@@ -131,9 +121,9 @@ static enum neph_status conclude(const struct neph_sweep_bench *bench, struct ti
         point->numbers[NEPH_SWEEP_ERROR] = neph_sweep_repeated(timed->errors, timed->rendered);
     if (was_due)
         conclude_time(timed, point);
-    return was_due && point->timed > 0
-               ? neph_times_put(bench->times, &point->job, point->time, point->timed, load, diag)
-               : NEPH_OK;
+    return was_due && point->timed > 0 ? neph_times_put(bench->times, &point->job, point->time,
+                                                        point->timed, NAN, load, diag)
+                                       : NEPH_OK;
 }
 
 /* --- all ------------------------------------------------------------------------------------ */
@@ -161,7 +151,7 @@ enum neph_status neph_sweep_time(struct neph_sweep_bench *bench, struct neph_swe
     struct timed *all = calloc((size_t)count, sizeof(*all));
     enum neph_status status = all ? NEPH_OK : neph_fail_memory(diag);
     for (int i = 0; i < count && !bench->retimes; i++)
-        neph_times_find(bench->times, &points[i].job, &points[i].time, &points[i].timed);
+        neph_times_find(bench->times, &points[i].job, &points[i].time, &points[i].timed, NULL);
     for (int i = 0; i < count && !status; i++)
         if (takes_part(&points[i]))
             status = open_one(bench, &points[i], &all[i], diag);

@@ -7,7 +7,7 @@
 
 #include "harness/stress/expectations.h"
 #include "harness/sweep/scaling.h"
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 
 static enum neph_status read_expectations(const char *path, struct neph_diag *diag)
 {

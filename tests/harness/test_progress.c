@@ -71,14 +71,4 @@ static void test_others_shorten_the_time(void **state)
     assert_true(neph_progress_left_s(&progress) == 6.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing_is_known_before_the_first_step),
-        cmocka_unit_test(test_kinds_have_paces_of_their_own),
-        cmocka_unit_test(test_others_shorten_the_time),
-        cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
-        cmocka_unit_test(test_no_count_passes_its_total),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "harness/sweep/times.h"
+#include "harness/run/times.h"
 
 #include "base/files.h"
 #include "base/path.h"
 #include "harness/json_file.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,7 +51,7 @@ static double number_at(const json_t *entry, const char *key)
 }
 
 bool neph_times_find(const struct neph_times *times, const struct neph_job *job,
-                     struct neph_spread *time, int *pictures)
+                     struct neph_spread *time, int *pictures, double *start_s)
 {
     char key[NEPH_HASH_HEX_SIZE];
     if (neph_job_key(job, key, NULL))
@@ -61,20 +62,24 @@ bool neph_times_find(const struct neph_times *times, const struct neph_job *job,
     *time = (struct neph_spread){number_at(entry, "median"), number_at(entry, "low"),
                                  number_at(entry, "high")};
     *pictures = (int)json_integer_value(json_object_get(entry, "pictures"));
+    if (start_s)
+        *start_s = json_is_number(json_object_get(entry, "start_s")) ? number_at(entry, "start_s")
+                                                                     : NAN;
     return true;
 }
 
 enum neph_status neph_times_put(struct neph_times *times, const struct neph_job *job,
-                                struct neph_spread time, int pictures, double load,
+                                struct neph_spread time, int pictures, double start_s, double load,
                                 struct neph_diag *diag)
 {
     char key[NEPH_HASH_HEX_SIZE];
     enum neph_status status = neph_job_key(job, key, diag);
     if (status)
         return status;
-    json_t *entry = json_pack("{s:f, s:f, s:f, s:i, s:s, s:o}", "median", time.median, "low",
-                              time.low, "high", time.high, "pictures", pictures, "device",
-                              job->info->device, "load", neph_json_number(load));
+    json_t *entry = json_pack("{s:f, s:f, s:f, s:i, s:o, s:s, s:o}", "median", time.median, "low",
+                              time.low, "high", time.high, "pictures", pictures, "start_s",
+                              neph_json_number(start_s), "device", job->info->device, "load",
+                              neph_json_number(load));
     return neph_json_put(json_object_get(times->list, "times"), key, entry, diag);
 }
 

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+#include "harness/report/scene_times.h"
+
+#include "harness/engines/engines.h"
+
+/* A default run has minutes for all of it: a frame that takes longer than this to be rendered again
+ * is not measured. */
+static const double flight_s = 2.0, renders_s = 6.0;
+
+/* Whether warm frames of this engine would take too long, by the render that made the frame. Frames
+ * of an engine that remembers take less than its first one. */
+static bool takes_too_long(const struct neph_frame_result *frame)
+{
+    return neph_flight_applies(frame->engine) && !frame->engine->remembers &&
+           frame->cost.render_s > renders_s;
+}
+
+/* Times of renders that the run has made anyway. The first frame of an engine of our own found its
+ * kernels not compiled; an external renderer tells the time of its radiance alone. */
+static int known_times(const struct neph_frame_result *frame, double known_s[2])
+{
+    int count = 0;
+    if (frame->engine->rung == NEPH_RUNG_WITNESS)
+        known_s[count++] = frame->cost.render_s;
+    if (frame->second_path)
+        known_s[count++] = frame->second_cost.render_s;
+    return count;
+}
+
+enum neph_status neph_scene_times(const struct neph_scene_run *run, const struct neph_scene *scene,
+                                  struct neph_scene_result *result, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int f = 0; f < result->frame_count && !status; f++) {
+        struct neph_frame_result *frame = &result->frames[f];
+        struct neph_job job = frame->job;
+        double known_s[2];
+        if (!frame->path || takes_too_long(frame))
+            continue;
+        job.shot.scene = scene;
+        job.shot.time_limit_s = run->params->budget_s;
+        status = neph_speed_measure(&job, known_s, known_times(frame, known_s),
+                                    neph_flight_applies(job.engine) ? flight_s : renders_s,
+                                    run->store, run->params->times, &frame->speed, diag);
+    }
+    return status;
+}
