@@ -199,6 +199,7 @@ class Pick(NephCase):
             (64, "half-life", ("--preset", "ours", "--least", "x")),
             (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),
+            (64, "1..4096 pixels", ("voxel_grid", "--error", "1", "--size", "5000x9")),
             (66, "", ("no_such_scene", "--error", "1")), before=("pick",))
 
     def test_without_a_driver(self):
