@@ -518,7 +518,7 @@
     if (!frame) return cell("plain", el("span", { class: "soft" }, "not run"));
     if (frame.status !== "rendered") return cell("plain", word(STATUSES, frame.status));
     if (isTruth(scene, name)) return cell("plain", el("span", { class: "soft" }, "reference"));
-    if (!found) return cell("plain", absent());
+    if (!found) return cell("plain", notMeasured());
     const verdicts = gatesOf(scene).filter((gate) => gate.engine === name)
       .map((gate) => gate.verdict);
     return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
@@ -1174,7 +1174,7 @@
     const engine = engineNamed(frame.engine);
     return tr(rowHead(frame.engine, small(frame.rung)),
       words(word(STATUSES, frame.status), frame.reused && " · taken from the store",
-        why(frame) && el("pre", { class: "log", id: ids.get(frame) }, why(frame)),
+        why(frame) && el("pre", { class: "log", id: ids.get(frame), tabindex: "0" }, why(frame)),
         frame.note && el("div", { class: "small" }, frame.note),
         frame.step_optical_depth > 1 && el("div", { class: "small" },
           bold("Steps too long: "), "one spans an optical depth of up to ",
