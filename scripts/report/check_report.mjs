@@ -850,8 +850,8 @@ async function checkPage(folder, data, { quick, screenshots }) {
       const { context, page } = await open(browser, folder, where, options);
       checkWindow(where, await look(page));
       if (options.colorScheme === "dark") {
-        const bright = await page.evaluate(() => [...document.querySelectorAll(".chart-figure .frame")]
-          .filter((e) => getComputedStyle(e).filter === "none").length);
+        const bright = await page.evaluate(() => [...document.querySelectorAll(".chart-figure"
+          + " .frame")].filter((e) => getComputedStyle(e).filter === "none").length);
         if (bright > 0) find(`${where}: ${bright} charts stay white`);
       }
       await keep(page, where);
