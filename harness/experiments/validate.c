@@ -120,6 +120,10 @@ static const struct neph_cli_option options[] = {
      .maximum = 1000000},
     {"engine", 0, NULL, "Only these engines (default: all)", NEPH_CLI_NAMES,
      .at = offsetof(struct neph_validate_request, engines)},
+    {"only-engine", 0, NULL,
+     "Beside the engines of -e render only the reference of each scene: exact where it can, else "
+     "surfaces or tracer",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, only_engine)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
@@ -140,6 +144,11 @@ static const struct neph_cli_option options[] = {
      .maximum = 1000000},
     {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
+    {"junit", 0, "FILE",
+     "JUnit XML: a test case for each frame and gate, each row of the physics suite, or each "
+     "number "
+     "of the stress tests",
+     NEPH_CLI_FILE, .at = offsetof(struct neph_validate_request, junit)},
     {.name = "quiet"},
     {.name = NULL},
 };
@@ -207,6 +216,11 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "there is no suite '%s'; there are catalog, physics and stress",
                    request->suite);
     check_stress(request, state);
+    if (request->only_engine && request->engines.count == 0)
+        argp_error(state, "--only-engine needs -e, which names the engines that it is about");
+    if (request->only_engine && (is_physics(request) || is_stress(request)))
+        argp_error(state, "--only-engine is of scenes: the suites render the engines of -e and no "
+                          "others");
     if (request->tier && !find_tier(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     for (int i = 0; i < request->only.count; i++)
@@ -248,6 +262,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate\n"
         "  neph validate --tier full --budget 120\n"
         "  neph validate fence_backlit --size 320x180\n"
+        "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
         "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
@@ -284,6 +299,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
     return (struct neph_validate_params){
         .engines = request->engines.words,
         .engine_count = request->engines.count,
+        .only_engines = request->only_engine,
         .settings = shared->settings.list,
         .setting_count = shared->settings.count,
         .width_px = has_size ? shared->size.width_px : tier->width_px,
@@ -336,6 +352,16 @@ static enum neph_status judge(const struct neph_validation *validation, struct n
                          : "a gate failed or an engine broke; the report names it");
 }
 
+static enum neph_status write_junit(const struct neph_validation *validation, const char *path,
+                                    struct neph_diag *diag)
+{
+    struct neph_junit junit = {.name = "neph validate"};
+    neph_validation_junit(validation, &junit);
+    const enum neph_status status = neph_junit_write(&junit, path, diag);
+    neph_junit_finish(&junit);
+    return status;
+}
+
 enum neph_status neph_validate_publish(const struct neph_validate_request *request,
                                        struct neph_validation *validation,
                                        struct neph_publication *publication,
@@ -348,6 +374,8 @@ enum neph_status neph_validate_publish(const struct neph_validate_request *reque
     }
     if (!status)
         status = neph_report_publish(request->report, validation, diag);
+    if (!status && request->junit)
+        status = write_junit(validation, request->junit, diag);
     if (status)
         return status;
     if (text && validation->physics)

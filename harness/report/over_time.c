@@ -10,6 +10,7 @@
 #include "harness/report/flicker_map.h"
 #include "harness/report/page.h"
 #include "renderer/realtime/options.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -87,7 +88,7 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
 {
     static const char *const extractors[] = {"seen", "flicker", NULL};
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = work->scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(work->scene)->exposure_ev;
     viewing.frame_rate_hz = work->scene->frame_rate_hz;
     viewing.pixels_per_degree = pixels_per_degree;
     const struct neph_reading readings[] = {
@@ -259,7 +260,7 @@ static void describe(struct work *work, const char *reason)
     made->height_px = height_px;
     made->frame_count = FRAMES;
     made->rate_hz = work->scene->frame_rate_hz;
-    made->exposure_ev = work->scene->exposure_ev;
+    made->exposure_ev = neph_scene_display(work->scene)->exposure_ev;
     made->reference.reason = neph_arena_text(work->arena, reason);
     made->reference.settings = neph_arena_text(work->arena, is_there ? reference->settings : "");
     made->reference.text = neph_arena_text(work->arena,

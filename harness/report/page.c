@@ -182,16 +182,18 @@ static void write_script(const void *script_, FILE *out)
 enum neph_status neph_page_write_data(const char *folder, const char *variable,
                                       const json_t *document, struct neph_diag *diag)
 {
-    const struct script script = {variable, json_dumps(document, JSON_INDENT(1))};
-    char *text = NULL;
-    enum neph_status status = script.json ? neph_written(write_script, &script, &text, diag)
-                                          : neph_fail_memory(diag);
+    char *readable = json_dumps(document, JSON_INDENT(1)), *text = NULL;
+    const struct script script = {variable, json_dumps(document, JSON_COMPACT)};
+    enum neph_status status = readable && script.json
+                                  ? neph_written(write_script, &script, &text, diag)
+                                  : neph_fail_memory(diag);
     if (!status)
-        status = neph_file_write(neph_path_in(folder, "data.json").text, script.json,
-                                 strlen(script.json), diag);
+        status = neph_file_write(neph_path_in(folder, "data.json").text, readable, strlen(readable),
+                                 diag);
     if (!status)
         status = neph_file_write(neph_path_in(folder, "data.js").text, text, strlen(text), diag);
     free((char *)script.json);
+    free(readable);
     free(text);
     return status;
 }

@@ -226,6 +226,9 @@ static const char *why(const struct neph_ranked *ranked, struct neph_arena *aren
         if (clauses[i])
             all = all ? neph_arena_format(arena, "%s; %s", all, clauses[i]) : clauses[i];
     const char *bias = ranked->frame->engine->bias;
+    if (ranked->frame->is_look)
+        return neph_arena_format(arena, "Why: its light is a model that claims no physics%s%s.",
+                                 bias ? ": " : "", bias ? bias : "");
     if (!all && bias)
         return neph_arena_format(arena, "Why: not measured; known bias of the engine: %s.", bias);
     return all ? neph_arena_format(arena, "Why: %s.", all)

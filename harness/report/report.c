@@ -16,8 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all viewers of a report may take: more would be a download. */
-static const double viewers_limit_bytes = 32e6;
+/* What all viewers of a report may take, so that a report of the quick tier stays below 20 MB with
+ * its numbers, pictures and charts. */
+static const double viewers_limit_bytes = 16e6;
 
 static const struct neph_page_parts parts = {
     .title = "Nephelometer report",

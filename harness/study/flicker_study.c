@@ -9,6 +9,7 @@
 #include "harness/run/seed.h"
 #include "harness/study/take.h"
 #include "metrics/extractors/flicker_verdict.h"
+#include "scenes/display.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -90,7 +91,7 @@ enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS
 static struct neph_viewing viewing_of(const struct neph_scene *scene, int display)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
     viewing.frame_rate_hz = neph_study_displays[display].frame_rate_hz;
     viewing.pixels_per_degree = neph_study_displays[display].pixels_per_degree;
     return viewing;

@@ -9,6 +9,7 @@
 #include "harness/study/flicker_metrics.h"
 #include "harness/study/take.h"
 #include "harness/sweep/repeat.h"
+#include "scenes/display.h"
 #include "scenes/variant.h"
 
 #include <math.h>
@@ -149,7 +150,7 @@ static enum neph_status have_reference(struct neph_sweep_bench *bench, const str
 static struct neph_viewing viewing_of(const struct neph_scene *scene)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
     return viewing;
 }
 

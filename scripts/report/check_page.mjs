@@ -108,6 +108,24 @@ export async function conclude(what, most, check) {
   exit(findings.length === 0 ? 0 : 1);
 }
 
+/** The rules of axe-core (npm) that a page breaks; without axe-core that is said, and no finding. */
+export async function checkAccess(page, where) {
+  let source;
+  try {
+    const { createRequire } = await import("node:module");
+    source = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  } catch {
+    stderr.write(`${where}: axe-core is not installed, so its rules were NOT checked (npm ci)\n`);
+    return;
+  }
+  await page.evaluate(`${source};0`);
+  // Assets that axe would load once more are out of reach of a page from disk.
+  const broken = await page.evaluate(async () => (await window.axe.run(document,
+    { resultTypes: ["violations"], preload: false })).violations.flatMap(({ id, help, nodes }) =>
+    nodes.map(({ html }) => `${id} (${help}): ${html.slice(0, 160)}`)));
+  for (const text of broken) find(`${where}: axe: ${text}`);
+}
+
 /** Runs in a page: each text whose contrast is below that of WCAG 2.1, 1.4.3, with its ratio. */
 export function faintTexts() {
   const visible = (element) => element.checkVisibility({ visibilityProperty: true,

@@ -65,8 +65,8 @@
   /** A table that may be wider than the screen scrolls by itself, also from the keyboard. Cells
    * know the heads of their columns, for when the table is shown as a list of rows. */
   function scrolling(label, wide, note) {
-    const heads = [...wide.querySelectorAll("thead th")].map((head) => head.firstChild?.data
-      ?? head.textContent);
+    const heads = [...wide.querySelectorAll("thead th")].map((head) => head.dataset.label
+      ?? head.firstChild?.data ?? head.textContent);
     for (const line of wide.querySelectorAll("tbody tr"))
       [...line.children].forEach((cell, n) => {
         if (cell.tagName === "TD" && heads[n]) cell.setAttribute("data-label", heads[n]);
@@ -216,6 +216,8 @@
   async function drawLive(figure, specification) {
     const spec = JSON.parse(JSON.stringify(specification));
     delete spec.usermeta;
+    // Vega would name each group of marks by its layer; the figure's caption says what it shows.
+    spec.config = { ...spec.config, aria: false };
     await window.vegaEmbed(figure.querySelector(".live"), spec, {
       mode: "vega-lite",
       renderer: "svg",

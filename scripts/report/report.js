@@ -291,8 +291,7 @@
 
   // ----------------------------------------------------------------------------------------- head
 
-  const head = () => el("header", null, el("p", { class: "eyebrow" }, "Nephelometer report"),
-    el("h1", null, report.title), verdict());
+  const head = () => el("header", { class: "brief" }, el("h1", null, report.title), verdict());
 
   /** What ran, when and where: below the first screen. */
   function facts() {
@@ -303,6 +302,10 @@
       fact("Version", ["neph ", report.neph_version]),
       fact("Host", [report.host.cpu, " · ", number(report.host, "cores"), " cores · ",
         number(report.host, "memory_bytes", { scale: 1 / 2 ** 30, unit: "GiB" })]),
+      report.counts && fact("Results", [derived("counts.reported", report.counts.reported), " of ",
+        derived("counts.expected", report.counts.expected), " are in this report, ",
+        derived("counts.compared", report.counts.compared), " compared with a truth; no gate ",
+        "limits the radiance of ", derived("frames.ungated", ungated().length)]),
       scenes.length > 0 && fact("Pictures",
         size.length ? [number(size, 0), " × ", number(size, 1), " pixels"] : absent()),
       report.screen === "screen/index.html" && fact("Beside",
@@ -405,7 +408,7 @@
       && gate.quantity === found.quantity);
     return [" The largest error is that of ", el("b", { class: "worst" }, frame.engine), " in ",
       sceneLink(scene), ": ", rankedWords(found), bias && [", bias ", readNumber(bias)],
-      !isGated && ", which no gate limits", "."];
+      frame.look ? ", a model that claims no physics" : !isGated && ", which no gate limits", "."];
   }
 
   /** Engines and frames that the verdict is without. */
@@ -435,12 +438,7 @@
         withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
             " scene was", " scenes were"), " left out: its data are not on this machine."],
-        worstSentence(compared())),
-        report.counts && el("p", { class: "small soft" }, derived("counts.reported",
-            report.counts.reported), " of ", derived("counts.expected", report.counts.expected),
-          " results are in this report, ", derived("counts.compared", report.counts.compared),
-          " compared with a truth; no gate limits the radiance of ",
-          derived("frames.ungated", ungated().length), " of them.")));
+        worstSentence(compared()))));
   }
 
   /** All that failed, that no gate limits, that could not be measured or is not here. */
@@ -502,12 +500,16 @@
       .sort((a, b) => b.size - a.size);
     return [
       scrolling("RMSE of each scene and engine", table("wide heat",
-        [colHead("Scene, worst first"), columns.map(({ engine }) => numHead(engine.name))],
+        [colHead("Scene, worst first"), columns.map(({ engine }) => engineHead(engine.name))],
         list.map(({ scene }) => el("tr", { "data-scene": scene.name },
           rowHead(sceneLink(scene)),
           columns.map(({ engine }) => heatCell(scene, engine.name)))))),
       heatLegend()];
   }
+
+  /** A long name breaks behind its underscores. */
+  const engineHead = (name) => el("th", { scope: "col", class: "num", "data-label": name },
+    name.split(/(?<=_)/).map((part, n) => [n > 0 && el("wbr"), part]));
 
   function heatCell(scene, name) {
     const frame = frameBy(scene, name);
@@ -522,7 +524,8 @@
       .map((gate) => gate.verdict);
     return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
       found.quantity !== "radiance" && `${found.quantity} `,
-      verdicts.includes("fail") ? "✗ fails" : verdicts.includes("pass") ? "✓ passes" : "no gate"));
+      verdicts.includes("fail") ? "✗ fails" : verdicts.includes("pass") ? "✓ passes"
+        : frame.look ? "no physics" : "no gate"));
   }
 
   const heatLegend = () => el("p", { class: "heat-key small soft" },
@@ -541,7 +544,7 @@
   /** The first of the ranking, each with where it is off and why. */
   function worst() {
     const list = ranked().slice(0, WORST_SHOWN);
-    return list.length > 0 && [
+    return list.length > 0 && el("section", { class: "worst-part", "aria-labelledby": "worst" },
       el("h2", { id: "worst" }, `The worst ${list.length === 1 ? "one" : list.length}, and why`),
       el("ol", { class: "worst" }, list.map(({ row, scene, frame, found }) => {
         const bias = measurementOf(frame, found.quantity, "rel_bias");
@@ -551,7 +554,7 @@
           transmittance && [", transmittance off by up to ", number(transmittance, "value")],
           row.failing && [" ", word(VERDICTS, "fail")], ". ",
           el("span", { class: "cause" }, row.cause));
-      }))];
+      })));
   }
 
   /** Verdict, heat map, worst three and the chart share the first screen. */
@@ -559,8 +562,9 @@
     const [first] = report.charts ?? [];
     if (scenes.length === 0) return first ? el("div", { class: "front" }, chartSection([first])) : null;
     return el("div", { class: engines.length > MANY_ENGINES ? "front many" : "front" },
-      el("section", { "aria-labelledby": "heat" },
-        el("h2", { id: "heat" }, "Errors at a glance"), heatMap(), worst()),
+      el("section", { class: "heat-part", "aria-labelledby": "heat" },
+        el("h2", { id: "heat" }, "Errors at a glance"), heatMap()),
+      worst(),
       first && chartSection([first]));
   }
 
@@ -683,6 +687,8 @@
           truth ? ["held against ", bold(truth.engine), ` (${truth.rung})`]
             : "no reference: no engine of a trusted rung rendered it",
           " · exposure ", exposure(scene),
+          scene.size_px && [" · ", number(scene.size_px, 0), " × ", number(scene.size_px, 1),
+            " pixels"],
           viewer && [" · ", link(viewer, "all frames in the viewer")],
           !viewer && scene.no_viewer && [" · not in the viewer: ", scene.no_viewer]),
         scene.attribution?.odd_one_out && el("p", { class: "finding odd" },
@@ -785,8 +791,7 @@
     if (drawn.length === 0) return el("p", {}, "No engine rendered this scene.");
     return [
       el("h3", {}, "Pictures, and the difference in radiance"),
-      el("div", { class: "pictures" },
-        drawn.map((frame) => card(scene, frame, truthFrame, kind)))];
+      pictureGrid(scene, drawn.map((frame) => card(scene, frame, truthFrame, kind)))];
   }
 
   function transmittanceMaps(scene) {
@@ -794,7 +799,7 @@
     const drawn = drawnFrames(scene).filter((frame) => frame.difference?.[kind]);
     return drawn.length > 0 && [
       el("h3", {}, "Difference in transmittance"),
-      el("div", { class: "pictures" }, drawn.map((frame) => pictureCard(frame.engine, frame.rung,
+      pictureGrid(scene, drawn.map((frame) => pictureCard(frame.engine, frame.rung,
         differenceFigure(scene, frame, kind))))];
   }
 
@@ -830,6 +835,10 @@
     return differenceKey(scene.difference_scale, kind, isRatio(unit) ? "" : unit);
   }
 
+  const sizeOfScene = (scene) => scene.size_px ?? report.size_px ?? [192, 108];
+  const pictureGrid = (scene, cards) => fit(el("div", { class: "pictures" }, cards),
+    sizeOfScene(scene), 400);
+
   const notHere = (path) => `${path} is not in this report's folder`;
   const pixels = (path, alt, size = report.size_px, className = "") => window.NephPage.pixels(path,
     alt, size, notHere(path), `pixels${className}`);
@@ -843,8 +852,9 @@
     const title = titleOf(scene);
     return pictureCard(frame.engine, reference ? `reference · ${frame.rung}` : frame.rung,
       !own ? [hole("no picture: this engine gave no radiance"), below()]
-        : other ? wipe(own, other, frame.engine, scene.truth.engine, title)
-          : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`)),
+        : other ? wipe(own, other, frame.engine, scene.truth.engine, title, sizeOfScene(scene))
+          : [el("div", { class: "stack" }, pixels(own, `${title}, by ${frame.engine}`,
+            sizeOfScene(scene))),
             below(reference ? "what the others are held against" : "no reference to wipe to")],
       mapsOf(scene, kind) && !reference && differenceFigure(scene, frame, kind));
   }
@@ -852,7 +862,8 @@
   function differenceFigure(scene, frame, kind) {
     const path = inside(frame.difference?.[kind]);
     return el("figure", {}, path ? pixels(path,
-      `${titleOf(scene)}: signed ${kind} difference of ${frame.engine} from the reference`)
+      `${titleOf(scene)}: signed ${kind} difference of ${frame.engine} from the reference`,
+      sizeOfScene(scene))
       : hole(scene.truth ? `no difference: ${frame.engine} or the reference gives no ${kind}`
         : "no reference in this scene"),
     el("figcaption", {}, `${frame.engine} − ${scene.truth?.engine ?? "reference"}, ${kind}`,
@@ -950,8 +961,9 @@
             return num(first ? number(first, "pixel_count") : absent());
           })));
     });
-    return scrolling(label, el("table", {}, el("thead", {}, tr(colHead("Measure"),
-      columns.map((frame) => numHead(frame.engine, frame.rung)))), bodies));
+    return scrolling(`${titleOf(scene)}: ${label}`, el("table", {}, el("thead", {},
+      tr(colHead("Measure"),
+        columns.map((frame) => numHead(frame.engine, frame.rung)))), bodies));
   }
 
   const firstIn = (frame, quantity, mask) => frame.measurements.find((row) =>
@@ -1030,7 +1042,8 @@
       found.mean_meant),
     num(share(pair, "rms_difference")), num(share(pair, "noise_floor")));
 
-  function attribution({ attribution: found }) {
+  function attribution(scene) {
+    const { attribution: found } = scene;
     const title = el("h3", {}, "Who disagrees with whom");
     if (found === undefined) return null;
     if (found === null)
@@ -1042,7 +1055,7 @@
       title,
       el("p", { class: `finding ${kind}` }, el("b", { "aria-hidden": "true" }, sign),
         found.sentence),
-      scrolling("Who disagrees with whom", table("wide",
+      scrolling(`${titleOf(scene)}: who disagrees with whom`, table("wide",
         [colHead("Pair"), colHead("Finding"), numHead("Mean difference"),
           numHead("Interval"), axisHead(),
           numHead("Pixel by pixel", "RMS, noise taken out"),
@@ -1076,7 +1089,7 @@
       el("p", { class: "small soft" },
         "Brightness of the picture at finer and finer steps, against the extrapolated limit of no "
         + "step at all. The first setting that is good enough was used for the frame."),
-      studied.map(study),
+      studied.map((frame) => study(scene, frame)),
     ];
   }
 
@@ -1097,7 +1110,7 @@
       ", or its error does not shrink as it should."],
   };
 
-  function study({ engine, study }) {
+  function study(scene, { engine, study }) {
     const chosen = study.levels[study.chosen];
     const [kind, sign, before, after] = STUDIED[study.verdict] ?? STUDIED.off;
     return [
@@ -1107,7 +1120,7 @@
         percent(chosen, "bias", { unit: "%" }), " ± ",
         percent(chosen, "bias_noise", { signed: false, unit: "%" }), " for its step alone: ",
         el("span", { class: kind }, sign), before, limitShare(study, "tolerance"), after),
-      scrolling(`Step error of ${engine}`, table(null,
+      scrolling(`${titleOf(scene)}: step error of ${engine}`, table(null,
         [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "± noise"),
           axisHead(), numHead("Wall time", "with start-up")],
         study.levels.map((level) => levelRow(level, level === chosen, study.tolerance)))),
@@ -1172,7 +1185,7 @@
 
   const runs = (scene) => framesOf(scene).length > 0 && [
     el("h3", {}, "What ran, and what it cost"),
-    scrolling("What ran, and what it cost", table("wide",
+    scrolling(`${titleOf(scene)}: what ran, and what it cost`, table("wide",
       [["Engine", "State", "Version and device"].map((name) => colHead(name)),
         ["Radiance pass", "All passes", "Processor", "Memory"].map((name) => numHead(name))],
       framesOf(scene).map(runRow)),
@@ -1184,7 +1197,7 @@
   const gates = (scene) => [
     el("h3", {}, "Gates"),
     gatesOf(scene).length === 0 ? el("p", { class: "soft" }, "This scene sets no limits.")
-      : scrolling("Gates", table("wide",
+      : scrolling(`${titleOf(scene)}: gates`, table("wide",
         [["Verdict", "Engine", "Number"].map((name) => colHead(name)), numHead("Value"),
           numHead("Limit"), colHead("Reason")],
         gatesOf(scene).map((gate) => el("tr", { class: gate.verdict === "fail" ? "failing" : null },
@@ -1494,9 +1507,9 @@
       el("label", {}, play, " play"), slider, el("span", { "aria-hidden": "true" }, "frame"))];
   }
 
-  function sequenceNumbers({ rows }) {
+  function sequenceNumbers({ scene, rows }) {
     const first = rows.find((row) => row.measurements.length > 0);
-    return scrolling("Flicker", table(null,
+    return scrolling(`Flicker of ${scene}`, table(null,
       [colHead("Measure"), rows.map((row) => numHead(row.preset))],
       first.measurements.map((measurement, m) => tr(
         rowHead(measurement.metric, small(maskName(measurement.mask))),

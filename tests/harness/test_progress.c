@@ -72,14 +72,4 @@ static void test_no_count_passes_its_total(void **state)
     assert_int_equal(total, 4 + 5 + 4);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing_is_known_before_the_first_step),
-        cmocka_unit_test(test_kinds_have_paces_of_their_own),
-        cmocka_unit_test(test_others_shorten_the_time),
-        cmocka_unit_test(test_no_count_passes_its_total),
-        cmocka_unit_test(test_steps_that_fall_away_are_not_waited_for),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"
