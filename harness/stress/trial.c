@@ -312,7 +312,8 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
     json_t *record = NULL;
     enum neph_status status = neph_take_key(take, key, diag);
     if (!status)
-        status = neph_evidence_key(key, trial->point->at->exposure_ev, trial->evidence_key, diag);
+        status = neph_evidence_key(key, neph_scene_display(trial->point->at)->exposure_ev,
+                                   trial->evidence_key, diag);
     if (!status)
         status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
     if (!status)
