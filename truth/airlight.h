@@ -5,8 +5,8 @@
  * d being the distance from the light. The peak of 1 / d^2, as sharp as the ray passes close to the
  * light, is taken out by the substitution t = foot + h tan(theta) (B. Sun, R. Ramamoorthi, S. G.
  * Narasimhan, S. K. Nayar, "A Practical Analytic Single Scattering Model for Real Time Rendering",
- * SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, draw distances by it): dt / d^2 = dtheta / h.
- * The new integrand is smooth between the edges of shadows, cones and media, which are cut at exactly.
+ * SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, draw distances by it): dt / d^2 = dtheta / h. The
+ * new integrand is smooth between the edges of shadows, cones and media, which are cut at exactly.
  */
 #ifndef NEPH_TRUTH_AIRLIGHT_H
 #define NEPH_TRUTH_AIRLIGHT_H

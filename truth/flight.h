@@ -53,8 +53,8 @@ struct neph_collision neph_flight_collide(const struct neph_flight *flight, int 
 
 /* Draw a collision by the light that comes from there, when `flight->lit.is_known`. `value`
  * receives the weight of the collision per channel: extinction by the medium times the
- * transmittance from the camera, divided by the probability density of this collision. Medium -1: nothing
- * would come. */
+ * transmittance from the camera, divided by the probability density of this collision. Medium -1:
+ * nothing would come. */
 struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
                                               struct neph_random *random, double value[3]);
 

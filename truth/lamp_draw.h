@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * How paths sample point lights, so that the variance stays finite. A light next to a collision
- * brings 1 / d^2. The square of that has no mean in space. So a place is drawn on each straight segment
- * of a path, and collisions themselves sample no light. Places are drawn by a mixture:
+ * brings 1 / d^2. The square of that has no mean in space. So a place is drawn on each straight
+ * segment of a path, and collisions themselves sample no light. Places are drawn by a mixture:
  *
  *   1 / d^2  (equiangular: C. Kulla, M. Fajardo, "Importance Sampling Techniques for Path Tracing
  *            in Participating Media", EGSR 2012), for light through clear air;

@@ -21,8 +21,8 @@
  *
  * The scene's switches: `none` and `single` know one event, the surface in view or (in `single`) a
  * medium; the sun, and with environment light the background, reach it unscattered. `multiple`
- * knows all. Emission of media (scenes/emission.h) is added at every collision, so that in `none` and
- * `single` it is seen and lights nothing.
+ * knows all. Emission of media (scenes/emission.h) is added at every collision, so that in `none`
+ * and `single` it is seen and lights nothing.
  *
  * Samples are independent, so that the variance of a pixel is unbiased: the sum of squared
  * deviations over n (n - 1).

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Colour. A path is made as light of one channel, chosen at random, meets the media. Its value in
- * channel j is f_j / mean_k p_k: f_j is the light of the path in channel j, p_k the probability that
- * channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so that
- * neither leaves the range of a double. In a grey scene all p are 1.
+ * channel j is f_j / mean_k p_k: f_j is the light of the path in channel j, p_k the probability
+ * that channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so
+ * that neither leaves the range of a double. In a grey scene all p are 1.
  */
 #include "truth/path.h"
 

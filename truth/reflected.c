@@ -335,7 +335,7 @@ struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
                                                                   part[NEPH_GLOSSY_INDIRECT])));
 }
 
-/* ---- scenes that can be rendered -------------------------------------------------------------------- */
+/* ---- scenes that can be rendered --------------------------------------------------------- */
 
 static const char *find_obstacle(const struct neph_scene *scene)
 {

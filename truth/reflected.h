@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light between solids in clear air, along single paths: light that the surface in view reflects, split
- * as screen-space methods and Cycles' passes part it. No clamp, roulette only at low throughput, so
- * that the mean of the samples is the truth.
+ * Light between solids in clear air, along single paths: light that the surface in view reflects,
+ * split as screen-space methods and Cycles' passes part it. No clamp, roulette only at low
+ * throughput, so that the mean of the samples is the truth.
  *
  * Sun and lights are points: a path looks for them at every surface. A mirror throws their light on
  * others, and no path finds that by chance. So a surface also looks for them in each face of the

@@ -447,7 +447,8 @@
     const lines = [...failedLines(failedGates(all)), ...[...brokenFrames(), ...unfitted()].map(
       ({ scene, frame }) => broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
     ...ungatedLines(ungated()), ...openLines(open), ...absentLines()];
-    return lines.length > 0 && section("troubles", "What failed, what no gate limits, what is missing",
+    return lines.length > 0 && section("troubles",
+      "What failed, what no gate limits, what is missing",
       listed(lines, LISTED, "The rest of the list", "small troubles"));
   }
 
@@ -518,7 +519,7 @@
     if (!frame) return cell("plain", el("span", { class: "soft" }, "not run"));
     if (frame.status !== "rendered") return cell("plain", word(STATUSES, frame.status));
     if (isTruth(scene, name)) return cell("plain", el("span", { class: "soft" }, "reference"));
-    if (!found) return cell("plain", absent());
+    if (!found) return cell("plain", notMeasured());
     const verdicts = gatesOf(scene).filter((gate) => gate.engine === name)
       .map((gate) => gate.verdict);
     return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
@@ -559,7 +560,7 @@
   /** Verdict, heat map, worst three and the chart share the first screen. */
   function front() {
     const [first] = report.charts ?? [];
-    if (scenes.length === 0) return first ? el("div", { class: "front" }, chartSection([first])) : null;
+    if (scenes.length === 0) return first && el("div", { class: "front" }, chartSection([first]));
     return el("div", { class: engines.length > MANY_ENGINES ? "front many" : "front" },
       el("section", { class: "heat-part", "aria-labelledby": "heat" },
         el("h2", { id: "heat" }, "Errors at a glance"), heatMap()),
@@ -639,11 +640,11 @@
       physics && physicsHelp(),
       (scenes.length > 0 || !physics) && sceneHelp(),
       entry("Difference maps", "Engine minus reference on a fixed scale, which stands below each "
-        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the lower "
-        + "end of the scale, yellow is above its upper end, magenta is not a number."),
-      entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all errors "
-        + "count. Bias is the difference of the means: errors of both signs cancel, so a bias near "
-        + "0 does not mean that an engine is right. The page ranks by RMSE."),
+        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the "
+        + "lower end of the scale, yellow is above its upper end, magenta is not a number."),
+      entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all "
+        + "errors count. Bias is the difference of the means: errors of both signs cancel, so a "
+        + "bias near 0 does not mean that an engine is right. The page ranks by RMSE."),
       entry("Times", "Warm frame: the wall time of one frame of an engine that is already running, "
         + "with its interval and how often it was rendered, as “neph benchmark” measures it. "
         + "Start-up stands in its own column. “Not measured”: there was no time to repeat it."),
@@ -1133,7 +1134,8 @@
         [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "± noise"),
           axisHead(), numHead("Wall time", "with start-up")],
         study.levels.map((level) => levelRow(level, level === chosen, study.tolerance)))),
-      el("p", { class: "note small soft" }, "Limit ", number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
+      el("p", { class: "note small soft" }, "Limit ",
+        number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
         " by order ", number(study, "order", { exact: true }),
         typeof study.observed_order === "number" ? [" (observed ", number(study, "observed_order"),
           ")"] : " (noise hides the observed one)",
@@ -1174,7 +1176,7 @@
     const engine = engineNamed(frame.engine);
     return tr(rowHead(frame.engine, small(frame.rung)),
       words(word(STATUSES, frame.status), frame.reused && " · taken from the store",
-        why(frame) && el("pre", { class: "log", id: ids.get(frame) }, why(frame)),
+        why(frame) && el("pre", { class: "log", id: ids.get(frame), tabindex: "0" }, why(frame)),
         frame.note && el("div", { class: "small" }, frame.note),
         frame.step_optical_depth > 1 && el("div", { class: "small" },
           bold("Steps too long: "), "one spans an optical depth of up to ",
@@ -1424,7 +1426,8 @@
               below()],
           el("figure", {}, map ? pixels(map,
               `${title}: signed difference of ${row.participant} from the truth`, size)
-            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth, radiance`,
+            : hole("no difference map"), el("figcaption", {},
+              `${row.participant} − truth, radiance`,
             map && differenceKey(view, "difference_scale", "W m⁻² sr⁻¹"))));
       }));
     return [
