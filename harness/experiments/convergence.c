@@ -50,15 +50,15 @@ static const struct neph_cli_operands operands = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
-    .doc =
-        "Render scenes from a cold start with presets of the real-time renderer, and say after how "
-        "many frames the error against the reference stays within a tenth of its final value.\v"
-        "The error is the relative RMSE of radiance against the march of the same frame, averaged "
-        "over 16 rays a pixel; the final error is the mean of the last quarter of the frames. What "
-        "is finished stays in DIR/store, and the same command goes on from there.\n\n"
-        "Examples:\n"
-        "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
-        "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
+    .doc = "Render scenes from a cold start with presets of the real-time renderer, and print "
+           "after how many frames the error against the reference stays within a tenth of its "
+           "final value.\vThe error is the relative RMSE of radiance against the ray marcher in "
+           "the same frame, averaged over 16 rays a pixel. The final error is the mean of the "
+           "last quarter of the frames. Finished frames stay in DIR/store, and the same command "
+           "continues from there.\n\n"
+           "Examples:\n"
+           "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
+           "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
 };
 
 /* Errors that the table shows, as far as there are so many frames. */
