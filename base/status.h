@@ -64,8 +64,8 @@ void neph_move_paths(struct neph_diag *diag, const char *from, const char *to);
 /* Add the position in the user's input to a diag that already holds a message. */
 void neph_locate(struct neph_diag *diag, const char *file, int line, int column);
 
-/* Write a diag as lines for a person: position, message, then the hint. `who` stands in place of the
- * position when there is none. Returns the length, as snprintf(). */
+/* Write a diag as lines for a person: position, message, then the hint. `who` stands in place of
+ * the position when there is none. Returns the length, as snprintf(). */
 int neph_diag_format(const struct neph_diag *diag, const char *who, char *text, size_t size);
 
 /* Shorthand for an allocation failure. */

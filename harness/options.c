@@ -50,6 +50,7 @@ static const struct neph_cli_option shared_options[] = {
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_cli_shared, jobs), .minimum = 1, .maximum = 256},
     {"json", 0, NULL, "Results as JSON on stdout", NEPH_CLI_FLAG,
      .at = offsetof(struct neph_cli_shared, json)},
+    {"junit", 0, "FILE", .help = "Results as JUnit XML"},
     {"layer", 0, "NAME",
      .help = "Radiance, depth and masks are the channels NAME.R and so on (Blender: "
              "ViewLayer.Combined)"},
@@ -60,6 +61,7 @@ static const struct neph_cli_option shared_options[] = {
     {"only", 0, "NAME[,NAME]", .help = "Only these parts"},
     {"output", 'o', "DIR", "Folder to write to", NEPH_CLI_OUTPUT,
      .at = offsetof(struct neph_cli_shared, output)},
+    {"page", 0, "DIR", .help = "An HTML page that opens from disk"},
     {"page-limit", 0, "MB", .help = "The most that the page may take"},
     {"ppd", 0, "N",
      .help =

@@ -43,8 +43,9 @@ void neph_progress_count(const struct neph_progress *progress, int *done, int *t
 {
     *done = *total = 0;
     for (int k = 0; k < NEPH_PROGRESS_KINDS; k++) {
-        *done += progress->kinds[k].done;
-        *total += progress->kinds[k].total;
+        const int done_of_kind = progress->kinds[k].done, total_of_kind = progress->kinds[k].total;
+        *done += done_of_kind;
+        *total += done_of_kind > total_of_kind ? done_of_kind : total_of_kind;
     }
 }
 

@@ -29,7 +29,7 @@ struct neph_shadow_space {
     double start_m;            /* no cloud lies farther from the sun */
     struct neph_shadow_level { /* texel i along a side lies at low_m + i texel_m */
         double texel_m[2], low_m[2];
-    } levels[NEPH_SHADOW_LEVELS_MAX]; /* each within the next; those not asked for are zeros */
+    } levels[NEPH_GPU_SHADOW_LEVELS_MAX]; /* each within the next; those not asked for are zeros */
 };
 
 /* For a scene with a sun and with shapes, at one moment. */
@@ -41,7 +41,7 @@ struct neph_cloud_shadow {
     struct neph_shadow_map map;
     size_t texel_values; /* 0: there is no map */
     struct neph_sun_fill fill;
-    struct neph_shadow_level levels[NEPH_SHADOW_LEVELS_MAX]; /* when it was filled last */
+    struct neph_shadow_level levels[NEPH_GPU_SHADOW_LEVELS_MAX]; /* when it was filled last */
 };
 
 /* An empty map for a march with these parameters; none when they want none, or there is no shape.

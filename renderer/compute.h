@@ -49,8 +49,8 @@ enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_
 /* On a CPU, let kernels see a NEPH_BUFFER_DEVICE buffer as texels of one, two and four words of 32
  * bits, too: lavapipe reads a word of a buffer in a loop over its lanes, with a test for each, and
  * such a texel in a few instructions for all. All descriptors of an array must have the array's
- * format, so kernels have an array of each (from NEPH_GPU_TEXELS_BINDING on), and a buffer all three
- * views: none stands in for another. On a GPU nothing is done.
+ * format, so kernels have an array of each (from NEPH_GPU_TEXELS_BINDING on), and a buffer all
+ * three views: none stands in for another. On a GPU nothing is done.
  * NEPH_ERR_UNSUPPORTED: it has more words than the device lets a kernel see. */
 enum neph_status neph_buffer_see_texels(const struct neph_vulkan *vulkan,
                                         struct neph_buffer *buffer, struct neph_diag *diag);

@@ -6,6 +6,7 @@
 #include "renderer/shader_code.h"
 #include "renderer/specialize.h"
 #include "renderer/spirv_loops.h"
+#include "renderer/spirv_split.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -144,6 +145,17 @@ static enum neph_status get_words(const struct neph_kernel *kernel, uint32_t **w
     return NEPH_OK;
 }
 
+/* Make of the words those that a layer can add checks to. */
+static enum neph_status split_loops(uint32_t **words, size_t *size_bytes, struct neph_diag *diag)
+{
+    uint32_t *split = NULL;
+    if (!neph_spirv_split_loops(*words, *size_bytes, &split, size_bytes))
+        return neph_fail_memory(diag);
+    free(*words);
+    *words = split;
+    return NEPH_OK;
+}
+
 /* lavapipe (Mesa 22.3.6) numbers its shaders without a lock. */
 static VkResult create_pipeline(struct neph_kernel *kernel, const VkComputePipelineCreateInfo *info)
 {
@@ -195,6 +207,12 @@ static void make(void *context)
         return;
     if (vulkan->messenger && vulkan->description.is_cpu)
         check_loops(vulkan, kernel->params.name, words, size_bytes);
+    if (vulkan->checks_shaders)
+        kernel->status = split_loops(&words, &size_bytes, &kernel->diag);
+    if (kernel->status) {
+        free(words);
+        return;
+    }
     const VkResult result = compile(kernel, words, size_bytes);
     free(words);
     if (result != VK_SUCCESS)

@@ -25,8 +25,8 @@ struct neph_kernel_params {
     int uniform_count; /* .. the first of them, which are uniform ones */
     int array_count;   /* more of them, an array at binding buffer_count; 0: none */
     int image_count;   /* textures, an array at NEPH_GPU_IMAGES_BINDING; 0: none */
-    /* A kernel of a CPU sees buffers from texels_first on as texels, too (neph_buffer_see_texels()):
-     * so many of them in the array of each format. */
+    /* On a CPU a kernel sees buffers from texels_first on as texels, too, so many of them in the
+     * array of each format (neph_buffer_see_texels()). */
     int texels_first, texels_count[NEPH_GPU_TEXEL_FORMATS];
     size_t push_size_bytes; /* push constants, from offset 0 */
     int constant_count;     /* specialization constants 0 .. count-1 */

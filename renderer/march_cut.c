@@ -3,6 +3,7 @@
 
 #include "base/interrupt.h"
 #include "renderer/octaves_fitted.h"
+#include "renderer/shortcuts.h"
 #include "renderer/sky/tables.h"
 #include "scenes/media.h"
 
@@ -84,13 +85,9 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
                             (float)params->picture_px[1];
     frame->steps = (uint32_t)params->steps;
     frame->sun_steps = (uint32_t)neph_march_sun_steps(scene, params);
-    frame->early_out = (float)params->shortcuts.early_out;
     frame->sun_first_part = (float)first_part(params->shortcuts.sun_growth, frame->sun_steps);
-    frame->sun_growth = (float)fmax(1.0, params->shortcuts.sun_growth);
-    frame->sun_cone = (float)params->shortcuts.sun_cone;
     frame->light_texel_px = (uint32_t)params->light.texel_px;
-    frame->step_growth = (float)params->shortcuts.step_growth;
-    frame->depth_growth = (float)params->shortcuts.depth_growth;
+    neph_shortcuts_set_frame(&params->shortcuts, frame);
     for (uint32_t m = 0; m < frame->medium_count && params->lighting == NEPH_MARCH_SIMILARITY; m++)
         fit_similar(&frame->media[m]);
 }
@@ -188,19 +185,6 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                     1;
 }
 
-/* `SHORTCUTS` of shaders/shortcuts.glsl, and veils. */
-static uint32_t shortcut_bits(const struct neph_march_params *params)
-{
-    const struct neph_shortcuts *shortcuts = &params->shortcuts;
-    return (shortcuts->sun_cache ? 1u : 0u) | (shortcuts->skip ? 2u : 0u) |
-           (shortcuts->sun_growth > 1.0 || shortcuts->sun_cone > 0.0 ? 256u : 0u) |
-           (shortcuts->sun_cone > 0.0 ? 512u : 0u) | (shortcuts->early_out > 0.0 ? 4u : 0u) |
-           (shortcuts->step_growth > 1.0 ? 8u : 0u) | (shortcuts->grid_texture ? 16u : 0u) |
-           (shortcuts->cloud_shadow ? 32u : 0u) | (params->sky.is_on ? 64u : 0u) |
-           (neph_march_sky_lights(params) ? 128u : 0u) | (params->fog.is_look ? 1024u : 0u) |
-           (shortcuts->depth_growth > 0.0 ? 8192u : 0u);
-}
-
 /* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. */
 static bool is_sunlit_texture(const struct neph_gpu_scene *gpu,
                               const struct neph_march_params *params)
@@ -218,7 +202,10 @@ void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_ma
     constants[2] = params->transmittance;
     constants[3] = params->sun;
     constants[4] = params->lighting;
-    constants[5] = shortcut_bits(params) | (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
+    constants[5] = neph_shortcuts_bits(&params->shortcuts) | (params->sky.is_on ? 64u : 0u) |
+                   (neph_march_sky_lights(params) ? 128u : 0u) |
+                   (params->fog.is_look ? 1024u : 0u) |
+                   (is_sunlit_texture(gpu, params) ? 2048u : 0u) |
                    (gpu->frame->octave_count > NEPH_GPU_KEPT_PHASES ? 4096u : 0u) |
                    (uint32_t)lamp_parts(gpu, params, gpu->frame->lamp_count,
                                         gpu->frame->solid_count, gpu->frame->medium_count)

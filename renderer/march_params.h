@@ -52,66 +52,10 @@ enum neph_shadow_plane {
     NEPH_SHADOW_PLANE_COUNT,
 };
 
-/* A shadow map of clouds, for struct neph_shortcuts alone. */
-struct neph_shadow_map {
-    int texels; /* along each side: NEPH_SHADOW_TEXELS_MIN.._MAX */
-    int layers; /* depths in a texel, 1..NEPH_SHADOW_LAYERS_MAX; 1: linear from front to back */
-    int levels; /* maps, each four times as wide as the one before: 1..NEPH_SHADOW_LEVELS_MAX */
-    double extent_m; /* side of the widest, around the camera; 0: all clouds */
-    enum neph_shadow_plane plane;
-    int frames; /* pictures that it takes to fill it anew: 0..NEPH_SUN_CACHE_FRAMES_MAX */
-};
+#include "settings/march_shortcuts.h" /* struct neph_shortcuts */
 
-#define NEPH_SHADOW_TEXELS_MIN 16
-#define NEPH_SHADOW_TEXELS_MAX 4096
-#define NEPH_SHADOW_LAYERS_MAX 64
-#define NEPH_SHADOW_LEVELS_MAX NEPH_GPU_SHADOW_LEVELS_MAX
-#define NEPH_SHADOW_EXTENT_MAX_M 1e9
-
-/* Shortcuts through media, for speed. Zero: none, and the march keeps its bits. */
-struct neph_shortcuts {
-    /* Optical depth of shapes (all media but fogs) towards the sun from a lattice over their
-     * bounds, in place of a ray for each sample; of solids, and of fogs, it stays as it is. */
-    bool sun_cache;
-    int sun_cache_voxels; /* its nodes along the longest side, NEPH_SUN_CACHE_VOXELS_* */
-    /* Pictures that it takes to fill it anew when sun or shapes have moved, up to
-     * NEPH_SUN_CACHE_FRAMES_MAX; 0 and 1: all of it is, for each picture. */
-    int sun_cache_frames;
-    /* No density is evaluated in cells whose majorant is 0; same bits, fewer evaluations. */
-    bool skip;
-    /* A view ray ends where its transmittance is below this, 0..1; 0: never. What lies behind is
-     * at most this times the brightest of it. A transmittance in closed form stays whole. */
-    double early_out;
-    /* Each view step is so many times as long as the one before; 0 and 1: all are equal. Else at
-     * least NEPH_STEP_GROWTH_LEAST: nearer to 1 the shader's geometric sums cancel. */
-    double step_growth;
-    /* Behind an optical depth D as many view steps are one as are whole in 1 + this * D, up to
-     * NEPH_GPU_SPAN_MAX; 0: each is by itself. */
-    double depth_growth;
-    /* Each step of a marched sun ray is so many times as long as the one before, from the sample
-     * on; 0 and 1: all are equal. And they lie within a cone around it: the tangent of its half
-     * angle; 0: on the ray. */
-    double sun_growth, sun_cone;
-    /* Sums over steps sample voxel grids by the texture unit: its weights have few bits. Closed
-     * forms and traced paths read the voxels themselves. */
-    bool grid_texture;
-    enum neph_texel_format grid_format;
-    /* Sunlight on solids, and on samples of media that are in no cloud, has come through the clouds
-     * of a map, in place of a ray for each. */
-    bool cloud_shadow;
-    struct neph_shadow_map shadow;
-};
-
-#define NEPH_SUN_CACHE_VOXELS_MIN 8
-#define NEPH_SUN_CACHE_VOXELS_MAX 512
-#define NEPH_SUN_CACHE_FRAMES_MAX 256
+/* Nearer to 1 than this the shader's geometric sums cancel. */
 #define NEPH_STEP_GROWTH_LEAST 1.001
-#define NEPH_STEP_GROWTH_MAX 2.0
-#define NEPH_DEPTH_GROWTH_MAX 16.0
-
-#define NEPH_SUN_GROWTH_MAX 4.0
-#define NEPH_SUN_CONE_MAX 1.0
-
 /* The last step is at most so many times as long as the first. */
 #define NEPH_STEP_GROWTH_WHOLE_MAX 1e6
 

@@ -19,6 +19,9 @@ A table of such a file is a setting. Its keys:
                march_settings.toml: of struct neph_march_params. A list: a number is in each of
                them; of a choice each is a bool, the first true from the second word on
     type       march_settings.toml: the C type of that field
+    bit        march_settings.toml: of a shortcut, in the specialization constant SHORTCUTS, set
+               where it is on, or above its least value: NEPH_SHORTCUT_<NAME>. A number with a bit
+               is a member of the uniform Frame, too
     engines    march_settings.toml: tables that have it, of "march", "traced", "diffused" and
                "realtime"; without it those of all marches, and realtime if it has a number
     help       one line, with the unit
@@ -29,7 +32,7 @@ import sys
 import textwrap
 import tomllib
 
-KEYS = {"number", "kind", "choices", "constants", "default", "range", "id", "field", "type",
+KEYS = {"number", "kind", "choices", "constants", "default", "range", "id", "field", "type", "bit",
         "engines", "help"}
 LONGEST_OTHER = 64  # options of a table that is no file settings.toml, at most
 MARCHES = ("march", "traced", "diffused")
@@ -194,13 +197,12 @@ def names(settings):
     return "\n".join(lines + ["#endif", ""])
 
 
-def fields_of(folder, settings):
+def members(rows):
+    """Of a C struct: (setting, name of the member) with the help as its comment."""
     lines = []
-    for setting in settings:
-        if setting.folder == folder:
-            comment = textwrap.wrap(setting.help, 88)
-            lines += ["    /* " + "\n     * ".join(comment) + " */"]
-            lines += [f"    {setting.c_type()} {setting.fields[0]};"]
+    for setting, name in rows:
+        comment = textwrap.wrap(setting.help, 88)
+        lines += ["    /* " + "\n     * ".join(comment) + " */", f"    {setting.c_type()} {name};"]
     return lines
 
 
@@ -212,7 +214,8 @@ def header(settings):
              "#ifndef NEPH_GENERATED_REALTIME_SETTINGS_H",
              "#define NEPH_GENERATED_REALTIME_SETTINGS_H", "", "#include <stdbool.h>", ""]
     for folder in folders:
-        lines += [f"struct neph_rt_{folder}_settings {{", *fields_of(folder, rows), "};", ""]
+        lines += [f"struct neph_rt_{folder}_settings {{",
+                  *members((s, s.fields[0]) for s in rows if s.folder == folder), "};", ""]
     lines += ["/* By the folder of a pass; `shared`: that several passes read. Those of the march",
               " * are read into struct neph_march_params. */", "struct neph_rt_settings {"]
     lines += [f"    struct neph_rt_{folder}_settings {folder};" for folder in folders]
@@ -277,6 +280,79 @@ def march_table(settings):
     return "\n".join(lines) + "\n" + text
 
 
+def shortcuts(settings):
+    """(setting, member of struct neph_shortcuts), of a struct within it as "shadow.texels"."""
+    return [(s, field.removeprefix("shortcuts.")) for s in settings for field in s.fields
+            if field.startswith("shortcuts.")]
+
+
+def shortcut_structs(settings):
+    """For C: the shortcuts of a march."""
+    rows = shortcuts(settings)
+    inner = [(s, name.removeprefix("shadow.")) for s, name in rows if name.startswith("shadow.")]
+    outer = [(s, name) for s, name in rows if "." not in name]
+    lines = ["/* By renderer/settings.py of renderer/march_settings.toml. */",
+             "#ifndef NEPH_GENERATED_MARCH_SHORTCUTS_H", "#define NEPH_GENERATED_MARCH_SHORTCUTS_H",
+             "", "/* A shadow map of clouds. */", "struct neph_shadow_map {", *members(inner),
+             "};", "",
+             "/* Shortcuts through media, for speed. Zero: none, and the march keeps its bits. */",
+             "struct neph_shortcuts {", *members(outer), "    struct neph_shadow_map shadow;", "};"]
+    return "\n".join(lines + ["", "#endif", ""])
+
+
+def shortcut_bits(settings):
+    """For GLSL and C."""
+    lines = ["// By renderer/settings.py of renderer/march_settings.toml."]
+    lines += [f"#define NEPH_SHORTCUT_{s.name.upper()} {1 << s.table['bit']}u"
+              for s in settings if "bit" in s.table]
+    return "\n".join(lines + [""])
+
+
+def shortcut_numbers(settings):
+    return [(s, name) for s, name in shortcuts(settings) if s.kind == "real" and "bit" in s.table]
+
+
+def frame_members(settings):
+    """For the uniform Frame of GLSL: the numbers of shortcuts."""
+    lines = ["// By renderer/settings.py of renderer/march_settings.toml."]
+    return "\n".join(lines + [f"float {name};" for _, name in shortcut_numbers(settings)] + [""])
+
+
+def shortcut_code(settings):
+    """For C: the bits of shortcuts, their numbers in a frame, and their ranges. A number is 0 where
+    it is not given, as are those of a switch that is off."""
+    switches = {s.name: name for s, name in shortcuts(settings) if s.choices and "bit" in s.table}
+    lines = ["/* By renderer/settings.py of renderer/march_settings.toml. */",
+             "uint32_t neph_shortcuts_bits(const struct neph_shortcuts *shortcuts)", "{",
+             "    uint32_t bits = 0u;"]
+    for setting, name in shortcuts(settings):
+        if "bit" in setting.table:
+            least = f" > {setting.table['range'][0]}.0" if setting.kind == "real" else ""
+            lines.append(f"    bits |= shortcuts->{name}{least} ? "
+                         f"NEPH_SHORTCUT_{setting.name.upper()} : 0u;")
+    lines += ["    return bits;", "}", "",
+              "void neph_shortcuts_set_frame(const struct neph_shortcuts *shortcuts,",
+              "                              struct neph_gpu_frame *frame)", "{"]
+    lines += [f"    frame->{name} = (float)fmax({setting.table['range'][0]}, shortcuts->{name});"
+              for setting, name in shortcut_numbers(settings)]
+    lines += ["}", "",
+              "static enum neph_status check_ranges(const struct neph_shortcuts *shortcuts,",
+              "                                     struct neph_diag *diag)", "{",
+              "    enum neph_status status = NEPH_OK;"]
+    for setting, name in shortcuts(settings):
+        if setting.kind in ("whole", "real"):
+            word = "cloud_shadow" if name.startswith("shadow.") else setting.name
+            switch = next((f" && shortcuts->{field}" for of, field in switches.items()
+                           if (word + "_").startswith(of + "_")), "")
+            is_given = "" if switch and "engines" not in setting.table else \
+                f" && shortcuts->{name} != 0"
+            least, most = setting.table["range"]
+            lines += [f"    if (!status{switch}{is_given})",
+                      f'        status = check_range("{setting.name}", shortcuts->{name}, {least}, '
+                      f"{most}, diag);"]
+    return "\n".join(lines + ["    return status;", "}", ""])
+
+
 def digits(settings):
     """GLSL: constants of eight hexadecimal digits, and the one that has the digit of a number."""
     count = constant_count(settings)
@@ -335,7 +411,11 @@ def main():
     for name, text in (("capacity.h", capacity), ("realtime_names.h", names),
                        ("realtime_digits.glsl", digits),
                        ("realtime_settings.h", header), ("realtime_table.inc", realtime_table),
-                       ("realtime_march.inc", realtime_march), ("march_table.inc", march_table)):
+                       ("realtime_march.inc", realtime_march), ("march_table.inc", march_table),
+                       ("march_shortcuts.h", shortcut_structs),
+                       ("march_shortcut_bits.h", shortcut_bits),
+                       ("march_frame.glsl", frame_members),
+                       ("march_shortcuts.inc", shortcut_code)):
         write(folder / name, text(settings))
 
 

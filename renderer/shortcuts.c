@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/shortcuts.h"
 
+#include "settings/march_shortcut_bits.h"
+#include "shaders/structs.h"
+
 #include <math.h>
-#include <stddef.h>
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
@@ -19,6 +21,8 @@ static enum neph_status check_range(const char *name, double value, double least
     return neph_fail(diag, NEPH_ERR_USAGE, "march: %s is %g, outside %g..%g", name, value, least,
                      most);
 }
+
+#include "settings/march_shortcuts.inc"
 
 static enum neph_status check_growth(const char *name, double growth, int steps,
                                      struct neph_diag *diag)
@@ -75,53 +79,15 @@ static enum neph_status check_texture(const struct neph_march_params *params,
                      "texture; set transmittance=marched, sun=marched, or both");
 }
 
-static enum neph_status check_shadow(const struct neph_shadow_map *map, struct neph_diag *diag)
-{
-    const struct {
-        const char *name;
-        double value, least, most;
-    } ranges[] = {
-        {"cloud_shadow_texels", map->texels, NEPH_SHADOW_TEXELS_MIN, NEPH_SHADOW_TEXELS_MAX},
-        {"cloud_shadow_layers", map->layers, 1, NEPH_SHADOW_LAYERS_MAX},
-        {"cloud_shadow_levels", map->levels, 1, NEPH_SHADOW_LEVELS_MAX},
-        {"cloud_shadow_extent_m", map->extent_m, 0, NEPH_SHADOW_EXTENT_MAX_M},
-        {"cloud_shadow_frames", map->frames, 0, NEPH_SUN_CACHE_FRAMES_MAX},
-    };
-    enum neph_status status = NEPH_OK;
-    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]) && !status; i++)
-        status = check_range(ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most,
-                             diag);
-    return status;
-}
-
 enum neph_status neph_shortcuts_check(const struct neph_march_params *params,
                                       struct neph_diag *diag)
 {
     const struct neph_shortcuts *shortcuts = &params->shortcuts;
-    enum neph_status status = check_range("early_out", shortcuts->early_out, 0.0, 1.0, diag);
-    if (!status)
-        status = check_range("step_growth", fmax(1.0, shortcuts->step_growth), 1.0,
-                             NEPH_STEP_GROWTH_MAX, diag);
+    enum neph_status status = check_ranges(shortcuts, diag);
     if (!status)
         status = check_growth("step_growth", shortcuts->step_growth, params->steps, diag);
     if (!status)
-        status = check_range("depth_growth", shortcuts->depth_growth, 0.0, NEPH_DEPTH_GROWTH_MAX,
-                             diag);
-    if (!status)
-        status = check_range("sun_growth", fmax(1.0, shortcuts->sun_growth), 1.0,
-                             NEPH_SUN_GROWTH_MAX, diag);
-    if (!status)
         status = check_growth("sun_growth", shortcuts->sun_growth, params->sun_steps, diag);
-    if (!status)
-        status = check_range("sun_cone", shortcuts->sun_cone, 0.0, NEPH_SUN_CONE_MAX, diag);
-    if (!status && shortcuts->sun_cache)
-        status = check_range("sun_cache_voxels", shortcuts->sun_cache_voxels,
-                             NEPH_SUN_CACHE_VOXELS_MIN, NEPH_SUN_CACHE_VOXELS_MAX, diag);
-    if (!status && shortcuts->sun_cache)
-        status = check_range("sun_cache_frames", shortcuts->sun_cache_frames, 0,
-                             NEPH_SUN_CACHE_FRAMES_MAX, diag);
-    if (!status && shortcuts->cloud_shadow)
-        status = check_shadow(&shortcuts->shadow, diag);
     if (!status)
         status = check_texture(params, diag);
     return status ? status : check_lighting(params, diag);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A SPIR-V module in memory, for renderer/spirv_loops.h: where its values and blocks are. Words and
- * numbers are those of the SPIR-V specification 1.6, chapters 2 and 3.
+ * A SPIR-V module in memory, for renderer/spirv_loops.h and spirv_split.h: where its values and
+ * blocks are. Words and numbers are those of the SPIR-V specification 1.6, chapters 2 and 3.
  */
 #ifndef NEPH_RENDERER_SPIRV_H
 #define NEPH_RENDERER_SPIRV_H

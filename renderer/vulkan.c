@@ -322,6 +322,7 @@ enum neph_status neph_vulkan_create(const struct neph_vulkan_params *params,
     pthread_mutex_init(&created->pipeline_lock, NULL);
 
     struct neph_device_facts facts;
+    created->checks_shaders = params->validation == NEPH_VALIDATION_SHADERS;
     enum neph_status status = create_instance(created, params->validation, diag);
     if (!status)
         status = choose_device(created, params->device, &facts, diag);

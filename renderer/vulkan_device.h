@@ -45,6 +45,7 @@ struct neph_vulkan {
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
     PFN_vkSetDebugUtilsObjectNameEXT set_object_name; /* NULL without validation */
     VkDebugUtilsMessengerEXT messenger;
+    bool checks_shaders;
     atomic_int message_count; /* kernels are made on several threads */
     char first_message[900];
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/fields.h"
 
+#include "base/text.h"
 #include "scenes/errors.h"
 #include "scenes/spelling.h"
 
@@ -95,22 +96,29 @@ enum neph_status neph_refuse(const struct neph_reader *reader, const char *path,
     neph_fail(reader->diag, NEPH_ERR_INPUT, "%s%s%s", whole, *whole ? ": " : "", message);
     neph_document_locate(reader->document, neph_document_find(reader->document, whole),
                          reader->diag);
-    neph_errors_attribute(reader->errors, whole);
+    if (reader->errors)
+        neph_errors_attribute(reader->errors, whole);
     return NEPH_ERR_INPUT;
 }
 
 enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
                            enum neph_status next)
 {
-    if (next)
+    if (next && reader->errors)
         neph_errors_keep(reader->errors, next, reader->path);
     return first ? first : next;
 }
 
 bool neph_is_sound(const struct neph_reader *reader, const char *keys)
 {
-    return !neph_errors_are_full(reader->errors) &&
+    return reader->errors && !neph_errors_are_full(reader->errors) &&
            !neph_errors_concern(reader->errors, reader->path, keys);
+}
+
+/* Whether reading goes on after `status`: without a list of errors it ends with the first. */
+static bool goes_on(const struct neph_reader *reader, enum neph_status status)
+{
+    return reader->errors ? !neph_errors_are_full(reader->errors) : !status;
 }
 
 /* The message is in place; add where, and the note if there is no better hint. */
@@ -323,7 +331,7 @@ static enum neph_status read_numbers(struct neph_reader *reader, const yaml_node
                                      const struct neph_field *field, int count, double *numbers)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
+    for (int i = 0; i < count && goes_on(reader, status); i++) {
         const size_t before = enter_item(reader, i);
         const yaml_node_t *item = item_of(reader, node, i);
         status = neph_also(reader, status, read_number(reader, item, field, true, &numbers[i]));
@@ -353,7 +361,7 @@ static enum neph_status read_entries(struct neph_reader *reader, const yaml_node
                                      const struct neph_record *record, int count, char *entries)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
+    for (int i = 0; i < count && goes_on(reader, status); i++) {
         const size_t before = enter_item(reader, i);
         char *entry = entries + (size_t)i * record->size;
         status = neph_also(reader, status,
@@ -491,7 +499,8 @@ static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_no
     neph_field_describe(field, expected, sizeof(expected));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
               expected);
-    neph_errors_attribute(reader->errors, reader->path);
+    if (reader->errors)
+        neph_errors_attribute(reader->errors, reader->path);
     leave(reader, before);
     return refuse(reader, mapping, field);
 }
@@ -549,9 +558,9 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
     neph_fields_default(fields, target);
     enum neph_status status = NEPH_OK;
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-         pair < node->data.mapping.pairs.top && !neph_errors_are_full(reader->errors); pair++)
+         pair < node->data.mapping.pairs.top && goes_on(reader, status); pair++)
         status = neph_also(reader, status, read_pair(reader, node, pair, fields, target));
-    for (int i = 0; fields[i].key && !neph_errors_are_full(reader->errors); i++)
+    for (int i = 0; fields[i].key && goes_on(reader, status); i++)
         if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key) &&
             !is_misspelled(reader, node, fields, &fields[i]))
             status = neph_also(reader, status, refuse_missing(reader, node, &fields[i]));
@@ -602,4 +611,29 @@ void neph_fields_default(const struct neph_field *fields, void *target)
 {
     for (; fields->key; fields++)
         set_default(fields, target);
+}
+
+/* --- Checks --- */
+
+bool neph_is_identifier(const char *text)
+{
+    return strspn(text, NEPH_NAME_CHARACTERS) == strlen(text);
+}
+
+/* Shorter directions are refused: their normalised form would be noise. */
+#define DIRECTION_MIN 1e-9
+
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction)
+{
+    return neph_vec3_length(direction) < DIRECTION_MIN
+               ? neph_refuse(reader, path, "a direction of length 0; give one such as [0, 1, 0]")
+               : NEPH_OK;
+}
+
+bool neph_has_control(const char *text, const char *except)
+{
+    const size_t length = strlen(text);
+    const bool has_line = strchr(text, '\n') && !strchr(except, '\n');
+    return has_line || strchr(text, '\t') || neph_text_first_unfit(text, length) < length;
 }

@@ -9,6 +9,7 @@
 #define NEPH_SCENES_FIELDS_H
 
 #include "base/arena.h"
+#include "base/vec3.h"
 #include "scenes/document.h"
 
 #include <stdbool.h>
@@ -38,7 +39,8 @@ enum neph_field_type {
 /* What of a row goes into the scene's hash: a line with its name and value (scenes/hash_text.h). */
 enum neph_hashing {
     NEPH_HASHED,
-    NEPH_HASHED_IF_SET,    /* where it is not 0: hashes from before the key was there stay */
+    NEPH_HASHED_IF_SET,    /* where it, or a row of its record, is not 0: hashes from before stay */
+    NEPH_HASHED_AS_THREE,  /* a number, on one line with the two of the next rows */
     NEPH_HASHED_WITH_LAST, /* where the row before it is */
     NEPH_HASHED_AS_MADE,   /* not as it is written: the hash has the things that it is made into */
     NEPH_NOT_HASHED,       /* no rendered value depends on it */
@@ -78,15 +80,16 @@ struct neph_field {
 
 struct neph_reader {
     struct neph_document *document;
-    struct neph_arena *arena; /* of texts and lists */
-    struct neph_diag *diag;   /* of the error that is being reported */
-    struct neph_errors *errors;
+    struct neph_arena *arena;   /* of texts and lists */
+    struct neph_diag *diag;     /* of the error that is being reported */
+    struct neph_errors *errors; /* all of them; NULL: reading ends with the first, in the diag */
     char path[NEPH_FIELD_PATH_MAX]; /* of what is being read: "media[0].homogeneous" */
 };
 
 /* The mapping into `target`, which is 0 or was read before: every key known and given once, every
  * value of its type and in its range, what must be there is there, the rest has its default. All
- * errors of the mapping are kept in the reader; the status is that of the first. */
+ * errors of the mapping are kept in the reader, if it has a list; the status is that of the first.
+ */
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
 
@@ -115,8 +118,9 @@ bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mappin
 enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
                              ...) __attribute__((format(printf, 3, 4)));
 
-/* Keep the error of a check in the reader and go on with the next check. `next` is the status of the
- * check that just ran, `first` that of the checks before it. Returns the first that is an error. */
+/* Keep the error of a check in the reader and go on with the next check. `next` is the status of
+ * the check that just ran, `first` that of the checks before it. Returns the first that is an
+ * error. */
 enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
                            enum neph_status next);
 
@@ -129,6 +133,18 @@ struct neph_path {
     char text[NEPH_FIELD_PATH_MAX];
 };
 struct neph_path neph_at(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Whether a text is of these characters alone. Names of scenes are so long at most. */
+#define NEPH_NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyz0123456789_"
+#define NEPH_NAME_MAX_BYTES 64
+bool neph_is_identifier(const char *text);
+
+/* Whether a text has control characters, but for those of `except`, or bytes that are no UTF-8. */
+bool neph_has_control(const char *text, const char *except);
+
+/* A direction has a length. */
+enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
+                                      struct neph_vec3 direction);
 
 /* The lines of a scene's hash, see scenes/hash_text.h: of every row that does not say otherwise. */
 void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text);

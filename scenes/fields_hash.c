@@ -7,7 +7,7 @@
 
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
-_Static_assert(NEPH_HASHING_COUNT == 5, "a new kind");
+_Static_assert(NEPH_HASHING_COUNT == 6, "a new kind");
 
 static void hash_record(const struct neph_record *record, const void *value, FILE *text)
 {
@@ -69,11 +69,17 @@ static void hash_value(const struct neph_field *field, const void *target, FILE 
     }
 }
 
-/* Whether a number, three of them, or a flag is not 0. */
+/* Whether a number, three of them, a flag, or any of these in a record is not 0. */
 static bool is_set(const struct neph_field *field, const void *target)
 {
     const void *value = (const char *)target + field->at;
     const struct neph_vec3 *three = value;
+    if (field->type == NEPH_RECORD) {
+        const struct neph_field *row = field->record->fields;
+        while (row->key && !is_set(row, value))
+            row++;
+        return row->key;
+    }
     if (field->type == NEPH_FLAG)
         return *(const bool *)value;
     if (field->type == NEPH_WHOLE || field->type == NEPH_WORD)
@@ -83,9 +89,20 @@ static bool is_set(const struct neph_field *field, const void *target)
     return *(const double *)value != 0.0;
 }
 
+static double number_at(const struct neph_field *field, const void *target)
+{
+    return *(const double *)(const void *)((const char *)target + field->at);
+}
+
 void neph_fields_hash(const struct neph_field *fields, const void *target, FILE *text)
 {
     for (bool is_hashed = false; fields->key; fields++) {
+        if (fields->hashing == NEPH_HASHED_AS_THREE) {
+            neph_put_three(text, fields->hash_name, number_at(fields, target),
+                           number_at(fields + 1, target), number_at(fields + 2, target));
+            fields += 2;
+            continue;
+        }
         if (fields->hashing != NEPH_HASHED_WITH_LAST)
             is_hashed = fields->hashing == NEPH_HASHED ||
                         (fields->hashing == NEPH_HASHED_IF_SET && is_set(fields, target));

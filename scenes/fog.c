@@ -6,7 +6,6 @@
  * phi(x) = (1-e^-x)/x for the rest has neither: the exponential is the largest one needed and phi
  * lies in (0, 1].
  */
-#include "scenes/hash_text.h"
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
 
@@ -189,8 +188,8 @@ static enum neph_status finish_homogeneous(struct neph_reader *reader, const yam
 }
 
 static const struct neph_field layer_fields[] = {
-    {"extinction_per_m", NEPH_NUMBER, LAYER(extinction_per_m), "1/m", 0, 1e4,
-     .note = "at height_m"},
+    {"extinction_per_m", NEPH_NUMBER, LAYER(extinction_per_m), "1/m", 0, 1e4, .note = "at height_m",
+     .hashing = NEPH_HASHED_AS_THREE, .hash_name = "layer"},
     {"falloff_per_m", NEPH_NUMBER, LAYER(falloff_per_m), "1/m", 0, 10,
      .note = "a fog that grows denser with height is not modelled"},
     {"height_m", NEPH_NUMBER, LAYER(height_m), "m", -1e5, 1e5,
@@ -267,8 +266,7 @@ static enum neph_status finish_height_fog(struct neph_reader *reader, const yaml
 static void hash(const struct neph_medium *medium, FILE *text)
 {
     for (int i = 0; i < medium->layer_count; i++)
-        neph_put_three(text, "layer", medium->layers[i].extinction_per_m,
-                       medium->layers[i].falloff_per_m, medium->layers[i].height_m);
+        neph_fields_hash(layer_fields, &medium->layers[i], text);
 }
 
 const struct neph_medium_row neph_medium_homogeneous = {

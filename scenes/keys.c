@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "scenes/keys.h"
 
+#include <math.h>
+
 static double frame_of(const void *keys, size_t size, int index)
 {
     return *(const double *)((const char *)keys + (size_t)index * size);
@@ -28,4 +30,29 @@ struct neph_span neph_span_at(const void *keys, size_t size, int count, double f
 struct neph_vec3 neph_mix(struct neph_vec3 a, struct neph_vec3 b, double part)
 {
     return neph_vec3_add(neph_vec3_scale(a, 1.0 - part), neph_vec3_scale(b, part));
+}
+
+/* The keys' frame of a picture where they go on unevenly; before the first picture evenly. */
+static double advanced(const struct neph_scene *scene, double frame)
+{
+    double round = 0.0, sum = 0.0;
+    if (frame <= 0.0)
+        return frame;
+    for (int i = 0; i < scene->advance_count; i++)
+        round += scene->advances[i];
+    const double whole = floor(frame / scene->advance_count);
+    double rest = frame - whole * scene->advance_count;
+    for (int i = 0; rest > 0.0; i++, rest -= 1.0)
+        sum += fmin(rest, 1.0) * scene->advances[i];
+    return whole * round + sum;
+}
+
+double neph_scene_time_frame(const struct neph_scene *scene, double frame)
+{
+    if (scene->advance_count > 0)
+        return advanced(scene, frame);
+    for (int i = 0; i < scene->pause_count; i++)
+        if (frame > scene->pauses[i].frame)
+            frame = fmax(scene->pauses[i].frame, frame - scene->pauses[i].count);
+    return frame;
 }

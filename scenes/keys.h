@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Between the keys of a scene: of its camera, sun, wind and solids. Private to scenes/.
+ * The keys of a scene, of its camera, sun, wind and solids: which frame of them a picture shows,
+ * and what is between them.
  */
 #ifndef NEPH_SCENES_KEYS_H
 #define NEPH_SCENES_KEYS_H
 
-#include "base/vec3.h"
+#include "scenes/scene.h"
 
 #include <stddef.h>
+
+/* The frame of the keys that a picture shows. With a pause of 60 at frame 10, pictures 10 to 70
+ * show frame 10 and picture 71 shows frame 11. */
+double neph_scene_time_frame(const struct neph_scene *scene, double frame);
 
 /* The keys around a frame, and how far it is from the one to the other: 0..1. */
 struct neph_span {
@@ -21,5 +26,8 @@ struct neph_span neph_span_at(const void *keys, size_t size, int count, double f
 
 /* From a (part 0) to b (part 1). */
 struct neph_vec3 neph_mix(struct neph_vec3 a, struct neph_vec3 b, double part);
+
+/* Position and target of the camera at a frame of the keys. */
+struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
 #endif

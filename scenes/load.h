@@ -5,8 +5,10 @@
 #ifndef NEPH_SCENES_LOAD_H
 #define NEPH_SCENES_LOAD_H
 
+#include "scenes/display.h"
 #include "scenes/failing.h"
 #include "scenes/fields.h"
+#include "scenes/gates.h"
 #include "scenes/injection.h"
 #include "scenes/scene.h"
 
@@ -18,6 +20,8 @@ struct neph_written_scene {
     struct neph_wind_key wind;
     int solid_count;
     struct neph_written_solid *solids; /* fences are one */
+    struct neph_gates gates;
+    struct neph_scene_display display;
     struct neph_failing failing;
     struct neph_injections injections;
     const char *old_description;   /* by the key's older name */
@@ -30,6 +34,9 @@ extern const struct neph_field neph_scene_fields[];
 /* Read in place, into a struct neph_written_scene. */
 extern const struct neph_record neph_camera_record, neph_frames_record, neph_sun_record,
     neph_wind_record;
+
+/* Into a struct neph_gate, and a struct neph_scene_display. */
+extern const struct neph_record neph_gate_record, neph_display_record;
 
 /* Into a struct neph_failing. */
 extern const struct neph_record neph_failing_record;
@@ -53,14 +60,15 @@ enum neph_status neph_failing_put_point(struct neph_document *document,
                                         const struct neph_failing *failing, int point,
                                         struct neph_diag *diag);
 
-/* Whether a text is of a-z, 0-9 and _ alone. */
-bool neph_is_identifier(const char *text);
-
 /* Entries of lists. */
 extern const struct neph_record neph_solid_record, neph_medium_record, neph_light_record;
 
 /* Once all is read, whatever its order: the sun of frame 0. */
 void neph_finish_sun(struct neph_written_scene *written);
+
+/* The chain of frames, from the folder of the scene on; gates, by written->check. */
+enum neph_status neph_finish_chain(struct neph_reader *reader, struct neph_written_scene *written);
+enum neph_status neph_finish_gates(struct neph_reader *reader, struct neph_written_scene *written);
 
 /* Fences become their bars, and what moves has its mover. */
 enum neph_status neph_finish_solids(struct neph_reader *reader, struct neph_written_scene *written);
@@ -80,19 +88,8 @@ enum neph_status neph_check_wind(const struct neph_reader *reader, const struct 
 
 #define NEPH_KEY_FRAME_MAX 1e5
 
-/* A direction has a length. */
-enum neph_status neph_check_direction(const struct neph_reader *reader, const char *path,
-                                      struct neph_vec3 direction);
-
-/* The camera at a frame of the keys: outside solids, and looking somewhere. */
-enum neph_status neph_check_view(const struct neph_reader *reader, const struct neph_scene *scene,
-                                 double frame);
-
 /* Rows of a struct neph_camera_key. */
 extern const struct neph_field neph_camera_key_fields[];
-
-/* Position and target at a frame of the keys. */
-struct neph_camera_key neph_camera_key_at(const struct neph_scene *scene, double key_frame);
 
 /* The forms of all kinds of media, as neph_fields_print(). */
 void neph_forms_print(FILE *file);

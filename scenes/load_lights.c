@@ -2,7 +2,6 @@
  *
  * An entry of `lights`.
  */
-#include "scenes/hash_text.h"
 #include "scenes/load.h"
 #include "scenes/solids.h"
 
@@ -11,63 +10,49 @@
 
 #define LIGHT(member) offsetof(struct neph_light, member)
 
-/* A cone as it is written. */
-struct cone {
-    struct neph_vec3 axis;
-    double inner_deg, outer_deg;
-};
-
 static const struct neph_field cone_fields[] = {
-    {"axis", NEPH_THREE, offsetof(struct cone, axis), "", -1e6, 1e6,
+    {"axis", NEPH_THREE, LIGHT(axis), "", -1e6, 1e6,
      .note = "from the light; its length does not matter"},
-    {"inner_deg", NEPH_NUMBER, offsetof(struct cone, inner_deg), "degrees", 0, 179,
-     .note = "from the axis; in full up to here"},
-    {"outer_deg", NEPH_NUMBER, offsetof(struct cone, outer_deg), "degrees", 0.1, 179.9,
-     .note = "nothing from here on; smoothstep of the cosine between"},
+    {"inner_deg", NEPH_NUMBER, LIGHT(inner_cosine), "degrees", 0, 179,
+     .note = "from the axis; in full up to here", .hash_name = "inner_cosine"},
+    {"outer_deg", NEPH_NUMBER, LIGHT(outer_cosine), "degrees", 0.1, 179.9,
+     .note = "nothing from here on; smoothstep of the cosine between", .hash_name = "outer_cosine"},
     {0},
 };
 
+/* As written, and then as struct neph_light has them. */
 static enum neph_status read_cone(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_record *record, void *target)
 {
     struct neph_light *light = target;
-    struct cone cone = {.axis = {0, 0, 0}};
-    const enum neph_status status = neph_read_fields(reader, node, record->fields, &cone);
+    const enum neph_status status = neph_read_fields(reader, node, record->fields, target);
+    const double inner_deg = light->inner_cosine, outer_deg = light->outer_cosine;
     if (status)
         return status;
-    if (!(neph_vec3_length(cone.axis) > 1e-9))
+    if (!(neph_vec3_length(light->axis) > 1e-9))
         return neph_refuse(reader, "axis", "an axis has a length; this one is 0");
     /* Steeper, single precision would not know the edge from a step. */
-    if (!(cone.outer_deg >= cone.inner_deg + 0.1))
+    if (!(outer_deg >= inner_deg + 0.1))
         return neph_refuse(reader, "outer_deg",
-                           "%g degrees must be inner_deg, %g, plus 0.1 or more", cone.outer_deg,
-                           cone.inner_deg);
+                           "%g degrees must be inner_deg, %g, plus 0.1 or more", outer_deg,
+                           inner_deg);
     light->is_spot = true;
-    light->axis = neph_vec3_normalize(cone.axis);
-    light->inner_cosine = cos(cone.inner_deg * NEPH_RAD_PER_DEG);
-    light->outer_cosine = cos(cone.outer_deg * NEPH_RAD_PER_DEG);
+    light->axis = neph_vec3_normalize(light->axis);
+    light->inner_cosine = cos(inner_deg * NEPH_RAD_PER_DEG);
+    light->outer_cosine = cos(outer_deg * NEPH_RAD_PER_DEG);
     return NEPH_OK;
 }
 
-static void hash_cone(const void *target, FILE *text)
-{
-    const struct neph_light *light = target;
-    if (!light->is_spot)
-        return;
-    neph_put_vec3(text, "axis", light->axis);
-    neph_put_number(text, "inner_cosine", light->inner_cosine);
-    neph_put_number(text, "outer_cosine", light->outer_cosine);
-}
-
 static const struct neph_record cone_record = {
-    .size = sizeof(struct neph_light), .fields = cone_fields, .read = read_cone, .hash = hash_cone};
+    .size = sizeof(struct neph_light), .fields = cone_fields, .read = read_cone};
 
 static const struct neph_field light_fields[] = {
     {"position_m", NEPH_THREE, LIGHT(position_m), "m", -NEPH_FAR_M, NEPH_FAR_M,
      .note = "of a point: lights have no size", .hash_name = "light_position_m"},
     {"intensity_w_per_sr", NEPH_THREE, LIGHT(intensity_w_per_sr), "W/sr", 0, 1e9,
      .note = "the same into all directions, or within the inner angle"},
-    {"cone", NEPH_RECORD, .record = &cone_record, .standard = "all around"},
+    {"cone", NEPH_RECORD, .record = &cone_record, .standard = "all around",
+     .hashing = NEPH_HASHED_IF_SET},
     {0},
 };
 

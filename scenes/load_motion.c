@@ -217,6 +217,53 @@ const struct neph_record neph_wind_record = {
 
 /* --- In the finished scene --- */
 
+/* A camera nearer to its target than this has no direction of view worth the name. */
+#define VIEW_DISTANCE_MIN_M 1e-3
+/* Sine of the smallest angle between the view and `up`: below it the picture could turn by any
+ * angle with the last bits of the input. */
+#define VIEW_SINE_MIN 1e-6
+
+/* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
+static struct neph_path camera_path(const struct neph_reader *reader,
+                                    const struct neph_scene *scene, double frame, const char *key)
+{
+    if (neph_document_find(reader->document, "camera.keys")->type != YAML_SEQUENCE_NODE)
+        return neph_at("camera.%s", key);
+    int index = 0;
+    while (index + 1 < scene->camera_key_count && scene->camera_keys[index + 1].frame <= frame)
+        index++;
+    return neph_at("camera.keys[%d].%s", index, key);
+}
+
+/* The camera at a frame of the keys: outside solids, and looking somewhere. */
+static enum neph_status check_view(const struct neph_reader *reader, const struct neph_scene *scene,
+                                   double frame)
+{
+    const struct neph_camera_key key = neph_camera_key_at(scene, frame);
+    const struct neph_vec3 view = neph_vec3_sub(key.look_at_m, key.position_m);
+    const double distance_m = neph_vec3_length(view);
+    if (distance_m < VIEW_DISTANCE_MIN_M)
+        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
+                           "at frame %g the camera is %g m from the point it looks at; at least %g "
+                           "m are needed",
+                           frame, distance_m, VIEW_DISTANCE_MIN_M);
+    const double sine = neph_vec3_length(neph_vec3_cross(view, scene->camera_up)) / distance_m;
+    if (sine < VIEW_SINE_MIN)
+        return neph_refuse(reader, camera_path(reader, scene, frame, "look_at_m").text,
+                           "at frame %g the camera looks along its up direction; turn the view or "
+                           "give another camera.up",
+                           frame);
+    for (int i = 0; i < scene->solid_count; i++) {
+        const struct neph_solid solid = neph_scene_solid_at(scene, i, frame);
+        if (neph_solid_contains(&solid, key.position_m))
+            return neph_refuse(reader, camera_path(reader, scene, frame, "position_m").text,
+                               "at frame %g the camera is inside a solid (number %d of the %d in "
+                               "the scene, bars counted)",
+                               frame, i + 1, scene->solid_count);
+    }
+    return NEPH_OK;
+}
+
 /* The wind must have something to move, and must leave it where renderers can still see it. */
 enum neph_status neph_check_wind(const struct neph_reader *reader, const struct neph_scene *scene)
 {
@@ -248,8 +295,8 @@ enum neph_status neph_check_views(const struct neph_reader *reader, const struct
         return neph_refuse(reader, "frames.advance",
                            "give either advance, which may be 0, or pauses");
     for (int i = 0; i < scene->camera_key_count && !status; i++)
-        status = neph_check_view(reader, scene, scene->camera_keys[i].frame);
+        status = check_view(reader, scene, scene->camera_keys[i].frame);
     for (int frame = 0; frame < scene->frame_count && !status; frame++)
-        status = neph_check_view(reader, scene, neph_scene_time_frame(scene, frame));
+        status = check_view(reader, scene, neph_scene_time_frame(scene, frame));
     return status;
 }

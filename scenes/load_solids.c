@@ -60,15 +60,7 @@ static const struct neph_field texture_fields[] = {
     {"seed", NEPH_WHOLE, TEXTURE(seed), "", 0, 1e9, .note = "of noise", .standard = "0"},
     {0},
 };
-/* Hashes from before there were textures stay. */
-static void hash_texture(const void *target, FILE *text)
-{
-    const struct neph_solid *solid = target;
-    if (neph_is_textured(&solid->surface))
-        neph_fields_hash(texture_fields, solid, text);
-}
-
-static const struct neph_record texture_record = {.fields = texture_fields, .hash = hash_texture};
+static const struct neph_record texture_record = {.fields = texture_fields};
 
 #define SURFACE                                                                                    \
     {"albedo", NEPH_THREE, SOLID(albedo), "", 0, 1, .note = albedo_note},                          \
@@ -140,7 +132,7 @@ static const struct neph_field box_fields[] = {
      .note = "the upper corner", .hash_name = "box_max_m"},
     SURFACE,
     {"texture", NEPH_RECORD, .record = &texture_record, .standard = "",
-     .note = "on its faces, see Surfaces"},
+     .note = "on its faces, see Surfaces", .hashing = NEPH_HASHED_IF_SET},
     MOTION,
     {0},
 };

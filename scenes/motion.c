@@ -2,8 +2,6 @@
 #include "scenes/motion.h"
 
 #include "scenes/injection.h"
-#include "scenes/keys.h"
-#include "scenes/load.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
@@ -34,31 +32,6 @@ static struct neph_vec3 slerp(struct neph_vec3 a, struct neph_vec3 b, double par
 }
 
 /* --- pictures and keys ----------------------------------------------------------------------- */
-
-/* The keys' frame of a picture where they go on unevenly; before the first picture evenly. */
-static double advanced(const struct neph_scene *scene, double frame)
-{
-    double round = 0.0, sum = 0.0;
-    if (frame <= 0.0)
-        return frame;
-    for (int i = 0; i < scene->advance_count; i++)
-        round += scene->advances[i];
-    const double whole = floor(frame / scene->advance_count);
-    double rest = frame - whole * scene->advance_count;
-    for (int i = 0; rest > 0.0; i++, rest -= 1.0)
-        sum += fmin(rest, 1.0) * scene->advances[i];
-    return whole * round + sum;
-}
-
-double neph_scene_time_frame(const struct neph_scene *scene, double frame)
-{
-    if (scene->advance_count > 0)
-        return advanced(scene, frame);
-    for (int i = 0; i < scene->pause_count; i++)
-        if (frame > scene->pauses[i].frame)
-            frame = fmax(scene->pauses[i].frame, frame - scene->pauses[i].count);
-    return frame;
-}
 
 void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *width_px,
                            int *height_px)

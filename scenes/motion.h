@@ -8,11 +8,8 @@
 #ifndef NEPH_SCENES_MOTION_H
 #define NEPH_SCENES_MOTION_H
 
+#include "scenes/keys.h"
 #include "scenes/scene.h"
-
-/* The frame of the keys that a picture shows. With a pause of 60 at frame 10, pictures 10 to 70
- * show frame 10 and picture 71 shows frame 11. */
-double neph_scene_time_frame(const struct neph_scene *scene, double frame);
 
 /* Whether the camera jumps between two pictures, in either order: a key with `cut` lies after the
  * earlier and not after the later. */

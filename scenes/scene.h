@@ -242,27 +242,11 @@ struct neph_pixel_ray {
     struct neph_vec3 origin_m, direction;
 };
 
-enum neph_gate_quantity {
-    NEPH_QUANTITY_RADIANCE,
-    NEPH_QUANTITY_TRANSMITTANCE,
-    NEPH_QUANTITY_DEPTH,
-    NEPH_QUANTITY_COUNT,
-};
-
-/* A pass/fail limit that comes from physics, written in the scene file with its reason. */
-struct neph_gate {
-    const char *engine;
-    enum neph_gate_quantity quantity;
-    const char *metric; /* a name of the metrics module, such as "rel_bias" */
-    const char *mask;   /* "all", "sky", "medium", "depth_edge" */
-    double maximum;     /* |value| <= maximum passes */
-    const char *reason;
-    int line; /* in the scene file */
-};
-
 /* What others keep beside a scene, from its file. */
-struct neph_failing;    /* stress tests: scenes/failing.h */
-struct neph_injections; /* the real-time renderer: scenes/injection.h */
+struct neph_gates;         /* limits of engines: scenes/gates.h */
+struct neph_scene_display; /* exposure: scenes/display.h */
+struct neph_failing;       /* stress tests: scenes/failing.h */
+struct neph_injections;    /* the real-time renderer: scenes/injection.h */
 
 struct neph_scene {
     struct neph_arena arena; /* has what follows, but for grids and horizons */
@@ -312,20 +296,17 @@ struct neph_scene {
     struct neph_medium media[NEPH_SCENE_MEDIA_MAX];
     struct neph_fog_look fog_look; /* of the height fog among them; physics does not look at it */
 
-    double exposure_ev; /* display = radiance * 2^ev; frozen for all pictures of the scene */
-    const char
-        *chain; /* the file of the picture chain, which its pictures are shown by; NULL: none */
-    int gate_count;
-    struct neph_gate *gates;
-    /* Both are NULL in a scene that was built in memory. */
+    /* All are NULL in a scene that was built in memory. */
+    const struct neph_gates *gates;           /* ask neph_scene_gates() */
+    const struct neph_scene_display *display; /* ask neph_scene_display() */
     const struct neph_failing *failing;
     const struct neph_injections *injections; /* ask neph_scene_injections() */
     bool borrows;     /* made by neph_scene_at() or neph_scene_variant(): all pointers belong to the
                      scene it came from */
     bool is_as_filed; /* of one that borrows: media, solids and scattering are those of its file */
 
-    /* BLAKE2b of everything above that changes a rendered value (not names, gates, failures,
-     * injections, exposure, chain). */
+    /* BLAKE2b of everything above that changes a rendered value (not names, gates, display,
+     * failures, injections). */
     char hash[NEPH_HASH_HEX_SIZE];
 };
 
@@ -351,8 +332,8 @@ enum neph_status neph_scene_load_point(const struct neph_scene *scene, int point
 /* All keys of a scene file, as a table of Markdown: what scenes/README.md holds. */
 void neph_scene_print_keys(FILE *file);
 
-/* The name that the scene in this file must have: "folder/name.yaml" -> "name". That of a .vdb is in
- * lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". For the caller to
+/* The name that the scene in this file must have: "folder/name.yaml" -> "name". That of a .vdb is
+ * in lower case, with _ in place of other characters: "Cloud-1.vdb" -> "cloud_1". For the caller to
  * free; NULL when memory is short. */
 char *neph_scene_name_of(const char *path);
 
@@ -387,6 +368,5 @@ bool neph_camera_find_pixel(const struct neph_camera *camera, int width_px, int 
                             struct neph_vec3 point_m, struct neph_point_in_frame *found);
 
 const char *neph_scattering_name(enum neph_scattering scattering);
-const char *neph_gate_quantity_name(enum neph_gate_quantity quantity);
 
 #endif

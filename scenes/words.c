@@ -2,6 +2,7 @@
 #include "scenes/words.h"
 
 #include "scenes/failing.h"
+#include "scenes/gates.h"
 #include "scenes/injection.h"
 #include "scenes/scene.h"
 

@@ -12,6 +12,7 @@
 #include "harness/run/benchmark_answer.h"
 #include "renderer/shortcuts.h"
 #include "scenes/bake.h"
+#include "scenes/display.h"
 #include "scenes/horizon.h"
 #include "scenes/media.h"
 
@@ -264,7 +265,7 @@ static bool any_has_presets(const struct both *both)
 static enum neph_status find_chain(const struct request *request, struct neph_diag *diag)
 {
     struct both *both = request->both;
-    const char *path = request->chain ? request->chain : request->scene->chain;
+    const char *path = request->chain ? request->chain : neph_scene_display(request->scene)->chain;
     if (!path || strcmp(path, "off") == 0 || (both->frames.engine_count == 0 && !request->chain))
         return NEPH_OK;
     if (both->frames.engine_count == 0)

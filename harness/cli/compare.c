@@ -13,7 +13,6 @@
 #include "harness/compare/comparison.h"
 #include "harness/compare/limits.h"
 #include "harness/compare/verdict.h"
-#include "harness/old_options.h"
 #include "metrics/extractors/extractors.h"
 
 #include <math.h>
@@ -95,12 +94,12 @@ static const struct neph_cli_option options[] = {
     {.name = "json", .group = WRITING},
     {"csv", 0, "FILE", "Results as CSV; '-': on stdout, in place of the table", NEPH_CLI_FILE,
      AT(csv), .group = WRITING},
-    {"junit", 0, "FILE", "JUnit XML: a test case for each limit", NEPH_CLI_FILE, AT(junit),
+    {"junit", 0, NULL, "JUnit XML: a test case for each limit", NEPH_CLI_FILE, AT(junit),
      .group = WRITING},
     {"maps", 0, "DIR",
      "Maps as EXR, and as PNG on a fixed scale: DIR/MAP_QUANTITY[_FRAME].exr and .png",
      NEPH_CLI_OUTPUT, AT(maps), .group = WRITING},
-    {"page", 0, "DIR", "An HTML page with charts over time, maps, the worst frames and all numbers",
+    {"page", 0, NULL, "An HTML page with charts over time, maps, the worst frames and all numbers",
      NEPH_CLI_OUTPUT, AT(page), .group = WRITING},
     {"quiet", 'q', NULL, "No progress, and of the answer only its first line", NEPH_CLI_FLAG,
      .at = offsetof(struct request, shared) + offsetof(struct neph_cli_shared, quiet),

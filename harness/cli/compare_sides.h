@@ -29,17 +29,18 @@ struct neph_sides {
     const char *test_name, *other_name; /* by what their paths differ in: "after", "before" */
 };
 
-/* Of `-r REFERENCE A B`, and of `flicker A B` without a reference, A is the other test: before and
- * after. Two operands that a shell made of one pattern are one test. `warm_up_frames`: left
- * out at the start. NEPH_ERR_USAGE: the words do not say what to compare, or give another
- * test twice; NEPH_ERR_INPUT: both tests are not of as many frames, or of other numbers; errors of
+/* Find the sequences. With two operands behind `-r REFERENCE`, and with two of `flicker` without a
+ * reference, the first one is the other test: before and after. Files that a shell made of one
+ * pattern are one test. The still frame in the place of a reference is the first one behind the
+ * warm-up. NEPH_ERR_USAGE: the words do not say what to compare, or give another test twice;
+ * NEPH_ERR_INPUT: both tests are not of as many frames, or of other numbers; errors of
  * neph_sequence_find() and neph_sequence_split(). */
 enum neph_status neph_sides_find(const struct neph_side_words *words, int warm_up_frames,
                                  struct neph_sides *sides, struct neph_diag *diag);
 
-/* Refuse before any work what would end it later: frames of several sizes, and tests of which one is
- * linear data and one a picture. `comparison` has the reference and the test. NEPH_ERR_INPUT; errors
- * of neph_frame_read(). */
+/* Refuse before any work what would end it later: frames of several sizes, and tests of which one
+ * is linear data and one a picture. `comparison` has the reference and the test. NEPH_ERR_INPUT;
+ * errors of neph_frame_read(). */
 enum neph_status neph_sides_check(const struct neph_sides *sides,
                                   const struct neph_comparison *comparison, struct neph_diag *diag);
 

@@ -28,7 +28,7 @@ struct request {
     struct neph_cli_words slurm;
     double minutes;
     int against, seed;
-    bool lists, once, reports;
+    bool lists, once, reports, only_engine;
 };
 
 static const struct neph_cli_option options[] = {
@@ -60,6 +60,9 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, lists)},
     {"engine", 0, NULL, "Further engines for the catalogue, such as command", NEPH_CLI_NAMES,
      .at = offsetof(struct request, engines)},
+    {"only-engine", 0, NULL,
+     "Only scenes of the catalogue; beside the engines of -e render only the reference of each",
+     NEPH_CLI_FLAG, .at = offsetof(struct request, only_engine)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine in the catalogue, as if it were the default"},
@@ -77,6 +80,8 @@ static void check(const void *given, const struct argp_state *state)
         argp_error(state, "--executor %s: local or slurm", request->executor);
     if (request->slurm.count > 0 && strcmp(request->executor, "slurm") != 0)
         argp_error(state, "--slurm wants --executor slurm");
+    if (request->only_engine && request->engines.count == 0)
+        argp_error(state, "--only-engine needs -e, which names the engines that it is about");
     if (request->step && request->reports)
         argp_error(state, "--step and --report are two jobs");
 }
@@ -254,6 +259,7 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
                                                 .seed = request.seed > 0 ? request.seed : 1,
                                                 .engines = request.engines.words,
                                                 .engine_count = request.engines.count,
+                                                .only_engines = request.only_engine,
                                                 .settings = shared->settings.list,
                                                 .setting_count = shared->settings.count,
                                                 .width_px = shared->size.width_px,

@@ -6,6 +6,7 @@
 #include "harness/cli/cli.h"
 #include "harness/engines/frame_stats.h"
 #include "harness/engines/vulkan_device.h"
+#include "scenes/display.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -32,7 +33,7 @@ enum neph_status neph_shown_open(struct neph_shown *shown, const char *chain,
                                  struct neph_diag *diag)
 {
     const struct neph_scene *scene = shot->scene;
-    const char *path = chain ? chain : scene->chain;
+    const char *path = chain ? chain : neph_scene_display(scene)->chain;
     if (!path || (chain && strcmp(chain, "off") == 0))
         return NEPH_OK;
     shown->is_on = true;

@@ -9,6 +9,7 @@
 #include "harness/engines/engines.h"
 #include "scenes/failing.h"
 #include "scenes/fog_translation.h"
+#include "scenes/gates.h"
 #include "scenes/media.h"
 #include "scenes/variant.h"
 #include "scenes/volume_scene.h"
@@ -344,9 +345,9 @@ static json_t *scene_json(const struct neph_scene *scene)
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "name",
                      scene->name, "title", scene->title, "physics", scene->description, "hash",
                      scene->hash, "scattering", neph_scattering_name(scene->scattering), "frames",
-                     scene->frame_count, "solids", scene->solid_count, "gates", scene->gate_count,
-                     "layers", layers, "fog", fog_json(scene), "failure",
-                     failing_json(scene->failing), "engines", engines);
+                     scene->frame_count, "solids", scene->solid_count, "gates",
+                     neph_scene_gates(scene)->count, "layers", layers, "fog", fog_json(scene),
+                     "failure", failing_json(scene->failing), "engines", engines);
 }
 
 static void print_failing(const struct neph_failing *failing)

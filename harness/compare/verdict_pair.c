@@ -18,7 +18,7 @@ static const double level = 0.05;
 enum { FRAMES_MIN = 6 * NEPH_MOVEMENT_CYCLE };
 
 static const char too_few[] = "p-values of flicker need 24 frames after the warm-up";
-static const char in_time[] = "over time the frames as a whole do not say so";
+static const char opposite[] = "over time the frames as a whole say the opposite";
 
 /* ---- over time ------------------------------------------------------------------------------- */
 
@@ -96,7 +96,7 @@ struct neph_judged_difference neph_judge_difference(const struct neph_difference
     if (!time || (agrees && time->p < level))
         judged.word = find_word(difference);
     else
-        judged.because = frame_count < FRAMES_MIN ? too_few : in_time;
+        judged.because = frame_count < FRAMES_MIN ? too_few : agrees ? NULL : opposite;
     return judged;
 }
 

@@ -48,7 +48,8 @@ void neph_differences_finish(struct neph_differences *differences);
 
 /* From the numbers of two runs of neph_comparison_run() with the same frames, all or some, with
  * their draws: a difference for each number that both have of each of several frames, and then one
- * for each number of the whole sequence, such as flicker, or of the only frame: there interval and p are from paired draws of tiles, and there is no p_sign (metrics/series.h). */
+ * for each number of the whole sequence, such as flicker, or of the only frame: there interval and
+ * p are from paired draws of tiles, and there is no p_sign (metrics/series.h). */
 enum neph_status neph_versus(const struct neph_measurements *first,
                              const struct neph_measurements *second,
                              struct neph_differences *differences, struct neph_diag *diag);

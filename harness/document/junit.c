@@ -13,6 +13,8 @@ _Static_assert(NEPH_JUNIT_RESULT_COUNT == 3, "a new kind");
 struct neph_junit_case {
     const char *group, *name, *message; /* of the arena */
     enum neph_junit_result result;
+    const char *file; /* of the arena; NULL: none */
+    int line;
 };
 
 /* NULL: the case passed and has no element. */
@@ -42,8 +44,18 @@ void neph_junit_add(struct neph_junit *junit, const char *group, const char *nam
     if (!cases)
         return;
     junit->cases = cases;
-    cases[junit->count++] = (struct neph_junit_case){
-        clean_copy(arena, group), clean_copy(arena, name), clean_copy(arena, message), result};
+    cases[junit->count++] = (struct neph_junit_case){.group = clean_copy(arena, group),
+                                                     .name = clean_copy(arena, name),
+                                                     .message = clean_copy(arena, message),
+                                                     .result = result};
+}
+
+void neph_junit_locate(struct neph_junit *junit, const char *file, int line)
+{
+    if (junit->count == 0 || !file || file[0] == '/')
+        return;
+    junit->cases[junit->count - 1].file = clean_copy(&junit->arena, file);
+    junit->cases[junit->count - 1].line = line;
 }
 
 static int count_results(const struct neph_junit *junit, enum neph_junit_result result)
@@ -77,6 +89,10 @@ static void print_case(const struct neph_junit_case *item, FILE *out)
     fputs("  <testcase", out);
     print_attribute("classname", item->group, out);
     print_attribute("name", item->name, out);
+    if (item->file) {
+        print_attribute("file", item->file, out);
+        fprintf(out, " line=\"%d\"", item->line);
+    }
     fputc('>', out);
     if (element) {
         fprintf(out, "<%s", element);

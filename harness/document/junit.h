@@ -32,6 +32,10 @@ struct neph_junit {
 void neph_junit_add(struct neph_junit *junit, const char *group, const char *name,
                     enum neph_junit_result result, const char *message);
 
+/* The last case is about this line of this file. CI systems show it there if the path is relative
+ * to the repository; an absolute path is left out. */
+void neph_junit_locate(struct neph_junit *junit, const char *file, int line);
+
 /* Write the file. NEPH_ERR_MEMORY: memory was short, here or in neph_junit_add(); errors of
  * neph_file_write(). */
 enum neph_status neph_junit_write(const struct neph_junit *junit, const char *path,

@@ -25,6 +25,7 @@
 #include "harness/engines/povray_run.h"
 #include "harness/engines/povray_solids.h"
 #include "harness/engines/trial.h"
+#include "scenes/display.h"
 #include "scenes/media.h"
 #include "scenes/solids.h"
 #include "scenes/surfaces.h"
@@ -536,7 +537,7 @@ static enum neph_status export_scene(const struct neph_shot *shot, const char *d
 {
     struct neph_povray_session session;
     struct neph_povray_pass beauty = {.kind = NEPH_POVRAY_BEAUTY,
-                                      .gain = exp2(shot->scene->exposure_ev)};
+                                      .gain = exp2(neph_scene_display(shot->scene)->exposure_ev)};
     char *path = neph_path_join(directory, "scene.pov");
     enum neph_status status = start(shot, NULL, directory, &session, diag);
     if (!status)

@@ -17,7 +17,7 @@ struct chosen_scenes {
     struct neph_scene_plan plans[TIER_SCENES_MAX];
 };
 
-/* Of the tier; a size or engines that the user names are those of all scenes. */
+/* The scenes of a tier. A size or engines that the user names are those of all scenes. */
 static void choose_planned(const struct neph_validate_request *request,
                            const struct neph_validate_tier *tier, struct chosen_scenes *chosen,
                            struct neph_validate_params *params)

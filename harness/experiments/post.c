@@ -266,6 +266,9 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
     enum neph_status status = neph_experiment_job(study->run, scene, &frames, &study->info,
                                                   &take.job, diag);
     study->progress.kind = KIND_REFERENCE;
+    if (!status) /* a step of this kind was expected of each scene */
+        neph_progress_expect(&study->progress, KIND_REFERENCE,
+                             neph_reference_picture_count(scene, 0, take.frame_count) - 1, 0.0);
     if (!status)
         status = neph_reference_make(&take.job, take.frame_count, study->run->store,
                                      &study->progress, &reference, diag);

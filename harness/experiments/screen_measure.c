@@ -5,6 +5,7 @@
 #include "harness/run/flight.h"
 #include "harness/run/seed.h"
 #include "metrics/display.h"
+#include "scenes/display.h"
 #include "scenes/motion.h"
 
 #include <math.h>
@@ -281,7 +282,8 @@ static enum neph_status show(const struct neph_scene *scene, const struct neph_i
                                   : neph_fail(diag, NEPH_ERR_INTERNAL, "a truth without radiance");
     const float *const constant[3] = {planes[0], planes[1], planes[2]};
     if (!status)
-        status = neph_display_encode(constant, count, scene->exposure_ev, rgb, diag);
+        status = neph_display_encode(constant, count, neph_scene_display(scene)->exposure_ev, rgb,
+                                     diag);
     for (size_t p = 0; p < count && !status; p++)
         grey[p] = (uint8_t)(80 + (2 * rgb[3 * p] + 5 * rgb[3 * p + 1] + rgb[3 * p + 2]) / 16);
     free(rgb);

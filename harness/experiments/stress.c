@@ -63,6 +63,16 @@ static enum neph_status judge(const struct neph_stress_suite *suite, struct neph
     return NEPH_ERR_GATE;
 }
 
+static enum neph_status write_junit(const struct neph_stress_suite *suite, const char *path,
+                                    struct neph_diag *diag)
+{
+    struct neph_junit junit = {.name = "neph validate --suite stress"};
+    neph_stress_junit(suite, &junit);
+    const enum neph_status status = neph_junit_write(&junit, path, diag);
+    neph_junit_finish(&junit);
+    return status;
+}
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -89,6 +99,8 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
     enum neph_status status = neph_stress_run(&params, run->store, &suite, diag);
     if (status == NEPH_ERR_INTERRUPTED)
         fprintf(stderr, "report so far: %s/index.html\n", request->page_folder);
+    if (!status && request->junit)
+        status = write_junit(&suite, request->junit, diag);
     if (!status && text)
         status = neph_stress_print(&suite, text, diag);
     if (!status) {

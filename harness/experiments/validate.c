@@ -16,10 +16,10 @@
 
 /* A cloud is by the engines of all orders of scattering, of which those that take steps through it
  * leave out its transmittance, which Cycles needs most of its time for. */
-static const char *const cloud_engines[] = {
-    "tracer", "march_octaves", "march_octaves_fitted", "march_traced", "realtime", "cycles", NULL};
+static const char *const cloud_engines[] = {"tracer",   "march_octaves", "march_octaves_fitted",
+                                            "realtime", "cycles",        NULL};
 static const char *const cloud_settings[] = {"tracer:samples=128", "realtime:lighting=traced",
-                                             "cycles:samples=16", "cycles:step=0.25", NULL};
+                                             "cycles:samples=12", "cycles:step=0.25", NULL};
 static const char *const cloud_light_only[] = {"cycles", NULL};
 
 static const char *const fog_engines[] = {"exact",  "tracer", "march", "realtime",
@@ -35,8 +35,8 @@ static const struct neph_scene_plan quick_scenes[] = {
     {.name = NULL},
 };
 static const char *const quick_engines[] = {
-    "exact",        "tracer",   "march",  "march_octaves", "march_octaves_fitted",
-    "march_traced", "realtime", "cycles", "povray",        NULL};
+    "exact",  "tracer", "march", "march_octaves", "march_octaves_fitted", "realtime",
+    "cycles", "povray", NULL};
 static const char *const quick_charts[] = {"slab", NULL};
 
 enum { QUICK, FULL, TIER_COUNT };
@@ -46,7 +46,7 @@ static const struct neph_validate_tier tiers[TIER_COUNT] = {
                .engines = quick_engines,
                .width_px = 320,
                .height_px = 180,
-               .budget_s = 30.0,
+               .budget_s = 60.0,
                .charts = quick_charts,
                .chart_repeats = 3,
                .with_times = true},
@@ -120,12 +120,16 @@ static const struct neph_cli_option options[] = {
      .maximum = 1000000},
     {"engine", 0, NULL, "Only these engines (default: all)", NEPH_CLI_NAMES,
      .at = offsetof(struct neph_validate_request, engines)},
+    {"only-engine", 0, NULL,
+     "Beside the engines of -e render only the reference of each scene: exact where it can, else "
+     "surfaces or tracer",
+     NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, only_engine)},
     {.name = "set",
      .argument = "ENGINE:KEY=VALUE",
      .help = "A setting of an engine, in scenes and not in charts; may be given several times"},
     {.name = "size",
-     .help = "Size in pixels (default: 192x108; quick: 320x180 of a cloud and of shafts, 96x54 of "
-             "a fog and a slab)"},
+     .help = "Size in pixels (default: 192x108; quick: 320x180, its fog and its slab "
+             "96x54)"},
     {"seed", 0, NULL, "Of scenes: the S-th seed of engines that draw paths (default: 1)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, seed), .minimum = 1,
      .maximum = 1000000},
@@ -135,11 +139,16 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, no_charts)},
     {"budget", 0, "S",
      "Seconds that Blender or POV-Ray may take for one picture; what needs more gets fewer "
-     "samples, or is reported as not fitting (default: 300; quick: 30)",
+     "samples, or is reported as not fitting (default: 300; quick: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
     {.name = "blender"},
     {.name = "json", .help = "The whole document as JSON on stdout"},
+    {"junit", 0, "FILE",
+     "JUnit XML: a test case for each frame and gate, each row of the physics suite, or each "
+     "number "
+     "of the stress tests",
+     NEPH_CLI_FILE, .at = offsetof(struct neph_validate_request, junit)},
     {.name = "quiet"},
     {.name = NULL},
 };
@@ -207,6 +216,11 @@ static void check(const void *request_, const struct argp_state *state)
         argp_error(state, "there is no suite '%s'; there are catalog, physics and stress",
                    request->suite);
     check_stress(request, state);
+    if (request->only_engine && request->engines.count == 0)
+        argp_error(state, "--only-engine needs -e, which names the engines that it is about");
+    if (request->only_engine && (is_physics(request) || is_stress(request)))
+        argp_error(state, "--only-engine is of scenes: the suites render the engines of -e and no "
+                          "others");
     if (request->tier && !find_tier(request->tier))
         argp_error(state, "there is no tier '%s'; there are quick and full", request->tier);
     for (int i = 0; i < request->only.count; i++)
@@ -248,6 +262,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph validate\n"
         "  neph validate --tier full --budget 120\n"
         "  neph validate fence_backlit --size 320x180\n"
+        "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
         "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
         "  neph validate --suite physics --jobs 4 -o out/physics\n"
         "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
@@ -284,6 +299,7 @@ struct neph_validate_params neph_validate_params_of(const struct neph_validate_r
     return (struct neph_validate_params){
         .engines = request->engines.words,
         .engine_count = request->engines.count,
+        .only_engines = request->only_engine,
         .settings = shared->settings.list,
         .setting_count = shared->settings.count,
         .width_px = has_size ? shared->size.width_px : tier->width_px,
@@ -336,6 +352,16 @@ static enum neph_status judge(const struct neph_validation *validation, struct n
                          : "a gate failed or an engine broke; the report names it");
 }
 
+static enum neph_status write_junit(const struct neph_validation *validation, const char *path,
+                                    struct neph_diag *diag)
+{
+    struct neph_junit junit = {.name = "neph validate"};
+    neph_validation_junit(validation, &junit);
+    const enum neph_status status = neph_junit_write(&junit, path, diag);
+    neph_junit_finish(&junit);
+    return status;
+}
+
 enum neph_status neph_validate_publish(const struct neph_validate_request *request,
                                        struct neph_validation *validation,
                                        struct neph_publication *publication,
@@ -348,6 +374,8 @@ enum neph_status neph_validate_publish(const struct neph_validate_request *reque
     }
     if (!status)
         status = neph_report_publish(request->report, validation, diag);
+    if (!status && request->junit)
+        status = write_junit(validation, request->junit, diag);
     if (status)
         return status;
     if (text && validation->physics)

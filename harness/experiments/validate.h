@@ -14,9 +14,9 @@
 struct neph_validate_request {
     struct neph_cli_shared shared; /* operands: scenes */
     struct neph_cli_list engines, only, presets;
-    const char *tier, *suite, *pictures;
+    const char *tier, *suite, *pictures, *junit;
     int budget_s, samples, page_limit_mb, seed;
-    bool no_charts, on_device;
+    bool no_charts, on_device, only_engine;
     /* Opened by `prepare`, closed by `finish`. */
     char *page_folder;
     struct neph_report *report;   /* of the catalogue and of the physics suite */

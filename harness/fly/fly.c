@@ -17,6 +17,7 @@
 #include "harness/fly/times.h"
 #include "harness/fly/view.h"
 #include "harness/fly/window.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -502,7 +503,7 @@ enum neph_status neph_fly(const struct neph_fly_params *params, json_t **result,
     if (!status) {
         fly->controls.split_share = 0.5;
         fly->camera = neph_fly_camera_of(scene_of(fly));
-        fly->view.exposure_ev = scene_of(fly)->exposure_ev;
+        fly->view.exposure_ev = neph_scene_display(scene_of(fly))->exposure_ev;
         fly->files = json_array();
         status = loop(fly, diag);
         *result = result_of(fly);

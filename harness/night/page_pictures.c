@@ -7,6 +7,7 @@
 #include "harness/data.h"
 #include "harness/document/display_png.h"
 #include "harness/report/page.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,7 +45,7 @@ static json_t *describe(const char *name)
     if (neph_data_load_scene(name, &scene, NULL)) /* it is no more, or it is of another folder */
         return json_pack("{s:s, s:f}", "title", name, "exposure_ev", 0.0);
     json_t *json = json_pack("{s:o, s:f}", "title", neph_json_cleaned(scene->title), "exposure_ev",
-                             scene->exposure_ev);
+                             neph_scene_display(scene)->exposure_ev);
     neph_scene_destroy(scene);
     return json;
 }

@@ -40,9 +40,12 @@ static const struct {
                             "-e exact -e oracle -e tracer -e march -e povray --samples 64", NULL,
                             30.0, 5},
     [NEPH_NIGHT_STRESS] = {"validate --suite stress --only", "", NULL, 20.0, 9},
-    [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --only march,ours", "96x54", 60.0, 16},
+    [NEPH_NIGHT_SWEEP] = {"sweep", "--untimed --plan sweep --only march,ours", "96x54", 60.0, 16},
     [NEPH_NIGHT_SPEED] = {"benchmark", "-e march,realtime", "192x108", 30.0, 2},
 };
+
+/* The words of the catalogue after the scene with --only-engine; the engines follow. */
+static const char only_engine_words[] = "--only-engine --no-charts --budget 60";
 
 /* A step, and the words after its name where they are not those of its suite; of a stress test the
  * variant of a preset that is beside the presets of the quick tier. */
@@ -66,8 +69,8 @@ static const struct listed quick_steps[] = {
     {NEPH_NIGHT_STRESS, "edge_halo", NULL, NULL},
     {NEPH_NIGHT_STRESS, "froxel_leak", .variant = "fixed+froxels=on"},
     {NEPH_NIGHT_SWEEP, "voxel_grid", NULL, NULL},
-    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --only march,tracer", NULL},
-    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --only march", NULL},
+    {NEPH_NIGHT_SWEEP, "spot_fence", "--untimed --plan sweep --only march,tracer", NULL},
+    {NEPH_NIGHT_SWEEP, "cirrus", "--untimed --plan sweep --only march", NULL},
     {NEPH_NIGHT_SWEEP, "cloud_gaps", "--untimed --plan shadows --only map", NULL},
     {NEPH_NIGHT_SPEED, "voxel_grid", NULL, NULL},
 };
@@ -154,7 +157,7 @@ static void add_settings(struct making *making, struct neph_night_step *step)
         add_words(making, step, neph_arena_format(making->arena, "--seed %d", params->seed));
     int known;
     const struct neph_engine *const *engines = neph_engines(&known);
-    for (int i = 0; i < known; i++)
+    for (int i = 0; i < known && !params->only_engines; i++)
         if (engines[i]->first) /* other Blenders */
             add_words(making, step, neph_arena_format(making->arena, "-e %s", engines[i]->name));
     for (int i = 0; i < params->engine_count; i++) {
@@ -173,7 +176,8 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
 {
     const char *name = neph_arena_format(making->arena, "%s %s", suite_names[suite], of);
     const char *size = suites[suite].size;
-    if (!is_wanted(making, name))
+    const bool only_engines = making->params->only_engines;
+    if (!is_wanted(making, name) || (only_engines && suite != NEPH_NIGHT_CATALOG))
         return;
     making->too_many_steps = making->too_many_steps || making->plan->count == STEPS_MAX;
     if (making->too_many_steps)
@@ -192,7 +196,7 @@ static void add_step(struct making *making, enum neph_night_suite suite, const c
     add_word(making, step, neph_arena_text(making->arena, of));
     add_word(making, step, size ? "--size" : NULL);
     add_word(making, step, size);
-    add_words(making, step, words ? words : suites[suite].after);
+    add_words(making, step, only_engines ? only_engine_words : words ? words : suites[suite].after);
     add_settings(making, step);
 }
 

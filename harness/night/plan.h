@@ -43,6 +43,7 @@ struct neph_night_plan_params {
     int only_count;
     const char *const *engines; /* beside those of the plan, for the scenes of the catalogue */
     int engine_count;
+    bool only_engines; /* only scenes of the catalogue, with these and the scene's reference */
     const char *const *settings; /* "ENGINE:KEY=VALUE", for the scenes of the catalogue */
     int setting_count;
     int seed;                /* of the catalogue, `neph validate --seed`; 0: 1 */

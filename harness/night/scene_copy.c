@@ -4,7 +4,9 @@
 #include "base/files.h"
 #include "base/path.h"
 #include "harness/data.h"
+#include "scenes/display.h"
 #include "scenes/failing.h"
+#include "scenes/gates.h"
 #include "scenes/injection.h"
 
 #include <stdio.h>
@@ -15,8 +17,9 @@
 
 static void put_gates(FILE *text, const struct neph_scene *scene)
 {
-    for (int i = 0; i < scene->gate_count; i++) {
-        const struct neph_gate *gate = &scene->gates[i];
+    const struct neph_gates *gates = neph_scene_gates(scene);
+    for (int i = 0; i < gates->count; i++) {
+        const struct neph_gate *gate = &gates->list[i];
         fprintf(text, "gate %s %d %s %s %.17g\n", gate->engine, (int)gate->quantity, gate->metric,
                 gate->mask, gate->maximum);
     }
@@ -53,12 +56,13 @@ enum neph_status neph_scene_terms(const struct neph_scene *scene, char terms[NEP
     char *data = NULL, *injections = neph_injections_text(neph_scene_injections(scene));
     size_t size = 0;
     FILE *text = injections ? open_memstream(&data, &size) : NULL;
-    const char *slash = scene->chain ? strrchr(scene->chain, '/') : NULL;
-    const char *chain = slash ? slash + 1 : scene->chain ? scene->chain : "";
+    const struct neph_scene_display *display = neph_scene_display(scene);
+    const char *slash = display->chain ? strrchr(display->chain, '/') : NULL;
+    const char *chain = slash ? slash + 1 : display->chain ? display->chain : "";
     int failed = !text;
     if (text) {
         fprintf(text, "neph-scene-terms-1\nexposure_ev %.17g\nchain %s\ninject %s\n",
-                scene->exposure_ev, chain, injections);
+                display->exposure_ev, chain, injections);
         put_gates(text, scene);
         put_failing(text, scene->failing);
         failed = ferror(text);

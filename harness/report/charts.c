@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each point is a setting: its error is the relative RMSE of radiance against `exact`, its time that
- * of a warm frame, start-up apart (harness/run/speed.h). All points of a series take turns, so that
- * what else the machine does is done to all of them. A point has `repeats` renders (with another
- * seed where the engine draws random numbers): the middle error is shown, the smallest and largest
- * are its bars.
+ * Each point is a setting: its error is the relative RMSE of radiance against `exact`, its time is
+ * that of a warm frame without start-up (harness/run/speed.h). All points of a series take turns,
+ * so that other work of the machine slows all of them. A point has `repeats` renders (with another
+ * seed where the engine draws random numbers): the chart shows the middle error, its bars reach
+ * from the smallest to the largest.
  */
 #include "harness/report/charts.h"
 

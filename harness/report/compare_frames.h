@@ -5,7 +5,7 @@
 #ifndef NEPH_HARNESS_REPORT_COMPARE_FRAMES_H
 #define NEPH_HARNESS_REPORT_COMPARE_FRAMES_H
 
-#include "harness/report/compare_page.h"
+#include "harness/report/compare_shown.h"
 
 /* What is shown of a frame at most; a larger one is cut out around its largest difference. */
 enum { NEPH_WORST_WIDTH_PX = 640, NEPH_WORST_HEIGHT_PX = 360, NEPH_WORST_FRAMES = 3 };

@@ -24,7 +24,7 @@ static const struct neph_page_parts parts = {
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-/* Of whole sequences, and of one frame. */
+/* Maps of whole sequences, and maps of one frame. */
 static const struct shown_map {
     const char *name, *title;
     bool is_of_sequence;

@@ -6,10 +6,8 @@
 #ifndef NEPH_HARNESS_REPORT_COMPARE_PAGE_H
 #define NEPH_HARNESS_REPORT_COMPARE_PAGE_H
 
-#include "harness/compare/comparison.h"
+#include "harness/report/compare_shown.h"
 #include "harness/report/report_folder.h"
-
-enum neph_page_side { NEPH_PAGE_TEST, NEPH_PAGE_OTHER, NEPH_PAGE_SIDES };
 
 /* Where the maps of a comparison go while it runs; the context of neph_compare_page_take(). */
 struct neph_compare_maps {
@@ -21,16 +19,6 @@ struct neph_compare_maps {
 
 /* Draw a map of a whole sequence, if it is one of those that the page shows. */
 neph_map_taker neph_compare_page_take;
-
-/* What the page is made of. All is borrowed. */
-struct neph_compare_page {
-    const char *verb;                   /* "neph flicker" */
-    const char *names[NEPH_PAGE_SIDES]; /* of the tests; NULL: there is no other test */
-    const char *verdict;                /* lines for people, the answer first */
-    const struct neph_sequence *tests[NEPH_PAGE_SIDES];
-    const struct neph_compared *compared[NEPH_PAGE_SIDES]; /* that of the test has the versus */
-    json_t *maps;                                          /* list of neph_compare_maps */
-};
 
 /* Write the page and publish it in the folder. `told`: why charts are not drawn; "" when they are.
  * Errors as of reading and comparing frames, and of writing files. */

@@ -4,6 +4,7 @@
  * too: the means of its radiance and its transmittance are to be within a factor of two of those of
  * the truth. So an engine that is far off does not pass for want of a gate.
  */
+#include "scenes/gates.h"
 #include "harness/report/validation.h"
 
 #include <math.h>
@@ -52,6 +53,7 @@ static void judge(const struct neph_gate *gate, const char *engine,
                    : !isnan(value) || owed ? NEPH_GATE_FAIL
                                            : NEPH_GATE_NOT_MEASURED,
         .reason = neph_arena_text(arena, gate->reason),
+        .line = gate->line,
     };
     if (isnan(value) || kept || !frame->note[0])
         return;
@@ -132,21 +134,22 @@ static void judge_ungated(const struct neph_frame_result *frame, struct neph_sce
 static void judge_further(const struct neph_scene *scene, const struct neph_engine *engine,
                           struct neph_arena *arena, struct neph_scene_result *result)
 {
-    for (int g = 0; g < scene->gate_count && engine->first; g++)
-        if (neph_engine_is(engine, scene->gates[g].engine))
-            judge(&scene->gates[g], engine->name, result, arena,
+    const struct neph_gates *gates = neph_scene_gates(scene);
+    for (int g = 0; g < gates->count && engine->first; g++)
+        if (neph_engine_is(engine, gates->list[g].engine))
+            judge(&gates->list[g], engine->name, result, arena,
                   &result->gates[result->gate_count++]);
 }
 
 void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
                       struct neph_scene_result *result)
 {
-    const int most = scene->gate_count +
-                     (scene->gate_count + QUANTITIES_UNGATED) * result->frame_count;
+    const struct neph_gates *gates = neph_scene_gates(scene);
+    const int most = gates->count + (gates->count + QUANTITIES_UNGATED) * result->frame_count;
     result->gates = neph_arena_zeroed(arena, (size_t)most, sizeof(*result->gates));
-    result->gate_count = result->gates ? scene->gate_count : 0;
+    result->gate_count = result->gates ? gates->count : 0;
     for (int g = 0; g < result->gate_count; g++)
-        judge(&scene->gates[g], scene->gates[g].engine, result, arena, &result->gates[g]);
+        judge(&gates->list[g], gates->list[g].engine, result, arena, &result->gates[g]);
     for (int f = 0; f < result->frame_count && result->gates; f++)
         judge_further(scene, result->frames[f].engine, arena, result);
     for (int f = 0; f < result->frame_count && result->gates && result->truth >= 0; f++)

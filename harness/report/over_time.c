@@ -10,6 +10,7 @@
 #include "harness/report/flicker_map.h"
 #include "harness/report/page.h"
 #include "renderer/realtime/options.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +24,7 @@ enum { FRAMES = 24, PRESETS = NEPH_OVER_TIME_PRESETS };
 static const char scene_name[] = "fence_drift";
 static const int width_px = 320, height_px = 180;
 static const double pixels_per_degree = 60.0; /* as `neph flicker` */
+static const double timed_s = 2.0;            /* of frames, to time a preset */
 
 /* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
  * the default steps leaves time for the frames and for the rays of the reference. */
@@ -50,6 +52,7 @@ struct work {
     const struct neph_scene *scene;
     struct neph_shared_device *device;
     struct neph_store *store;
+    struct neph_times *times;
     struct neph_progress *progress;
     struct neph_reference reference;
     struct neph_arena *arena;
@@ -85,7 +88,7 @@ static enum neph_status take_preset(const struct work *work, const struct neph_j
 {
     static const char *const extractors[] = {"seen", "flicker", NULL};
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = work->scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(work->scene)->exposure_ev;
     viewing.frame_rate_hz = work->scene->frame_rate_hz;
     viewing.pixels_per_degree = pixels_per_degree;
     const struct neph_reading readings[] = {
@@ -209,6 +212,9 @@ static enum neph_status add_preset(const struct work *work, const char *preset,
     free(settings);
     if (!status)
         status = fill_row(work, &job, row, &why);
+    if (!status && work->times)
+        status = neph_speed_measure(&job, NULL, 0, timed_s, work->store, work->times, &row->speed,
+                                    &why);
     work->made->row_count++;
     if (is_news(status, &row->outcome)) {
         row->reason = neph_arena_text(work->arena, why.message);
@@ -254,7 +260,7 @@ static void describe(struct work *work, const char *reason)
     made->height_px = height_px;
     made->frame_count = FRAMES;
     made->rate_hz = work->scene->frame_rate_hz;
-    made->exposure_ev = work->scene->exposure_ev;
+    made->exposure_ev = neph_scene_display(work->scene)->exposure_ev;
     made->reference.reason = neph_arena_text(work->arena, reason);
     made->reference.settings = neph_arena_text(work->arena, is_there ? reference->settings : "");
     made->reference.text = neph_arena_text(work->arena,
@@ -295,13 +301,18 @@ static enum neph_status run_sequence(struct work *work, struct neph_over_time **
 }
 
 enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
-                                    struct neph_progress *progress, struct neph_arena *arena,
-                                    struct neph_over_time **made, struct neph_diag *diag)
+                                    struct neph_times *times, struct neph_progress *progress,
+                                    struct neph_arena *arena, struct neph_over_time **made,
+                                    struct neph_diag *diag)
 {
     struct neph_scene *scene = NULL;
     enum neph_status status = neph_data_load_scene(scene_name, &scene, diag);
-    struct work work = {
-        .scene = scene, .device = device, .store = store, .progress = progress, .arena = arena};
+    struct work work = {.scene = scene,
+                        .device = device,
+                        .store = store,
+                        .times = times,
+                        .progress = progress,
+                        .arena = arena};
     if (!status)
         status = run_sequence(&work, made, diag);
     neph_reference_finish(&work.reference);
@@ -372,12 +383,13 @@ static json_t *row_json(const struct neph_over_time_row *row)
     json_t *pictures = json_array();
     for (int i = 0; i < NEPH_TAKE_PICTURES && row->pictures[i]; i++)
         neph_json_add(&pictures, json_string(row->pictures[i]));
-    return json_pack("{s:s, s:s, s:s, s:s, s:s?, s:o, s:s?, s:o, s:o, s:o, s:s?}", "engine",
+    return json_pack("{s:s, s:s, s:s, s:s, s:s?, s:o, s:s?, s:o, s:o, s:o, s:s?, s:o}", "engine",
                      "realtime", "preset", row->preset, "status", neph_outcome_name(row->outcome),
                      "reason", row->reason, "settings", row->settings, "render_s",
                      row->folder ? json_real(row->render_s) : json_null(), "folder", row->folder,
                      "measurements", list_or_empty(row->measurements), "findings",
-                     list_or_empty(row->findings), "pictures", pictures, "map", row->map);
+                     list_or_empty(row->findings), "pictures", pictures, "map", row->map, "speed",
+                     neph_speed_json(&row->speed));
 }
 
 json_t *neph_over_time_json(const struct neph_over_time *over_time)

@@ -10,6 +10,7 @@
 #include "harness/json.h"
 #include "harness/progress.h"
 #include "harness/run/job.h"
+#include "harness/run/speed.h"
 #include "harness/study/take.h"
 
 /* A preset against the reference. Texts are of an arena, here as below. */
@@ -19,10 +20,11 @@ struct neph_over_time_row {
     const char *reason, *settings;
     /* The rest of rendered rows alone. */
     double render_s;
-    const char *folder;   /* of the take, in the store */
-    json_t *measurements; /* those that are shown, as the take has them, each with what it is
+    struct neph_speed speed; /* of warm frames; repeats 0: not measured */
+    const char *folder;      /* of the take, in the store */
+    json_t *measurements;    /* those that are shown, as the take has them, each with what it is
                               against centre rays; owned, NULL: none */
-    json_t *findings;     /* owned, NULL: none */
+    json_t *findings;        /* owned, NULL: none */
     const char *pictures[NEPH_TAKE_PICTURES], *map; /* inside the report; NULL: not there (yet) */
 };
 
@@ -44,10 +46,11 @@ struct neph_over_time {
 /* Render and measure the sequence of the report. `*made`, in the arena, is set as soon as its
  * reference is tried, and is to be given to _finish. A preset that fails is a row that says why.
  * The store keeps the last frame of each preset with its measurements and pictures, and they are
- * used again. */
+ * used again. `times` NULL: speeds are not measured. */
 enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
-                                    struct neph_progress *progress, struct neph_arena *arena,
-                                    struct neph_over_time **made, struct neph_diag *diag);
+                                    struct neph_times *times, struct neph_progress *progress,
+                                    struct neph_arena *arena, struct neph_over_time **made,
+                                    struct neph_diag *diag);
 
 void neph_over_time_finish(struct neph_over_time *over_time); /* NULL is fine */
 

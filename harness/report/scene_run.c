@@ -11,6 +11,7 @@
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
 #include "harness/study/studies.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -299,7 +300,7 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
     return status;
 }
 
-/* Of each frame of a scene. */
+/* A frame of a scene: what its second seed needs. */
 struct frame_job {
     int index; /* of its engine in the field */
     struct neph_settings chosen;
@@ -451,12 +452,29 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->title = neph_arena_text(run->arena, scene->title);
     result->physics = neph_arena_text(run->arena, scene->description);
     result->hash = neph_arena_text(run->arena, scene->hash);
+    result->file = neph_arena_text(run->arena, scene->path);
     result->width_px = has_size ? run->plan->width_px : run->params->width_px;
     result->height_px = has_size ? run->plan->height_px : run->params->height_px;
     result->viewing = NEPH_VIEWING_DEFAULTS;
-    result->viewing.exposure_ev = scene->exposure_ev;
-    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 * exp2(-scene->exposure_ev);
+    result->viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
+    result->difference_scales[NEPH_SHOWN_RADIANCE] = 0.02 *
+                                                     exp2(-neph_scene_display(scene)->exposure_ev);
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
+}
+
+/* With --only-engine a further reference engine renders nothing once the scene has a reference. */
+static bool is_left_out(const struct neph_scene_run *run, int index,
+                        const struct neph_scene_result *result)
+{
+    return run->field->is_reference_only[index] && find_truth(result) >= 0;
+}
+
+static void leave_out(const struct neph_scene_run *run, int index, struct neph_scene_result *result)
+{
+    neph_progress_expect(run->progress, KIND_FRAME + index, -1, 0.0);
+    if (has_second_seed(run->field->engines[index]))
+        neph_progress_expect(run->progress, KIND_SECOND_SEED + index, -1, 0.0);
+    result->left_out_count++;
 }
 
 static enum neph_status render_all(const struct neph_scene_run *run, const struct neph_scene *scene,
@@ -470,6 +488,10 @@ static enum neph_status render_all(const struct neph_scene_run *run, const struc
         const int f = result->frame_count;
         if (!takes_part(run, i))
             continue;
+        if (is_left_out(run, i, result)) {
+            leave_out(run, i, result);
+            continue;
+        }
         jobs[f].index = i;
         status = run_frame(run, i, scene, &result->frames[f], &jobs[f].chosen, diag);
         result->frame_count++;

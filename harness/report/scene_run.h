@@ -29,6 +29,7 @@ struct neph_validate_params {
     int scene_count;
     const char *const *engines; /* names; engine_count 0: all that are no shortcut */
     int engine_count;
+    bool only_engines;           /* beside `engines` only the reference of each scene is rendered */
     const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
     int setting_count;
     int width_px, height_px;

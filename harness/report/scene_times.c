@@ -7,6 +7,14 @@
  * is not measured. */
 static const double flight_s = 2.0, renders_s = 6.0;
 
+/* Whether warm frames of this engine would take too long, by the render that made the frame. Frames
+ * of an engine that remembers take less than its first one. */
+static bool takes_too_long(const struct neph_frame_result *frame)
+{
+    return neph_flight_applies(frame->engine) && !frame->engine->remembers &&
+           frame->cost.render_s > renders_s;
+}
+
 /* Times of renders that the run has made anyway. The first frame of an engine of our own found its
  * kernels not compiled; an external renderer tells the time of its radiance alone. */
 static int known_times(const struct neph_frame_result *frame, double known_s[2])
@@ -27,7 +35,7 @@ enum neph_status neph_scene_times(const struct neph_scene_run *run, const struct
         struct neph_frame_result *frame = &result->frames[f];
         struct neph_job job = frame->job;
         double known_s[2];
-        if (!frame->path)
+        if (!frame->path || takes_too_long(frame))
             continue;
         job.shot.scene = scene;
         job.shot.time_limit_s = run->params->budget_s;

@@ -41,6 +41,22 @@ struct told {
     bool is_over, is_late; /* it was rendered; but for frames that are to be tried again */
 };
 
+static bool names_engine(const struct neph_validate_params *params,
+                         const struct neph_engine *engine)
+{
+    for (int i = 0; i < params->engine_count; i++)
+        if (strcmp(params->engines[i], engine->name) == 0)
+            return true;
+    return false;
+}
+
+/* The engines whose frames others are measured against, but for oracle: it takes minutes for what
+ * tracer renders in seconds. */
+static bool can_be_reference(const struct neph_engine *engine)
+{
+    return engine->rung <= NEPH_RUNG_TRACER && !neph_engine_is(engine, "oracle");
+}
+
 static enum neph_status choose_engines(const struct neph_validate_params *params,
                                        struct neph_run_engines *field, struct neph_diag *diag)
 {
@@ -53,16 +69,17 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
             return NEPH_ERR_USAGE;
         }
     for (int i = 0; i < known; i++) {
-        bool wanted = params->engine_count == 0 && !engines[i]->shortcut_of &&
-                      !engines[i]->is_guest;
-        for (int j = 0; j < params->engine_count; j++)
-            wanted |= strcmp(params->engines[j], engines[i]->name) == 0;
-        if (!wanted)
+        const bool is_named = names_engine(params, engines[i]);
+        const bool is_reference = params->only_engines && can_be_reference(engines[i]);
+        const bool is_usual = params->engine_count == 0 && !engines[i]->shortcut_of &&
+                              !engines[i]->is_guest;
+        if (!is_named && !is_reference && !is_usual)
             continue;
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
         field->settings[field->count] = neph_settings_default(engines[i]);
+        field->is_reference_only[field->count] = !is_named && is_reference;
         struct neph_engine_info *info = &field->infos[field->count++];
         neph_engine_probe(engines[i], params->device, info);
         if (info->warning[0])
@@ -232,8 +249,8 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
         status = time_scenes(run, diag);
     run->progress.kind = KIND_OVER_TIME;
     if (!status && params->over_time)
-        status = neph_over_time_run(params->device, run->store, &run->progress, &made->arena,
-                                    &made->over_time, diag);
+        status = neph_over_time_run(params->device, run->store, params->times, &run->progress,
+                                    &made->arena, &made->over_time, diag);
     if (!status && params->over_time)
         status = show(run, diag);
     run->progress.kind = KIND_CHART;

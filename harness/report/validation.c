@@ -35,6 +35,7 @@ static struct neph_counts count_frames(const struct neph_validation *validation,
     struct neph_counts counts = {.expected = expected};
     for (int s = 0; s < validation->scene_count; s++) {
         const struct neph_scene_result *scene = &validation->scenes[s];
+        counts.expected -= scene->left_out_count;
         counts.reported += scene->frame_count;
         for (int f = 0; f < scene->frame_count && scene->truth >= 0; f++)
             counts.compared += f != scene->truth && scene->frames[f].path;

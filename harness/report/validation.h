@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "harness/compare/measure.h"
+#include "harness/document/junit.h"
 #include "harness/engines/bakes.h"
 #include "harness/engines/engines.h"
 #include "harness/physics/results.h"
@@ -29,6 +30,8 @@ struct neph_run_engines {
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
     struct neph_settings settings[NEPH_FIELD_MAX]; /* those that the user wants */
+    /* Engines that --only-engine adds: each renders only scenes without an earlier reference. */
+    bool is_reference_only[NEPH_FIELD_MAX];
 };
 
 /* What difference maps are drawn of. */
@@ -74,13 +77,16 @@ struct neph_gate_result {
     double maximum;
     enum neph_gate_verdict verdict;
     const char *reason;
+    int line; /* in the scene file; 0: it is the limit of what no gate of the scene names */
 };
 
 struct neph_scene_result {
     const char *name, *title, *physics, *hash;
+    const char *file;        /* of the scene, as it was named */
     int width_px, height_px; /* of its frames */
     struct neph_viewing viewing;
-    int frame_count; /* one per engine of the field that renders this scene, in its order */
+    int frame_count;    /* one per engine of the field that renders this scene, in its order */
+    int left_out_count; /* engines that --only-engine added, and that render it not */
     struct neph_frame_result *frames;
     int truth; /* index of the frame that the others are measured against; -1: there is none */
     double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
@@ -155,6 +161,10 @@ void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
 /* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
  * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
+
+/* A test case for each frame and each gate of the scenes, for each row of the physics suite, and
+ * for the verdict of the run. */
+void neph_validation_junit(const struct neph_validation *validation, struct neph_junit *junit);
 
 /* For people: a line for each frame, and what is to be said of it below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);

@@ -38,6 +38,8 @@ struct shop {
     bool is_picture;             /* values of a display */
     double frame_rate_hz;
     bool has_frame_rate;                                /* a frame said it */
+    int ahead_count;                                    /* frames that are still to be read */
+    size_t frame_bytes;                                 /* of the last one */
     json_t *sets, *overlays, *not_taken, *codes, *cube; /* of the document; owned */
     struct neph_progress progress;
 };
@@ -130,6 +132,10 @@ static enum neph_status check_frame(struct shop *shop, const char *path,
     return status ? status : check_radiance(path, image, diag);
 }
 
+/* What makes a page smaller. */
+static const char take_less[] = "take fewer frames (a pattern, --warm-up), --quantity radiance, "
+                                "--overlay none, or a higher --limit";
+
 /* ---- floats ---------------------------------------------------------------------------------- */
 
 static enum neph_status write_text(struct shop *shop, const char *key, const char *text,
@@ -216,6 +222,22 @@ static enum neph_status ship_file(struct shop *shop, int set, int frame, const c
     return status;
 }
 
+/* Frames of a sequence are alike: what is ahead takes about as much as as many of the last frame,
+ * less what their noise makes of it. A page that cannot fit is refused by its first frames. */
+static enum neph_status check_ahead(struct shop *shop, struct neph_diag *diag)
+{
+    static const double sure = 0.8;
+    const double ahead = sure * (double)shop->frame_bytes * shop->ahead_count;
+    if ((double)shop->made.bytes + ahead <= shop->view->limit_bytes)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_INPUT,
+              "the page would be larger than %.3g MB: about %.3g MB, by its first frames",
+              shop->view->limit_bytes / 1e6,
+              ((double)shop->made.bytes + (double)shop->frame_bytes * shop->ahead_count) / 1e6);
+    neph_hint(diag, "%s", take_less);
+    return NEPH_ERR_INPUT;
+}
+
 static int frames_of(const struct shop *shop, int set)
 {
     return shop->view->sets[set].frames.count > 1 ? shop->made.frame_count : 1;
@@ -252,9 +274,14 @@ static enum neph_status ship_sets(struct shop *shop, struct neph_diag *diag)
         unsigned found = 0;
         for (int i = 0; i < count && !status; i++) {
             const char *path = set->frames.paths[first + i];
+            const size_t before = shop->made.bytes;
             neph_progress_begin(&shop->progress, path);
             status = ship_file(shop, s, i, path, &found, diag);
             neph_progress_tick(&shop->progress, path);
+            shop->frame_bytes = shop->made.bytes - before;
+            shop->ahead_count--;
+            if (!status)
+                status = check_ahead(shop, diag);
         }
         if (!status)
             neph_json_add(&shop->sets, set_json(set, first, count, found));
@@ -390,6 +417,7 @@ enum neph_status neph_viewer_write(const struct neph_viewer *view, const char *f
     int total = 0;
     for (int s = 0; s < view->set_count; s++)
         total += frames_of(&shop, s);
+    shop.ahead_count = total;
     shop.progress = neph_progress_start(view->quiet || total < 4, total);
     if (!status)
         status = neph_page_start(folder, &parts, NULL, diag);

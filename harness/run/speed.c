@@ -174,7 +174,8 @@ static enum neph_status fly(const struct neph_job *job, double seconds, struct n
 
 /* ---- renders --------------------------------------------------------------------------------- */
 
-/* Radiance by a seed that no frame of a report has. `*cost` stays as it is where the engine fails. */
+/* Render radiance with a seed that no frame of a report has. `*cost` is not set where the engine
+ * fails. */
 static enum neph_status render(const struct neph_job *of, int repeat, struct neph_store *store,
                                struct neph_cost *cost, struct neph_diag *diag)
 {

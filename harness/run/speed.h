@@ -29,8 +29,8 @@ json_t *neph_speed_json(const struct neph_speed *speed);
 /* "10 % to 90 % of the frames", "95 % of the mean". */
 const char *neph_speed_interval_name(const struct neph_speed *speed);
 
-/* Of renders that took `render_s`, `in_render_s` of each before its first sample, `process_s` before
- * each of them. Nothing is measured of fewer than two. */
+/* The speed of renders that took `render_s`. Each had `process_s` of start-up before it and
+ * `in_render_s` before its first sample. Fewer than two renders are no measurement. */
 struct neph_speed neph_speed_of_renders(const double *render_s, int count, double process_s,
                                         double in_render_s);
 
@@ -68,9 +68,8 @@ void neph_speed_flight_close(struct neph_speed_flight *flight);
 
 /* ---- renders --------------------------------------------------------------------------------- */
 
-/* The start-up of a job whose frames cannot be in flight: `*process_s` before its render, and, where
- * a render at this number of samples takes `render_s`, `*in_render_s` within it. One small frame is
- * rendered. */
+/* The start-up of a job whose frames cannot be in flight: `*process_s` before its render, and
+ * `*in_render_s` within it, where a render of the job takes `render_s`. Renders one small frame. */
 enum neph_status neph_speed_start(const struct neph_job *job, double render_s,
                                   struct neph_store *store, double *process_s, double *in_render_s,
                                   struct neph_diag *diag);

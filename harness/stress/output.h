@@ -5,6 +5,7 @@
 #ifndef NEPH_HARNESS_STRESS_OUTPUT_H
 #define NEPH_HARNESS_STRESS_OUTPUT_H
 
+#include "harness/document/junit.h"
 #include "harness/json.h"
 #include "harness/stress/results.h"
 
@@ -19,6 +20,10 @@ enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *
  * memory is short. */
 char *neph_stress_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                           int column);
+
+/* A test case for each number that was asked for, and for the verdict of the run. A known failure
+ * is skipped, with the reason of its expectation. */
+void neph_stress_junit(const struct neph_stress_suite *suite, struct neph_junit *junit);
 
 /* {"format": "neph-failure-2", "device", "tier", "columns": [{"name", "engine", "preset": bool}],
  * "scenes": [{"name", "title", "fails", "known", "symptom", "truth", "width_px", "height_px",

@@ -9,6 +9,7 @@
 #include "harness/stress/measures.h"
 #include "harness/stress/watch.h"
 #include "harness/study/take.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -171,7 +172,7 @@ static enum neph_status make_truth(struct trial *trial, struct neph_diag *diag)
 static struct neph_viewing viewing_of(const struct neph_scene *scene)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
     viewing.frame_rate_hz = 30.0;
     viewing.pixels_per_degree = 60.0;
     return viewing;
@@ -268,7 +269,7 @@ static enum neph_status judge_and_draw(const struct neph_take *take,
         .images = frames->images,
         .reference = &take->reference->frames[NEPH_REFERENCE_AVERAGED],
         .frame_step = trial->frames.step,
-        .exposure_ev = scene->exposure_ev,
+        .exposure_ev = neph_scene_display(scene)->exposure_ev,
     };
     enum neph_status status = NEPH_OK;
     if (!trial->is_judged)
@@ -311,7 +312,8 @@ static enum neph_status run_take(struct trial *trial, const struct neph_take *ta
     json_t *record = NULL;
     enum neph_status status = neph_take_key(take, key, diag);
     if (!status)
-        status = neph_evidence_key(key, trial->point->at->exposure_ev, trial->evidence_key, diag);
+        status = neph_evidence_key(key, neph_scene_display(trial->point->at)->exposure_ev,
+                                   trial->evidence_key, diag);
     if (!status)
         status = neph_take_run(take, trial->bench->store, &folder, &record, diag);
     if (!status)

@@ -12,6 +12,7 @@
 #include "metrics/display.h"
 #include "metrics/extractors/extractors.h"
 #include "metrics/statistics.h"
+#include "scenes/display.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,7 +64,8 @@ static enum neph_status write_flip(const struct neph_take *take, const struct ne
     enum neph_status status = rgb ? NEPH_OK : neph_fail_memory(diag);
     if (!status)
         status = neph_display_encode(constant, neph_image_pixel_count(image),
-                                     take->job.shot.scene->exposure_ev, rgb, diag);
+                                     neph_scene_display(take->job.shot.scene)->exposure_ev, rgb,
+                                     diag);
     if (!status)
         status = neph_png_write_rgb8(neph_path_format("%s/flip_%d.png", folder, number).text,
                                      image->width_px, image->height_px, rgb, diag);

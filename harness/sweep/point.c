@@ -9,6 +9,7 @@
 #include "harness/study/flicker_metrics.h"
 #include "harness/study/take.h"
 #include "harness/sweep/repeat.h"
+#include "scenes/display.h"
 #include "scenes/variant.h"
 
 #include <math.h>
@@ -128,6 +129,8 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
 
 /* --- sequences ------------------------------------------------------------------------------ */
 
+static const double reference_typical_s = 1.0; /* of a frame */
+
 static enum neph_status have_reference(struct neph_sweep_bench *bench, const struct neph_job *job,
                                        int frame_count, struct neph_reference *reference,
                                        struct neph_diag *diag)
@@ -137,13 +140,17 @@ static enum neph_status have_reference(struct neph_sweep_bench *bench, const str
     if (status || (reference->text && strcmp(reference->key, key) == 0))
         return status;
     neph_reference_finish(reference);
+    neph_progress_expect(
+        bench->progress, bench->progress->kind,
+        neph_reference_picture_count(job->shot.scene, job->shot.frame, frame_count),
+        reference_typical_s);
     return neph_reference_make(job, frame_count, bench->store, bench->progress, reference, diag);
 }
 
 static struct neph_viewing viewing_of(const struct neph_scene *scene)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
-    viewing.exposure_ev = scene->exposure_ev;
+    viewing.exposure_ev = neph_scene_display(scene)->exposure_ev;
     return viewing;
 }
 

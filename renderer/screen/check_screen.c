@@ -477,10 +477,4 @@ static void test_the_picture_without_rays(void **state)
     drop(&both);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_screen.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -151,10 +151,4 @@ static void test_an_orthographic_camera(void **state)
     assert_true(count > 60);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_screen_ao.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -266,10 +266,4 @@ static void test_history_goes_with_the_surface(void **state)
     assert_true(fresh > 120 && strange < 120);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_screen_rays.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

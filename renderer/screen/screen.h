@@ -80,7 +80,8 @@ enum neph_status neph_screening_frame(struct neph_screening *screen, const struc
                                       struct neph_screen_stats *stats, struct neph_diag *diag);
 
 /* A target of the last picture, four numbers a pixel, row by row (of those that have one: four
- * times the same), for twins. What passes at half resolution write lies in its upper left. */
+ * times the same), for CPU references. What passes at half resolution write lies in its upper
+ * left. */
 enum neph_status neph_screening_read(struct neph_screening *screen, int target, float *texels,
                                      struct neph_diag *diag);
 

@@ -74,11 +74,7 @@ layout(std140, binding = 0) uniform Frame {
     vec3 octave_factors; // contribution, attenuation, eccentricity (struct neph_octaves)
     uint emits; // 0 or 1: some medium does
     vec2 jitter_px; // of this frame's view rays, for renderers of sequences
-    float early_out; // transmittance at which a view ray ends
-    float step_growth; // each view step is so many times as long as the one before
     float sun_first_part; // of a sun ray that its first step is long
-    float sun_growth; // each step of a sun ray is so many times as long as the one before
-    float sun_cone; // tangent of the half angle of the cone that these steps lie in
     uint light_texel_px; // pixels along a side of a texel of traced light (traced_light.glsl)
     Lattice sun_lattice;  // nodes of the sun cache, at least 2 along each axis (sun_cache.glsl)
     Lattice skip_lattice; // cells that may be empty (shortcuts.glsl)
@@ -88,7 +84,7 @@ layout(std140, binding = 0) uniform Frame {
     uint lamp_count;
     uint solids_shade; // 0 or 1: some solid may stand between a medium and the sun
     uint scatters_lamps; // 0 or 1: some medium scatters light of lamps that the scene wants to see
-    float depth_growth; // steps of a view ray that are added to one, per optical depth before it
+#include "settings/march_frame.glsl" // the numbers of shortcuts
     Lamp lamps[NEPH_GPU_LAMPS_MAX];
     FogLook fog_look; // of a march that leaves the height fog to it (march_veil.glsl)
 } frame;
@@ -103,29 +99,11 @@ layout(std140, binding = 1) uniform Solids {
     Solid solids[NEPH_GPU_SOLIDS_MAX];
 };
 
-// A number of the frame that alone decides a branch or ends a loop. lavapipe would compile the
-// kernel anew for its value whenever another buffer is bound; a number of the thread's own, which
-// this is by an index that has no such bit, it leaves alone.
-uint own(uint number)
-{
-    return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
-}
-
-bool own(bool answer) { return own(uint(answer)) != 0u; }
-
-vec3 own(vec3 v)
-{
-    uvec3 bits = floatBitsToUint(v);
-    return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
-}
-
-// A number of the frame costs lavapipe some 24 instructions, for it is gathered for each lane: what
-// is asked at every step is read once for a thread. To a GPU it costs nothing.
 vec3 kept_sun_direction = own(frame.sun_direction);
 
 vec3 to_sun()
 {
-    if (ON_CPU)
+    if (READS_FRAME_ONCE)
         return kept_sun_direction;
     return frame.sun_direction;
 }

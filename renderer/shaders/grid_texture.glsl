@@ -11,7 +11,7 @@
 
 #include "shortcuts.glsl"
 
-const uint TEXTURES = SHORTCUTS & 16u;
+const uint TEXTURES = SHORTCUTS & NEPH_SHORTCUT_GRID_SAMPLING;
 const bool SAMPLES_TEXTURES = has_kind(MEDIUM_GRID) && TEXTURES != 0u;
 
 // By place in the frame; of what is no grid one texel that nobody asks for.

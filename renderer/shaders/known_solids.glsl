@@ -19,8 +19,7 @@ layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
 
 const float ENDLESS_M = 3.0e38; // beyond all
 
-// On a GPU they would fill its registers.
-const bool ARE_KNOWN = ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
+const bool ARE_KNOWN = READS_SOLIDS_ONCE && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
 
 Solid known_solids[RT_SOLIDS_UNKNOWN];
 

@@ -156,7 +156,8 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
 }
 
 // Where empty steps are passed it is not known which come next, and lavapipe waits for nothing.
-const bool LOOKS_AHEAD = HAS_ONLY_TEXTURE && !SKIPS && !GROWS_BY_DEPTH && !ON_CPU;
+const bool LOOKS_AHEAD = HAS_ONLY_TEXTURE && !SKIPS && !GROWS_BY_DEPTH &&
+                         !STEPS_TOGETHER;
 
 // In a loop of its own: rays that have passed clear air do their steps in the medium together.
 // Whether any was passed: nothing is added for it once, as in marched_optical_depth().
@@ -177,7 +178,8 @@ bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))
 // lavapipe goes through what one of its eight lanes wants with all of them, and what a ray looks up
 // while the others are in the medium it looks up alone. So where clear air is passed rays look up
 // the same steps, go on together until one of them finds something, and do what they found.
-const bool MARCHES_TOGETHER = ON_CPU && PASSES_CLEAR && !SKIPS && !ENDS_EARLY && !GROWS_BY_DEPTH;
+const bool MARCHES_TOGETHER = STEPS_TOGETHER && PASSES_CLEAR && !SKIPS && !ENDS_EARLY &&
+                              !GROWS_BY_DEPTH;
 
 // Steps that were looked up at once, and those of them in which there is something.
 const uint TOGETHER = 4;

@@ -104,7 +104,7 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
 // together, for a GPU would wait for one after the other. What is looked up behind the end is not
 // added. Where empty steps are passed it is not known which come next.
 const uint TAPS_MAX = 3;
-const bool TAPS_IN_TURN = ON_CPU && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
+const bool TAPS_IN_TURN = STEPS_TOGETHER && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
 uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : SAMPLES_TEXTURES ? TAPS_MAX : 1; }
 
 // One after the other, which in an only grid spares a CPU every other turn of a loop. Elsewhere the

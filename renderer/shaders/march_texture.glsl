@@ -15,7 +15,7 @@
 const bool IS_SUNLIT = SUNLIT_TEXTURE && HAS_ONLY_TEXTURE && !LAMPS && !HAS_VEIL && !COLOURED;
 const bool IS_SUMMED = TRANSMITTANCE == MARCHED && SUN == MARCHED && !CACHES_SUN && !MAPS_SHADOW;
 const bool HAS_EQUAL_STEPS = !ENDS_EARLY && !GROWS && !GROWS_BY_DEPTH && !CONES_SUN_RAYS;
-const bool PASSES_STEPS = ON_CPU && SKIPS;
+const bool PASSES_STEPS = STEPS_TOGETHER && SKIPS;
 const bool IS_BY_PLACE = LIGHTING == SINGLE || LIGHTING == TRACED || LIGHTING == OCTAVES;
 const bool MARCHES_TEXTURE = IS_SUNLIT && IS_SUMMED && HAS_EQUAL_STEPS && !PASSES_STEPS &&
                              IS_BY_PLACE;
@@ -77,48 +77,7 @@ float add_taps(vec3 place, vec3 per_m, vec3 point_m, const uint count, float gro
     return sum;
 }
 
-// All steps are equal, six samples at a time: a loop that lavapipe leaves at its end alone.
-float equal_taps(vec3 place, vec3 per_m, uint count, float step_m)
-{
-    vec3 step = step_m * per_m;
-    float sum = 0.0;
-    for (uint i = 0;;) {
-        vec3 first = place + (float(i) + 0.5) * step;
-        [[unroll]] for (uint k = 0; k < RAY_TAPS_MAX; k++) {
-            float density = grid_texture_at(0, first + float(k) * step);
-            sum += i + k < count ? density : 0.0;
-        }
-        i += RAY_TAPS_MAX;
-        if (i >= count)
-            break;
-    }
-    return step_m * sum;
-}
-
-float grown_taps(vec3 place, vec3 per_m, uint count, float first_m)
-{
-    float sum = 0.0, next_m = 0.0, length_m = first_m;
-    for (uint i = 0;;) {
-        [[unroll]] for (uint k = 0; k < RAY_TAPS_MAX; k++) {
-            float density = grid_texture_at(0, place + (next_m + 0.5 * length_m) * per_m);
-            sum += i + k < count ? length_m * density : 0.0;
-            next_m += length_m;
-            length_m *= frame.sun_growth;
-        }
-        i += RAY_TAPS_MAX;
-        if (i >= count)
-            break;
-    }
-    return sum;
-}
-
-float all_taps(SunWay way, vec3 place, float all_m)
-{
-    uint count = kept_sun_steps;
-    density_evaluations += count;
-    return GROWS_SUN_RAYS ? grown_taps(place, way.per_m, count, all_m * frame.sun_first_part)
-                          : equal_taps(place, way.per_m, count, all_m / float(count));
-}
+float sun_texels_together(SunWay way, vec3 place, float all_m); // march_texture_cpu.glsl
 
 // Sum of density times length, in full densities and metres, towards the sun from a place of the
 // texture.
@@ -126,8 +85,8 @@ float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 {
     vec3 exits_m = way.exit_m + t_m * way.exit_per_m;
     float all_m = max(min(exits_m.x, min(exits_m.y, exits_m.z)), 0.0);
-    if (ON_CPU)
-        return all_taps(way, place, all_m);
+    if (STEPS_TOGETHER)
+        return sun_texels_together(way, place, all_m);
     uint count = kept_sun_steps, i = 0;
     float growth = GROWS_SUN_RAYS ? frame.sun_growth : 1.0;
     float first_m = all_m * (GROWS_SUN_RAYS ? frame.sun_first_part : 1.0 / float(count));
@@ -147,11 +106,10 @@ float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 
 const float PER_E = 1.44269504; // log2(e)
 
-// Numbers that small are 0 on a CPU: below 2^-126 each costs it some hundred instructions' time.
 const float LEAST_EXPONENT = -60.0;
 float through_of(float exponent)
 {
-    return ON_CPU && exponent < LEAST_EXPONENT ? 0.0 : exp2(exponent);
+    return DROPS_SMALL_NUMBERS && exponent < LEAST_EXPONENT ? 0.0 : exp2(exponent);
 }
 
 // What comes to a place of sunlight, times phase functions [1/sr].
@@ -178,20 +136,18 @@ float lost_of(float x, float through)
     return x < 0.125 ? thin : 1.0 - through;
 }
 
-// Eight steps, of a CPU four, and in which of them there is something.
+// Eight steps, and in which of them there is something.
 const uint BLOCK_STEPS = 8;
 struct Block {
     float densities[BLOCK_STEPS];
     uint lit;
 };
 
-uint block_steps() { return ON_CPU ? 4 : BLOCK_STEPS; }
-
 void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, uint count,
                  inout Block block)
 {
     block.lit = 0u;
-    [[unroll]] for (uint k = 0; k < block_steps(); k++) {
+    [[unroll]] for (uint k = 0; k < BLOCK_STEPS; k++) {
         bool is_empty = SKIPS && shapes_are_empty(ray.origin_m +
                                                   (t_m + float(k) * step_m) * ray.direction);
         block.densities[k] = is_empty ? 0.0 : grid_texture_at(0, place + float(k) * step);
@@ -200,13 +156,13 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
             view_steps++;
         }
     }
-    [[unroll]] for (uint k = 0; k < block_steps(); k++)
+    [[unroll]] for (uint k = 0; k < BLOCK_STEPS; k++)
         block.lit |= block.densities[k] > 0.0 ? 1u << k : 0u;
-    if (count < block_steps())
+    if (count < BLOCK_STEPS)
         block.lit &= (1u << count) - 1u;
     if (!SKIPS) {
-        density_evaluations += min(count, block_steps());
-        view_steps += min(count, block_steps());
+        density_evaluations += min(count, BLOCK_STEPS);
+        view_steps += min(count, BLOCK_STEPS);
     }
 }
 
@@ -214,11 +170,6 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
 float density_of(Block block, uint k)
 {
     bool is_odd = (k & 1u) != 0u, is_upper = (k & 2u) != 0u;
-    if (ON_CPU) {
-        vec2 pair = is_odd ? vec2(block.densities[1], block.densities[3])
-                           : vec2(block.densities[0], block.densities[2]);
-        return is_upper ? pair.y : pair.x;
-    }
     vec4 pairs = is_odd ? vec4(block.densities[1], block.densities[3], block.densities[5],
                                block.densities[7])
                         : vec4(block.densities[0], block.densities[2], block.densities[4],
@@ -243,7 +194,7 @@ void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float st
     sums.distance_m += t_m * seen;
     sums.depth += step_depth;
     sums.through *= through_step;
-    if (ON_CPU && sums.through < 1e-18)
+    if (DROPS_SMALL_NUMBERS && sums.through < 1e-18)
         sums.through = 0.0;
 }
 
@@ -254,36 +205,21 @@ void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float p
 {
     SunWay sun = sun_way(ray);
     vec3 first = way.start + first_m * way.per_m, step = step_m * way.per_m;
-    uint end = own(run.end_step);
+    uint end = run.end_step;
     Block block;
-    for (uint i = own(run.first_step);;) {
-        float t_m;
-        vec3 place;
-        for (;;) { // on a CPU on to where some ray finds something
-            t_m = first_m + float(i) * step_m;
-            place = first + float(i) * step;
-            fetch_block(place, step, t_m, step_m, ray, end - i, block);
-            i += block_steps();
-            if (!ON_CPU)
-                break;
-            if (subgroupAny(i >= end || block.lit != 0u)) // a vote alone, as in march.glsl
-                break;
-        }
-        for (;;) { // a GPU leaves it at its start; lavapipe would do the rest of a turn for nobody
-            if (!ON_CPU && block.lit == 0u)
-                break;
+    for (uint i = run.first_step; i < end; i += BLOCK_STEPS) {
+        float t_m = first_m + float(i) * step_m;
+        vec3 place = first + float(i) * step;
+        fetch_block(place, step, t_m, step_m, ray, end - i, block);
+        for (; block.lit != 0u; block.lit &= block.lit - 1u) {
             uint k = uint(findLSB(block.lit));
-            if (!ON_CPU || block.lit != 0u)
-                add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
-                             per_full_m * step_m * density_of(block, k), sun, sums);
-            block.lit &= block.lit - 1u;
-            if (ON_CPU && block.lit == 0u)
-                break;
+            add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,
+                         per_full_m * step_m * density_of(block, k), sun, sums);
         }
-        if (i >= end)
-            break;
     }
 }
+
+#include "march_texture_cpu.glsl"
 
 // The steps of this run, as march() has them.
 void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
@@ -294,8 +230,12 @@ void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
     TextureSums own_sums = TextureSums(0.0, 0.0, depth, transmittance(depth));
     sums.scattered.excess = vec4(0.0); // known, so that no register keeps it along the ray
     sums.depth = sum_zero();
-    add_steps(ray, stretch.t0_m + place * step_m, step_m, way,
-              way.full_per_m * frame.media[0].extinction_color.x, own_sums);
+    float first_m = stretch.t0_m + place * step_m;
+    float per_full_m = way.full_per_m * frame.media[0].extinction_color.x;
+    if (STEPS_TOGETHER)
+        add_steps_together(ray, first_m, step_m, way, per_full_m, own_sums);
+    else
+        add_steps(ray, first_m, step_m, way, per_full_m, own_sums);
     vec3 light = own_sums.light * frame.sun_irradiance * frame.media[0].albedo;
     sums.scattered.value = vec4(sums.scattered.value.xyz + light, own_sums.depth);
     sums.distance_m += own_sums.distance_m;

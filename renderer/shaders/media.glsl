@@ -13,6 +13,7 @@ layout(std430, binding = 2) readonly buffer GridValues {
 };
 
 #include "solids.glsl" // TRAITS, for all
+#include "device_forms.glsl"
 
 #ifdef SEES_GRID_TEXELS
 // Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
@@ -61,7 +62,6 @@ const uint SHAPE_KINDS = KINDS & ~FOG_KINDS;
 const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // no closed form of the optical depth
 
 const bool LAMPS = (TRAITS & NEPH_GPU_LAMPS) != 0u; // there are lights beside the sun
-const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
 const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // 0: any number
 const uint KNOWN_KINDS = TRAITS >> NEPH_GPU_KINDS_SHIFT;
 
@@ -189,8 +189,8 @@ uint layer_count_of(uint m)
                             : own(frame.media[m].layer_count);
 }
 
-// What all steps of a ray ask of an only medium, read once for a thread of a CPU as to_sun() is.
-const bool IS_KEPT = ON_CPU && KNOWN_MEDIA == 1u;
+// What all steps of a ray read of an only medium, as to_sun().
+const bool IS_KEPT = READS_FRAME_ONCE && KNOWN_MEDIA == 1u;
 
 struct KeptMedium {
     vec3 low_m, high_m, albedo, extinction_color;

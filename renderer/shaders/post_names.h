@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the picture chain, their twins in C and its table of options have in
-// common: this file is both GLSL and C. What a setting means is said once, in
+// Names that the shaders of the picture chain, their CPU references and its table of options have
+// in common: this file is both GLSL and C. What a setting means is said once, in
 // renderer/post/options.c; `neph post --list` prints it.
 #ifndef NEPH_POST_NAMES_H
 #define NEPH_POST_NAMES_H

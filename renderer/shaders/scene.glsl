@@ -110,14 +110,14 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
-// Whether a point of a medium does, which is not asked where no solid is in the way of any medium.
-// lavapipe, which would run both sides of that and the body of a loop that nobody enters, has it in
-// its kernels; a GPU has one kernel for all pictures of a sequence.
+// Whether a point of a medium does, which is not computed where no solid is in the way of any
+// medium.
 const bool SHADED = (TRAITS & NEPH_GPU_SHADED) != 0u;
 
 bool medium_sees_sun(vec3 point_m)
 {
-    return !SHADED || (!ON_CPU && frame.solids_shade == 0u) || sees_sun(point_m, NO_SOLID);
+    return !SHADED || (BRANCHES_ON_FRAME && frame.solids_shade == 0u) ||
+           sees_sun(point_m, NO_SOLID);
 }
 
 // Whether a point that is in no solid sees as far.

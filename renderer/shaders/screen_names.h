@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the screen, their twins in C and its table of options have in common:
-// this file is both GLSL and C. What a setting means is said once, in renderer/screen/options.c;
-// `neph engines screen` prints it.
+// Names that the shaders of the screen, their CPU references and its table of options have in
+// common: this file is both GLSL and C. What a setting means is said once, in
+// renderer/screen/options.c; `neph engines screen` prints it.
 #ifndef NEPH_SCREEN_NAMES_H
 #define NEPH_SCREEN_NAMES_H
 

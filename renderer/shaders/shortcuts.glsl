@@ -7,19 +7,21 @@
 #define NEPH_SHORTCUTS_GLSL
 
 #include "scene.glsl"
+#include "settings/march_shortcut_bits.h"
 
-// Bits as shortcut_bits() in renderer/march_cut.c sets them.
+// Bits of settings (renderer/march_settings.toml), and of neph_march_constants().
 layout(constant_id = 5) const uint SHORTCUTS = 0;
-const bool CACHES_SUN = (SHORTCUTS & 1u) != 0u && SHAPE_KINDS != 0u;
-const bool SKIPS = (SHORTCUTS & 2u) != 0u && SHAPE_KINDS != 0u;
-const bool ENDS_EARLY = (SHORTCUTS & 4u) != 0u;
-const bool GROWS = (SHORTCUTS & 8u) != 0u;
-const bool GROWS_BY_DEPTH = (SHORTCUTS & 8192u) != 0u;
-const bool GROWS_SUN_RAYS = (SHORTCUTS & 256u) != 0u; // or has them in a cone
-const bool CONES_SUN_RAYS = (SHORTCUTS & 512u) != 0u;
+const bool CACHES_SUN = (SHORTCUTS & NEPH_SHORTCUT_SUN_CACHE) != 0u && SHAPE_KINDS != 0u;
+const bool SKIPS = (SHORTCUTS & NEPH_SHORTCUT_SKIP) != 0u && SHAPE_KINDS != 0u;
+const bool ENDS_EARLY = (SHORTCUTS & NEPH_SHORTCUT_EARLY_OUT) != 0u;
+const bool GROWS = (SHORTCUTS & NEPH_SHORTCUT_STEP_GROWTH) != 0u;
+const bool GROWS_BY_DEPTH = (SHORTCUTS & NEPH_SHORTCUT_DEPTH_GROWTH) != 0u;
+const uint SUN_RAY_BITS = NEPH_SHORTCUT_SUN_GROWTH | NEPH_SHORTCUT_SUN_CONE;
+const bool GROWS_SUN_RAYS = (SHORTCUTS & SUN_RAY_BITS) != 0u; // or has them in a cone
+const bool CONES_SUN_RAYS = (SHORTCUTS & NEPH_SHORTCUT_SUN_CONE) != 0u;
 const bool MANY_OCTAVES = (SHORTCUTS & 4096u) != 0u; // more than a ray keeps the phases of
 const bool SUNLIT_TEXTURE = (SHORTCUTS & 2048u) != 0u; // media emit nothing and see the sun
-const bool MAPS_SHADOW = (SHORTCUTS & 32u) != 0u && SHAPE_KINDS != 0u;
+const bool MAPS_SHADOW = (SHORTCUTS & NEPH_SHORTCUT_CLOUD_SHADOW) != 0u && SHAPE_KINDS != 0u;
 
 // --- steps of a stretch -----------------------------------------------------------------------
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The sky of a planet, the twin of renderer/sky/: what the air is, who looks at it, and light along
-// a ray from its tables. These lie one behind the other in one buffer: transmittance to the sun,
-// moments of the field and irradiance of the ground, what is seen from each place, and the air
-// before the camera (renderer/sky/tables.h).
+// The sky of a planet, whose CPU reference is renderer/sky/: what the air is, who looks at it, and
+// light along a ray from its tables. These lie one behind the other in one buffer: transmittance to
+// the sun, moments of the field and irradiance of the ground, what is seen from each place, and the
+// air before the camera (renderer/sky/tables.h).
 #ifndef NEPH_SKY_GLSL
 #define NEPH_SKY_GLSL
 

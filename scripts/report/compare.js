@@ -84,8 +84,8 @@
     const size = maps[0].size_px;
     const block = maps[0].block_px;
     return [el("h3", null, maps[0].title), block > 1 && el("p", { class: "small soft" },
-      `The largest value of each ${block} x ${block} pixels.`), legend(maps[0]), pictures(size, maps.map((map) =>
-      card(data.names[map.side], map.src, size)))];
+      `The largest value of each ${block} x ${block} pixels.`), legend(maps[0]),
+    pictures(size, maps.map((map) => card(data.names[map.side], map.src, size)))];
   }
 
   const maps = () => data.maps.length > 0 && section("maps", "Maps",

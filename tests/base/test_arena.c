@@ -49,12 +49,4 @@ static void test_a_shortage_is_remembered(void **state)
     neph_arena_finish(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pieces_are_zeroed_and_apart),
-        cmocka_unit_test(test_a_list_grows),
-        cmocka_unit_test(test_a_shortage_is_remembered),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

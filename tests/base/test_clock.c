@@ -28,11 +28,4 @@ static void test_cpu_time_passes_in_work_and_not_in_sleep(void **state)
         assert_true(neph_wall_s() - wall_start_s < 60.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_wall_time_passes_in_sleep),
-        cmocka_unit_test(test_cpu_time_passes_in_work_and_not_in_sleep),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

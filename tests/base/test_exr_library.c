@@ -165,9 +165,7 @@ static void test_what_is_unusual_about_a_file_is_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reads_as_the_library_does),
-        cmocka_unit_test(test_other_kinds_are_refused_by_name),
-        cmocka_unit_test(test_what_is_unusual_about_a_file_is_said),
+#include "cases/test_exr_library.inc"
     };
     return cmocka_run_group_tests(tests, make_files, scratch_teardown);
 }

@@ -217,14 +217,4 @@ static void test_inherited_sigchld(void **state)
     assert_alone(inherited_sigchld);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flag_and_descriptor),
-        cmocka_unit_test(test_second_ctrl_c_ends_the_program),
-        cmocka_unit_test(test_parallel_rows_stop),
-        cmocka_unit_test(test_children_are_stopped),
-        cmocka_unit_test(test_inherited_sigchld),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -154,16 +154,4 @@ static void test_presets_of_a_use(void **state)
     assert_null(neph_preset_of_use(presets, 2, 2));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_presets_of_a_use),
-        cmocka_unit_test(test_text_has_all_settings_and_reads_back),
-        cmocka_unit_test(test_wrong_settings_are_refused_with_what_is_allowed),
-        cmocka_unit_test(test_of_many_settings_those_alike_are_named),
-        cmocka_unit_test(test_words_that_are_gone_change_nothing),
-        cmocka_unit_test(test_presets_start_from_the_defaults),
-        cmocka_unit_test(test_a_preset_that_is_not_there_changes_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

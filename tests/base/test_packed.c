@@ -76,11 +76,4 @@ static void test_pictures_become_small(void **state)
     assert_true(there_and_back(&planes[1], 1, PIXELS) < raw * 5 / 8);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_bits_come_back),
-        cmocka_unit_test(test_pictures_become_small),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

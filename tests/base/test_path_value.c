@@ -38,11 +38,4 @@ static void test_a_path_that_is_too_long_is_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_path_is_as_one_in_memory),
-        cmocka_unit_test(test_a_path_that_is_too_long_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -57,12 +57,4 @@ static void test_paths_move(void **state)
     neph_move_paths(NULL, "/tmp/x1", NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_prefix_keeps_hint_and_position),
-        cmocka_unit_test(test_a_prefix_of_any_length),
-        cmocka_unit_test(test_paths_move),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

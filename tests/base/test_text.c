@@ -120,16 +120,4 @@ static void test_diags_are_fit_after_they_are_cut(void **state)
     assert_string_equal(diag.message, "cannot read 'caf\\xe9\\x1b[2J\\u009b'");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_that_is_fit_stays),
-        cmocka_unit_test(test_bytes_that_are_not_utf8_are_shown),
-        cmocka_unit_test(test_characters_that_act_are_shown),
-        cmocka_unit_test(test_what_does_not_fit_is_cut_between_characters),
-        cmocka_unit_test(test_any_bytes_become_fit),
-        cmocka_unit_test(test_a_copy_has_room_for_everything),
-        cmocka_unit_test(test_diags_are_fit_after_they_are_cut),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -112,15 +112,4 @@ static void test_a_call_that_hangs_is_left_alone(void **state)
     atomic_store(&released, 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_row_exactly_once),
-        cmocka_unit_test(test_negative_count_is_no_work),
-        cmocka_unit_test(test_result_does_not_depend_on_threads),
-        cmocka_unit_test(test_rows_run_at_the_same_time),
-        cmocka_unit_test(test_processor_count_follows_affinity),
-        cmocka_unit_test(test_a_call_that_hangs_is_left_alone),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -103,12 +103,4 @@ static void test_without_work(void **state)
     neph_workers_destroy(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_is_done),
-        cmocka_unit_test(test_as_many_at_a_time),
-        cmocka_unit_test(test_without_work),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

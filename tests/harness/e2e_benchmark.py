@@ -84,11 +84,32 @@ class Benchmark(NephCase):
 
     def test_the_table_says_what_it_found(self):
         done = self.benchmark("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle",
-                              "--size", "16x9", "--seconds", "0.3", "--set", "oracle:samples=4")
+                              "--size", "16x9", "--seconds", "0.3", "--set", "oracle:samples=4",
+                              "--all")
         self.assertIn("noise^2 x time", done.stdout)
         self.assertIn("times the time of tracer for the same noise", done.stdout)
         for words in ("  3 % error", "  1 % error", "noise^2 falls as time^"):
             self.assertEqual(done.stdout.count(words), 2, done.stdout)
+
+    def test_the_answer_is_which_engine_is_faster(self):
+        """Ten lines at most, the verdict first, with its interval; -q prints the verdict only."""
+        words = ("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle", "--size", "16x9",
+                 "--seconds", "0.1")
+        number = "[0-9.e+-]+"
+        verdict = (rf"(not told apart: )?(tracer|oracle): {number} times "
+                   rf"\({number} to {number}\) as fast as (oracle|tracer) for the same noise\n")
+        self.assertRegex(self.benchmark(*words).stdout, f"^{verdict}$")
+        lines = self.neph("benchmark", *words, "-o", self.folder / "out").stdout
+        self.assertRegex(lines, f"^{verdict}")
+        self.assertLessEqual(lines.count("\n"), 10)
+        self.assertIn("all numbers: --all or --json", lines.splitlines()[-1])
+
+    def test_the_answer_of_frames(self):
+        lines = self.neph("benchmark", "voxel_grid", "-e", "march,realtime", "--size", "16x9",
+                          "--repeat", "4", "--no-ceilings", "-o", self.folder / "out").stdout
+        self.assertRegex(lines, r"^(not told apart: )?(march|realtime): [0-9.e+]+ times as fast as "
+                                r"(realtime|march), [0-9.e+-]+ ms a frame against [0-9.e+-]+ ms\n")
+        self.assertLessEqual(lines.count("\n"), 10)
 
     def test_a_ladder_up_to_a_stated_error(self):
         """Both errors that are reported lie on it, whatever the machine's speed."""

@@ -70,6 +70,7 @@ RULES = [
     (r"baseline .*--night", "", {0, 65, 66}, False),  # another night than there is
     (r"baseline", "", {0, 66}, True),
     (r"store", "", {0, 66}, True),
+    (r"scenes .*--new", "--force", {0}, True),
     (r"(scenes|metrics)\b", "", {0}, True),
     (r"(engines|doctor)\b", "", {0, 3, 69}, True),
 ]
@@ -86,13 +87,29 @@ displays:
 colorspaces:
   - !<ColorSpace> {name: linear}
 """
+FOG = """name: my_fog
+title: Fog to a horizon
+physics: One layer, which both looks of fog have.
+camera: {position_m: [0, 20, 0], look_at_m: [0, 20, -100], vertical_fov_deg: 60}
+sun: {direction: [0.2, 0.3, -1], irradiance_w_per_m2: [5.5, 5, 4.5]}
+background_w_per_m2_sr: [0.6, 0.7, 0.8]
+scattering: single
+media:
+  - height_fog:
+      unreal_layers:
+        - {fog_density: 0.01, fog_height_falloff: 0.06, fog_height_m: 0}
+      albedo: [1, 1, 1]
+      phase: henyey_greenstein
+      asymmetry_g: 0.6
+fog_look: {inscattering_w_per_m2_sr: [0.45, 0.5, 0.55]}
+"""
 SWEEP = """title: Of one's own
 light: octaves
 width_px: 16
 height_px: 9
 frames: 16
 warm_up: 4
-truth_samples: 2
+truth_samples: 4
 rounds: 1
 seeds: 1
 series:
@@ -133,15 +150,17 @@ def make_frames(folder):
         path.write_bytes(frames.png_bytes(WIDTH, HEIGHT, rgb))
 
     depths = [5.0 if i % WIDTH < WIDTH / 2 else 500.0 for i in range(WIDTH * HEIGHT)]
-    for i, name in enumerate(("exact", "march", "reference", "still", "a", "b", "cloud")):
+    for i, name in enumerate(("exact", "march", "reference", "test", "before", "after", "still",
+                              "a", "b", "cloud")):
         frames.grey_exr(folder / f"{name}.exr", WIDTH, HEIGHT, values(i), Z=depths)
     for i, name in enumerate(("old", "new", "ref", "before", "after")):
         picture(folder / f"{name}.png", i)
-    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b", "half",
-                                 "walk", "before", "after")):
+    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b",
+                                 "half", "walk", "before", "after", "reference", "test")):
         (folder / name).mkdir()
+        stem = "f" if name == "test" else "frame"
         for frame in range(LENGTH):
-            frames.grey_exr(folder / name / f"frame.{frame:04}.exr", WIDTH, HEIGHT,
+            frames.grey_exr(folder / name / f"{stem}.{frame:04}.exr", WIDTH, HEIGHT,
                             values(seed + frame), Z=depths)
     (folder / "game").mkdir()
     for frame in range(16):
@@ -151,14 +170,14 @@ def make_frames(folder):
 def make_files(folder):
     make_frames(folder)
     scenes = ROOT / "scenes"
-    for source, name in (("catalog/fog_look_clouds.yaml", "my_fog.yaml"),
-                         ("catalog/fog_look_clouds.yaml", "my_clouds.yaml"),
+    for source, name in (("catalog/fog_look_clouds.yaml", "my_clouds.yaml"),
                          ("studies/display/walk_out.yaml", "walk.yaml"),
                          ("studies/display/walk_out_chain.yaml", "walk_out_chain.yaml"),
                          ("studies/display/walk_out_chain.yaml", "chain.yaml")):
         text = (scenes / source).read_text()
         stem = pathlib.Path(name).stem
         (folder / name).write_text(re.sub(r"^name: .*", f"name: {stem}", text, flags=re.MULTILINE))
+    (folder / "my_fog.yaml").write_text(FOG)
     (folder / "my_sweep.yaml").write_text(SWEEP)
     (folder / "config.ocio").write_text(OCIO)
 
@@ -175,6 +194,7 @@ class Examples(unittest.TestCase):
         path = f"{cls.folder / '.bin'}:{os.environ['PATH']}"
         cls.environment = {**os.environ, "PATH": path, "SDL_VIDEODRIVER": "dummy"}
         cls.examples = list(examples())
+        neph_case.run("bake", "gaussian_blob", "cloud.vdb", "--resolution", "4", cwd=cls.folder)
 
     def paste(self, command, codes):
         done = subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment,
@@ -197,6 +217,7 @@ class Examples(unittest.TestCase):
         for verb, line in self.examples:
             words, codes, is_by_day = rule_of(line.strip())
             if is_by_day == by_day:
+                (self.folder / "my_fog.yaml").write_text(FOG)  # which an example writes anew
                 with self.subTest(verb=verb, example=line):
                     self.paste(command_of(line, words), codes)
                     ran += 1

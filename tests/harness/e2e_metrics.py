@@ -507,8 +507,8 @@ class Metrics(neph_case.NephCase):
         for options, rate in (((), 42), (("--fps", "24"), 24)):
             done = self.neph("flicker", "-r", still, self.folder / "seven.*.exr", "-m", "seen",
                              *options)
-            self.assertIn(f"display: {rate} frames a second, 60 pixels per degree, 0 EV, white 100 "
-                          f"cd/m2, dark surround", done.stdout)
+            self.assertIn(f"display: {rate} frames a second, 67.0206 pixels per degree, 0 EV, white "
+                          f"100 cd/m2, dark surround", done.stdout)
             self.assertRegex(
                 done.stdout,
                 rf"flicker: seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz "

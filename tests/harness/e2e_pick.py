@@ -166,6 +166,31 @@ class Pick(NephCase):
         self.assertFalse(best["found"])
         self.assertIn("good enough", said)
 
+    def test_configurations_of_some_engines_only(self):
+        """The choice has the engine or the name that was asked for, and the first line says it."""
+        words = ("--error", "1", "-o", "few")
+        for option, engine in ((("-e", "march"), "march"), (("--only", "fixed"), "realtime")):
+            found, _ = self.pick("voxel_grid", *words, *option, size="32x18")
+            self.assertEqual(found["engine"], engine)
+            others = found["left_out"] + found["kept"]
+            self.assertEqual({entry.get("with", entry.get("without"))["engine"] for entry in others}
+                             if option[0] == "-e" else {engine}, {engine})
+            lines = self.neph("pick", "voxel_grid", "--size", "32x18", *words, *option).stdout
+            self.assertLessEqual(lines.count("\n"), 10)
+            self.assertTrue(lines.startswith(f"{found['name']}: error {100 * found['error']:.3g} %"),
+                            lines)
+            self.assertIn("\nneph render voxel_grid --config few/pick.json\n", lines)
+        [verdict] = self.neph("pick", "voxel_grid", "--size", "32x18", "--error", "1e-6", "-e",
+                              "march", "-o", "few", "-q", code=1).stdout.splitlines()
+        self.assertRegex(verdict, "^nothing is good enough for error 0.0001 %: the best of [0-9]+ "
+                                  "configurations is march, ")
+        frames = self.folder / "none/store/frames"
+        self.check_refusals((64, ("'nope'", "realtime, march"), ("-e", "nope")),
+                            (64, ("'nope'", "march, scattered once"), ("--only", "nope")),
+                            (64, "both", ("-e", "march", "--only", "ours")),
+                            before=("pick", "voxel_grid", "--error", "0.5", "-o", "none"))
+        self.assertFalse(frames.exists() and any(frames.iterdir()))
+
     def test_what_is_refused(self):
         self.check_refusals(
             (64, "", ("voxel_grid",)), (64, "", ("voxel_grid", "--error", "-1")),

@@ -40,7 +40,7 @@ class Scaling(NephCase):
             for point in line["points"]:
                 point["seconds"] *= 2.0
         self.put("there.json", json.dumps(other))
-        words = ("voxel_grid", "--size", "32x18", "-q", "--other-device", "there.json")
+        words = ("voxel_grid", "--size", "32x18", "-q", "--all", "--other-device", "there.json")
         done = self.neph(*words)
         table = done.stdout.split("there/here\n")[1].splitlines()
         self.assertEqual(len(table), sum(len(line["points"]) for line in here["lines"]))
@@ -53,7 +53,7 @@ class Scaling(NephCase):
 
     @night.of_the_night
     def test_fog_has_no_voxels(self):
-        words = ("height_fog_level", "--size", "32x18", "-q", "--untimed")
+        words = ("height_fog_level", "--size", "32x18", "-q", "--all", "--untimed")
         done = self.neph(*words)
         self.assertIn("none: height_fog_level has fog alone, which has no voxels", done.stdout)
         self.assertIn("engine exact marches no ray", done.stdout)

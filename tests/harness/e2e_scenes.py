@@ -81,7 +81,7 @@ class Scenes(neph_case.NephCase):
                  "reason: r}\n")
         places = ["wrong.yaml:3:13: scattering: found 'some', expected one of none, single",
                   "wrong.yaml:6:38: media[0].grid.values[1]: -2 is outside 0 to 1e+06",
-                  "wrong.yaml:8:51: gates[0].metric: 'none' is no metric"]
+                  "wrong.yaml:8:49: gates[0].metric: 'none' is no metric"]
         for verb in (("scenes",), ("render",), ("validate", "-o", "out"), ("bake", "-o", "a.vdb")):
             with self.subTest(verb=verb):
                 said = self.neph(*verb, "wrong.yaml", code=65, silent=True).stderr

@@ -89,7 +89,8 @@ class Study(StudyCase):
     def test_tables_csv_and_plot_and_what_is_finished_is_not_rendered_again(self):
         arguments = (self.rest, "--preset", "fixed,fixed+taa=off", "--takes", "flicker,step")
         kept = self.interrupted(*arguments)
-        done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md"))
+        done = self.neph(*self.command(*arguments, "--csv", "all.csv", "--markdown", "all.md",
+                                       "--all"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
         for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by",
                      "16 frames tell periods of 2 to 4"):
@@ -106,6 +107,11 @@ class Study(StudyCase):
         # a picture of the rest, two of the step, averaged and not; takes
         self.assertEqual(len(entries), 2 + 4 + 4)
         self.assertEqual({path: entries[path] for path in kept}, kept)
+        lines = self.neph(*self.command(*arguments)).stdout
+        self.assertRegex(lines, r"^Flicker seen, contrast over threshold: fixed\S* [0-9.e+-]+, "
+                                r"fixed\S* [0-9.e+-]+: [0-9.e+-]+ times: not told apart, p = 1, "
+                                r".* \(1 scene, 1 seed\)\n")
+        self.assertLessEqual(lines.count("\n"), 10)
         again = self.study(*arguments)
         self.assertIn("taa=off", again["presets"][1]["settings"])
         self.assertEqual(len(again["results"]), len(rows))
@@ -113,6 +119,13 @@ class Study(StudyCase):
         by_one, by_two = (self.study(*arguments[:-1], "flicker", "-o", folder, "--jobs", jobs)
                            for folder, jobs in (("out/study", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
+
+    def test_seeds_begin_with_the_first(self):
+        words = (self.rest, "--preset", "fixed", "--takes", "flicker")
+        both, second = (self.json(*self.command(*words), *seeds)["results"]
+                        for seeds in (("--seeds", 2), ("--seed", 2)))
+        self.assertEqual([row for row in both if row["seed"] == 2], second)
+        self.assertEqual({row["seed"] for row in both}, {1, 2})
 
     def test_steps_do_not_depend_on_how_many_processes_render_them(self):
         found = []

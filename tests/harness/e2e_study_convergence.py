@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """`neph study convergence` as a user runs it."""
 import csv
+import re
 import unittest
 
 from neph_case import StudyCase
@@ -33,6 +34,10 @@ class StudyConvergence(StudyCase):
         self.assertEqual([line["settled_frame"] and float(line["settled_frame"]) for line in lines],
                          [row["settled_frame"] or "" for row in rows])
         self.assertEqual(self.json(*scenes, *LITTLE, "-o", "two", "--jobs", "2"), found)
+        lines = self.neph(*scenes, *LITTLE, "-o", "one").stdout
+        self.assertRegex(lines, f"^(not told apart from the next: )?{re.escape(PRESETS[1])}: "
+                                "settled at frame 1, final error ")
+        self.assertLessEqual(lines.count("\n"), 10)
 
     def test_what_is_refused(self):
         self.check_refusals((66, "nonesuch", ("nonesuch",)), (64, "which scenes?", ()),

@@ -39,6 +39,12 @@ class StudyPost(StudyCase):
                    for chain in chains.values() for number in ("scene_error", "scene_change")]
         self.assertGreater(sum(changed), 10)
         self.assertEqual(len(marks), 3 * len(chains) + sum(changed))
+        lines = self.neph("railings", *LITTLE).stdout
+        change = {name: chain["seen"] / curve["seen"] for name, chain in chains.items()
+                  if chain["seen"] and name != "Unreal's curve"}
+        most = max(change, key=change.get)
+        self.assertTrue(lines.startswith(f"most flicker: {most}, {change[most]:.3g} times"), lines)
+        self.assertLessEqual(lines.count("\n"), 10)
         text = (self.folder / "a.md").read_text()
         for name in chains:
             self.assertIn(f"| {name} |", text)

@@ -35,7 +35,7 @@ class StudyScreen(StudyCase):
         table = (self.folder / "a.md").read_text()
         self.assertIn("**ambient occlusion** [% of the hemisphere]", table)
         self.assertIn("| surface_rough | *no model can* |", table)
-        again = self.neph(*words)
+        again = self.neph(*words, "--all")
         self.assertEqual((self.folder / "a.md").read_text(), table)
         self.assertIn(table, again.stdout)
 

@@ -151,6 +151,32 @@ class Sweep(NephCase):
                          [("steps=4", "on all"), ("steps=16", "on all")])
         self.assertTrue((self.folder / "out/sweep/seed_2/sweep/index.html").exists())
 
+    def answer(self, *arguments):
+        """The lines of the answer, without progress."""
+        return self.neph("sweep", "voxel_grid", "--plan", "plan.yaml", *arguments).stdout.splitlines()
+
+    def test_the_answer_is_the_cheapest_series_at_an_error(self):
+        """The verdict by its definition, from the numbers of JSON."""
+        self.put("plan.yaml", PLAN.replace("seeds: 2", "seeds: 1").replace(", lag_at: 16", ""))
+        words = ("--untimed", "--only", "march,ours")
+        points = json.loads(self.sweep(*words, "--json").stdout)["points"]
+        errors = sorted(point["error"]["value"] for point in points)
+        for error in (1.001 * errors[0], 1.001 * errors[2], 1.001 * errors[-1]):
+            good = [point for point in points if point["error"]["value"] <= error]
+            least = min(good, key=lambda point: point["evaluations"])
+            lines = self.answer(*words, "--error", f"{error:.9f}")
+            steps = least["label"].removeprefix("steps=")
+            self.assertTrue(lines[0].startswith(f"{least['series']}: {steps} steps for "), lines)
+            self.assertIn(f"off by {100 * least['error']['value']:.3g} %", lines[0])
+            self.assertLessEqual(len(lines), 10)
+            self.assertIn("sweep/index.html", lines[-1])
+        words += ("--error", "1e-6")
+        self.assertGreater(points[0]["to_finest"]["value"], 0.01)
+        [verdict] = self.answer(*words, "-q")
+        self.assertRegex(verdict, "^no series is within 0.0001 % of the truth: the nearest is .*: "
+                                  f"{100 * errors[0]:.3g} %")
+        self.assertIn("front of error", self.sweep(*words, "--all").stdout)
+
     def test_what_is_refused(self):
         self.put("plan.yaml", PLAN.replace("engine: march,", "engine: marsh,"))
         self.assertRegex(self.sweep(code=65).stderr, r"plan\.yaml:11:\d+: .*no engine 'marsh'")

@@ -172,6 +172,16 @@ class View(neph_case.NephCase):
         self.neph(reference, "-o", mine, code=64)
         self.assertEqual([path.name for path in mine.iterdir()], ["letter"])
 
+    def test_a_page_that_cannot_fit_is_refused_by_its_first_frames(self):
+        folder = self.folder / "long"
+        folder.mkdir()
+        for i in range(12):
+            write(folder / f"frame.{i:04d}.exr", picture("long", i, {}))
+        # Nobody gets as far as the last frame, which is none.
+        (folder / "frame.0011.exr").write_bytes(b"no frame")
+        self.refused(65, "larger than 0.02 MB: about 0.0", folder, "--page-limit", "0.02")
+        self.refused(65, "frame.0011.exr", folder)
+
     def test_a_table_with_a_hole_is_told(self):
         self.put("torn.cube", "LUT_3D_SIZE 2\n" + "0 1 0\n" * 7 + "nan 0 0\n")
         self.put("torn.ocio", OCIO.replace(

@@ -3,9 +3,13 @@
 """The main job while it runs: a page from the first scene on, one that says so when it was cut
 short, several processes at a time, and tiers by name."""
 import json
+import math
+import pathlib
 import re
+import struct
 import unittest
 
+import frames
 from neph_case import NephCase
 
 SCENES = ["scattering_slab_above", "absorbing_slab", "height_fog_level"]
@@ -92,6 +96,37 @@ class Watch(NephCase):
         self.assertEqual(self.data()["verdict"], "interrupted")
         self.neph(*command)
         self.assertEqual(len(self.data()["scenes"]), len(SCENES))
+
+    def test_noise_is_that_between_two_seeds(self):
+        self.neph("validate", SCENES[0], "-e", "exact", "-e", "oracle", "-e", "march", "--size",
+                  "32x18", "-q", "-o", self.out)
+        found = {frame["engine"]: frame for frame in self.data()["scenes"][0]["frames"]}
+        self.assertEqual((found["exact"]["noise"], found["march"]["noise"]), (None, None))
+        oracle = found["oracle"]
+        first, second = (frames.read_exr(pathlib.Path(oracle[key]))[2]
+                         for key in ("exr", "exr_second"))
+        pairs = [pair for c in "RGB" for pair in zip(first[c], second[c])]
+        noise = math.sqrt(0.5 * sum((a - b) ** 2 for a, b in pairs) / sum(a * b for a, b in pairs))
+        self.assertEqual(oracle["noise"]["unit"], "1")
+        self.assertAlmostEqual(oracle["noise"]["value"] / noise, 1, places=9)  # sums of doubles
+        self.assertIn(f"{100 * noise:.2g} % of the rms radiance", oracle["noise"]["text"])
+
+    def test_scenes_of_the_quick_tier_have_sizes_of_their_own(self):
+        # Only `exact`, which is quick at any size and has nothing to be compared with.
+        command = ("validate", "-e", "exact", "--no-charts", "-q", "-o", self.out)
+        self.neph(*command, code=1)
+        sizes = {scene["name"]: scene["size_px"] for scene in self.data()["scenes"]}
+        self.assertEqual((sizes["cumulus"], sizes["colonnade"]), ([320, 180], [320, 180]))
+        self.assertEqual(sizes["scattering_slab_above"], [96, 54])
+        for scene in self.data()["scenes"]:
+            for frame in (frame for frame in scene["frames"] if frame["picture"]):
+                picture = (self.out / "report" / frame["picture"]).read_bytes()
+                self.assertEqual(list(struct.unpack(">II", picture[16:24])), scene["size_px"])
+                self.assertIsNone(frame["speed"])
+        counts = self.data()["counts"]
+        self.assertEqual((counts["expected"], counts["reported"]), (len(sizes), len(sizes)))
+        self.neph(*command, "--size", "16x9", code=1)
+        self.assertEqual({tuple(scene["size_px"]) for scene in self.data()["scenes"]}, {(16, 9)})
 
     def test_tiers_have_names(self):
         self.check_refusals(

@@ -96,49 +96,50 @@ physics fast      | quick | validate --suite physics --check single_slab -e exac
 physics           | full  | validate --suite physics --samples 16 --json
 stress            | quick | validate --suite failure --json -q
 stress pages      | quick | validate --suite failure --only fog_none --pictures all --preset fixed
-study steps       | quick | study steps march height_fog_up --size 16x9
+study steps       | quick | study steps march height_fog_up --size 16x9 --all
 study steps more  | full  | study steps povray height_fog_up --size 16x9 --json
 study flicker     | quick | study flicker fence_pitch4 --presets fixed,ours --seeds 1 --frames 16 \
             --size 32x18 --steps 3 --json --csv a.csv --markdown a.md -q
 study flicker more | full  | study flicker fence_pitch4 foliage --presets seed,ours --seeds 2 \
-            --frames 16 --size 32x18 --steps 3
+            --frames 16 --size 32x18 --steps 3 --all
 study light       | quick | study light cloud_below --suns 50:180 --size 12x8 --noise 0.5 \
             --samples 4 --steps 32 --json --csv a.csv --markdown a.md -q
 study light more  | full  | study light cloud_below gaussian_blob --laws --fit fit.inc --size 12x8 \
-            --noise 0.5 --samples 4 --steps 32
+            --noise 0.5 --samples 4 --steps 32 --all
 study fog         | quick | study fog fog_look_evening --size 12x8 --directions 64 --json --csv \
             a.csv --markdown a.md
-study fog more    | full  | study fog fog_look_ridge
+study fog more    | full  | study fog fog_look_ridge --all
 study sky         | quick | study sky --size 8x8 --truth oracle --samples 64 --suns 30 --altitudes \
             2 --models sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
             --json --markdown a.md -q
-study sky more    | full  | study sky --size 8x8 --samples 64 --suns 30,-30 --altitudes 2
+study sky more    | full  | study sky --size 8x8 --samples 64 --suns 30,-30 --altitudes 2 --all
 study screen      | quick | study screen surface_step --size 24x14 --samples 64 --models \
             screen+gi=off+warm_up=0+ssr_rays=1 --json --markdown a.md -q
 study screen more | full  | study screen surface_step surface_rough --size 24x14 --samples 64 \
-            --frames 16
+            --frames 16 --all
 study post        | quick | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 \
             --chains grain --json --csv a.csv --markdown a.md -q
-study post more   | full  | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4
+study post more   | full  | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 --all
 sweep             | quick | sweep voxel_grid --plan plan.yaml --untimed --json --csv a.csv -q
-sweep more        | full  | sweep voxel_grid --plan plan.yaml --untimed --only march --seeds 2
-sweep more        | full  | sweep voxel_grid --untimed --size 32x18 --only march,ours -o of_neph
+sweep more        | full  | sweep voxel_grid --plan plan.yaml --untimed --only march --seeds 2 --all
+sweep more        | full  | sweep voxel_grid --plan sweep --untimed --size 32x18 --only march,ours \
+            -o of_neph --all
 sweep with times  | full  | sweep voxel_grid --plan plan.yaml --json
 ablation          | quick | ablate fence_backlit --only split --size 32x16 --steps 3 --frames 16 \
-            --seeds 1 -q
+            --seeds 1 -q --all
 ablation more     | full  | ablate fence_backlit foliage --size 32x16 --steps 3 --frames 16 \
             --seeds 1 --json -q
 scaling           | full  | scaling voxel_grid --untimed --size 32x18 --json -q
 pick              | quick | pick height_fog_level --error 0.01 --size 64x36 --json -q
-pick more         | full  | pick voxel_grid --error 0.25 --flicker 4 --size 32x18
+pick more         | full  | pick voxel_grid --error 0.25 --flicker 4 --size 32x18 --all
 pick more         | full  | pick fence_backlit foliage --presets seed,fixed,ours --frames 16 \
-            --size 32x18 --steps 3 --least flicker --half-life 8 -o presets
+            --size 32x18 --steps 3 --least flicker --half-life 8 -o presets --all
 benchmark         | quick | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
             --seconds 0.2 --json -q
 benchmark more    | full  | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
-            --seconds 0.2
+            --seconds 0.2 --all
 benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --json -q
-benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8
+benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --all
 conform           | quick | conform --scene height_fog_level -e march --size 32x18 -o a
 conform           | quick | conform a a
 conform more      | full  | conform --scene height_fog_level --scene voxel_grid --size 32x18 \

@@ -473,24 +473,4 @@ static void test_output_holds_every_number(void **state)
     neph_ablation_finish(&ablation);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_parts_name_settings_and_each_other),
-        cmocka_unit_test(test_parts_of_the_plain_pipeline_keep_apart),
-        cmocka_unit_test(test_ours_has_every_part_but_the_dithered_upscale),
-        cmocka_unit_test(test_parts_of_the_air_are_asked_for),
-        cmocka_unit_test(test_the_plain_pipeline_has_no_part),
-        cmocka_unit_test(test_no_setting_of_ours_is_forgotten),
-        cmocka_unit_test(test_a_plan_has_each_configuration_once),
-        cmocka_unit_test(test_a_part_that_is_not_there_is_refused),
-        cmocka_unit_test(test_measures_are_metrics_of_a_flicker_study),
-        cmocka_unit_test(test_an_effect_is_students_interval_over_scenes),
-        cmocka_unit_test(test_little_is_nothing),
-        cmocka_unit_test(test_scenes_without_a_number_are_left_out),
-        cmocka_unit_test(test_advice),
-        cmocka_unit_test(test_changes_in_words),
-        cmocka_unit_test(test_output_holds_every_number),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

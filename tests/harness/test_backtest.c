@@ -533,11 +533,7 @@ int main(int argc, char **argv)
     if (argc == 2)
         return rehearse(argv[1]);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intervals_of_rates),
-        cmocka_unit_test(test_quiet_nights_are_quiet),
-        cmocka_unit_test(test_planted_changes_are_found),
-        cmocka_unit_test(test_nights_are_drawn_from_a_store),
-        cmocka_unit_test(test_nights_of_a_loaded_machine),
+#include "cases/test_backtest.inc"
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

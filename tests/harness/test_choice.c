@@ -157,14 +157,4 @@ static void test_presets_and_guests_in_words(void **state)
                      NEPH_ERR_USAGE);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_front_and_who_beats_the_rest),
-        cmocka_unit_test(test_budgets_and_the_least),
-        cmocka_unit_test(test_time_is_weighed_when_it_is_asked_for),
-        cmocka_unit_test(test_levels_are_geometric_means),
-        cmocka_unit_test(test_presets_and_guests_in_words),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

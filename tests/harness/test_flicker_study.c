@@ -357,21 +357,4 @@ static void test_output_holds_every_number_and_says_why_some_do_not_count(void *
     neph_flicker_study_finish(&study);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_metrics_are_of_the_extractors_of_their_takes),
-        cmocka_unit_test(test_settings_say_what_the_variants_do),
-        cmocka_unit_test(test_a_reference_has_no_shadow_map),
-        cmocka_unit_test(test_suites_hold_scenes_that_are_there),
-        cmocka_unit_test(test_an_unknown_suite_is_refused_with_those_there_are),
-        cmocka_unit_test(test_a_scene_in_both_suites_is_refused),
-        cmocka_unit_test(test_a_pair_is_students_interval_over_scenes),
-        cmocka_unit_test(test_what_takes_no_part),
-        cmocka_unit_test(test_a_bound_keeps_its_scene),
-        cmocka_unit_test(test_few_scenes_have_no_interval),
-        cmocka_unit_test(test_a_ranking_that_turns_with_the_display_is_none),
-        cmocka_unit_test(test_output_holds_every_number_and_says_why_some_do_not_count),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -138,16 +138,4 @@ static void test_speed_follows_the_scene(void **state)
     neph_assert_close(neph_fly_camera_of(&scene).speed_m_per_s, 5.0, ROUNDING, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_it_begins_with_the_scenes_own_bits_and_keeps_them_at_rest),
-        cmocka_unit_test(test_each_way_is_an_axis_of_the_view),
-        cmocka_unit_test(test_it_turns_right_and_up_about_where_it_stands),
-        cmocka_unit_test(test_it_never_looks_straight_up),
-        cmocka_unit_test(test_solids_are_not_entered),
-        cmocka_unit_test(test_it_stays_where_a_scene_file_may_put_it),
-        cmocka_unit_test(test_speed_follows_the_scene),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

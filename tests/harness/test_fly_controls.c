@@ -157,18 +157,4 @@ static void test_what_is_no_script_is_refused_by_its_word(void **state)
     neph_assert_ok(neph_fly_script_check("", NULL), NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_held_keys_fly_until_they_are_let_go),
-        cmocka_unit_test(test_nothing_is_held_without_the_focus),
-        cmocka_unit_test(test_the_mouse_turns_with_the_right_button_or_captured),
-        cmocka_unit_test(test_the_line_of_the_wipe_is_dragged),
-        cmocka_unit_test(test_the_wheel_changes_the_speed),
-        cmocka_unit_test(test_orders_come_in_their_order_and_not_without_end),
-        cmocka_unit_test(test_each_preset_has_a_key),
-        cmocka_unit_test(test_a_script_presses_keys_frame_by_frame),
-        cmocka_unit_test(test_what_is_no_script_is_refused_by_its_word),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -275,19 +275,4 @@ static void test_passes_are_those_of_the_frame(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_codes_are_those_of_the_display),
-        cmocka_unit_test(test_a_pixel_with_a_nan_is_magenta),
-        cmocka_unit_test(test_letters_of_all_texts_are_there_and_differ),
-        cmocka_unit_test(test_text_stays_on_the_canvas),
-        cmocka_unit_test(test_pixels_are_made_larger_and_the_line_stands_on_them),
-        cmocka_unit_test(test_an_error_is_that_of_all_channels),
-        cmocka_unit_test(test_flicker_is_that_of_the_metric),
-        cmocka_unit_test(test_large_pictures_are_looked_at_in_steps),
-        cmocka_unit_test(test_a_median_is_of_what_was_measured),
-        cmocka_unit_test(test_passes_are_those_of_the_frame),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

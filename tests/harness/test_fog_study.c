@@ -165,16 +165,4 @@ static void test_refusals(void **state)
     assert_non_null(strstr(diag.message, "without a look"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_physics_is_off_by_nothing),
-        cmocka_unit_test(test_energy_over_the_sphere),
-        cmocka_unit_test(test_a_jump_is_found_where_it_is),
-        cmocka_unit_test(test_the_seam_of_a_series_is_found),
-        cmocka_unit_test(test_a_lobe_beside_the_suns_light),
-        cmocka_unit_test(test_near_fog_by_physics),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -194,15 +194,4 @@ static void test_noise_is_known(void **state)
     neph_image_destroy(b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_step_spans_its_part_of_the_depth),
-        cmocka_unit_test(test_long_steps_are_warned_of),
-        cmocka_unit_test(test_the_step_bias_of_a_slab),
-        cmocka_unit_test(test_of_many_steps_no_bias_is_estimated),
-        cmocka_unit_test(test_scenes_have_seeds_of_their_own),
-        cmocka_unit_test(test_noise_is_known),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -61,12 +61,4 @@ static void test_texts_that_are_only_read_are_cleaned(void **state)
     json_decref(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_list_without_one_of_its_rows_is_none),
-        cmocka_unit_test(test_somebody_elses_list_stays_and_the_caller_hears),
-        cmocka_unit_test(test_texts_that_are_only_read_are_cleaned),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

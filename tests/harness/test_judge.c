@@ -272,19 +272,4 @@ static void test_words(void **state)
     assert_int_equal(neph_series_kind_of("slow"), NEPH_SERIES_KINDS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fixed_series),
-        cmocka_unit_test(test_a_drawn_series_by_its_errors),
-        cmocka_unit_test(test_repeated_bits_are_one_draw),
-        cmocka_unit_test(test_all_chances_share_one_alpha),
-        cmocka_unit_test(test_durations),
-        cmocka_unit_test(test_the_floor_is_what_can_be_seen),
-        cmocka_unit_test(test_an_engine_over_all_scenes),
-        cmocka_unit_test(test_one_busy_night_switches_no_mean_off),
-        cmocka_unit_test(test_a_stale_truth),
-        cmocka_unit_test(test_words),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

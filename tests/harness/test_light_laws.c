@@ -133,13 +133,4 @@ static void test_cases(void **state)
         assert_true(of_law[law] > 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_furnace_of_a_thin_ball),
-        cmocka_unit_test(test_fluxes_of_a_slab),
-        cmocka_unit_test(test_reciprocity_of_a_slab),
-        cmocka_unit_test(test_cases),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

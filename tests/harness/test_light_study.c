@@ -401,25 +401,4 @@ static void test_suites_share_nothing(void **state)
     neph_arena_finish(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bins),
-        cmocka_unit_test(test_sums_without_noise),
-        cmocka_unit_test(test_noise_is_taken_out),
-        cmocka_unit_test(test_view_of_a_slab),
-        cmocka_unit_test(test_view_past_media),
-        cmocka_unit_test(test_lit_between_scales),
-        cmocka_unit_test(test_octaves_of_a_slab),
-        cmocka_unit_test(test_fit_finds_its_truth),
-        cmocka_unit_test(test_octaves_of_a_medium),
-        cmocka_unit_test(test_sweeps),
-        cmocka_unit_test(test_entries),
-        cmocka_unit_test(test_suites_cover),
-        cmocka_unit_test(test_verdicts_of_parts),
-        cmocka_unit_test(test_models_offered),
-        cmocka_unit_test(test_models_by_name),
-        cmocka_unit_test(test_suites_share_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

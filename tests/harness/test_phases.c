@@ -24,11 +24,4 @@ static void test_what_is_no_density_is_off(void **state)
     assert_false(found.agrees);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_kinds_pass),
-        cmocka_unit_test(test_what_is_no_density_is_off),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -406,10 +406,7 @@ static void test_random_lights(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest engine_tests[] = {
-        cmocka_unit_test(test_eye_on_a_face),
-        cmocka_unit_test(test_eyes_on_random_faces),
-        cmocka_unit_test(test_lights_near_rays),
-        cmocka_unit_test(test_random_lights),
+#include "cases/test_povray_near.inc"
     };
     if (neph_test_wants_engines(argc, argv))
         return test_has_engine(&neph_engine_povray)

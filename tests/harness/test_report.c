@@ -240,7 +240,7 @@ static void test_a_scene_may_have_no_viewer(void **state)
     assert_false(neph_path_exists(scratch_path(state, path, "out/report/view/fog")));
     write_frame(state, "march.exr", 0.5f);
     add_scene(state, &validation, "smoke");
-    validation.width_px = validation.height_px = 1024;
+    validation.scenes[1].width_px = validation.scenes[1].height_px = 1024;
     publish(report, &validation);
     assert_null(validation.scenes[1].viewer);
     inode_of(state, "out/report/images/smoke/march.png");

@@ -130,17 +130,4 @@ static void test_the_order_of_the_rungs_is_that_of_their_times(void **state)
     expect(mixed, 0.05 / 4.0, NEPH_RMSE_BEYOND, 16.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_laws_are_found_within_and_beyond),
-        cmocka_unit_test(test_a_rung_is_its_own_time),
-        cmocka_unit_test(test_bias_costs_time_and_is_a_floor),
-        cmocka_unit_test(test_a_bias_that_is_not_known_decides_nothing),
-        cmocka_unit_test(test_noise_that_does_not_fall_is_not_extrapolated),
-        cmocka_unit_test(test_the_last_crossing_counts),
-        cmocka_unit_test(test_times_that_tell_nothing_are_not_extrapolated),
-        cmocka_unit_test(test_the_order_of_the_rungs_is_that_of_their_times),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

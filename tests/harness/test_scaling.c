@@ -415,23 +415,4 @@ static void test_planted_fronts(void **state)
     assert_true(unstable > 9 * TRIALS / 10);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_power_law_has_its_exponent),
-        cmocka_unit_test(test_scatter_makes_an_interval),
-        cmocka_unit_test(test_verdicts_on_exponents),
-        cmocka_unit_test(test_lines_are_judged),
-        cmocka_unit_test(test_a_scene_of_so_many_voxels),
-        cmocka_unit_test(test_parts_for_motion),
-        cmocka_unit_test(test_parts_of_the_air),
-        cmocka_unit_test(test_the_ladder_has_engines_of_one_kind),
-        cmocka_unit_test(test_a_program_gets_variants_of_its_file),
-        cmocka_unit_test(test_the_ladder_has_a_guest),
-        cmocka_unit_test(test_fronts_hold_up_to_intervals),
-        cmocka_unit_test(test_intervals_hold_what_seeds_differ_by),
-        cmocka_unit_test(test_sweeps_share_no_seed),
-        cmocka_unit_test(test_planted_fronts),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -90,12 +90,4 @@ static void test_a_ball_and_the_ground(void **state)
     assert_true(shares[NEPH_LOST_BEHIND] > 0.0 && shares[NEPH_LOST_OFF] == 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_wall_that_goes_on_beyond_the_picture),
-        cmocka_unit_test(test_a_plate_over_the_ground),
-        cmocka_unit_test(test_a_ball_and_the_ground),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -157,13 +157,4 @@ static void test_a_row_may_end_early(void **state)
     neph_table_finish(&table);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_table_is_written_in_three_forms),
-        cmocka_unit_test(test_columns_of_a_width),
-        cmocka_unit_test(test_words_are_cleaned),
-        cmocka_unit_test(test_a_row_may_end_early),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

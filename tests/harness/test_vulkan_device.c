@@ -188,16 +188,4 @@ static void test_frames_are_those_of_a_device_of_their_own(void **state)
     neph_shared_device_close(&shared);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_it_is_kept_from_one_user_to_the_next),
-        cmocka_unit_test(test_a_user_outlives_the_sharing),
-        cmocka_unit_test(test_a_lost_device_is_replaced),
-        cmocka_unit_test(test_a_device_with_a_validation_message_is_replaced),
-        cmocka_unit_test(test_a_probe_opens_the_device_and_leaves_it_open),
-        cmocka_unit_test(test_without_a_driver_each_need_says_so),
-        cmocka_unit_test(test_frames_are_those_of_a_device_of_their_own),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -362,15 +362,4 @@ static void test_a_held_jitter_is_noise_until_it_is_declared(void **state)
     neph_assert_close(seen_of(&held) / seen_by_the_eye(&held), 1.0, 0.05, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nobody_gets_below_what_the_eye_sees),
-        cmocka_unit_test(test_a_period_of_two_seconds_loses_little),
-        cmocka_unit_test(test_nobody_hides_a_declared_period),
-        cmocka_unit_test(test_nobody_takes_out_of_the_budget),
-        cmocka_unit_test(test_a_jitter_of_seven_hides_from_no_one),
-        cmocka_unit_test(test_a_held_jitter_is_noise_until_it_is_declared),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

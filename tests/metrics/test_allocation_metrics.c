@@ -142,12 +142,4 @@ static void test_intervals(void **state)
     destroy_job(&job);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_masks_and_validity),
-        cmocka_unit_test(test_extractors),
-        cmocka_unit_test(test_intervals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

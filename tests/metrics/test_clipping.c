@@ -250,15 +250,4 @@ static void test_each_pixel_beyond_a_bound_is_counted(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shares_by_mask_frame_and_sequence),
-        cmocka_unit_test(test_exposure_and_white_itself),
-        cmocka_unit_test(test_an_error_beyond_the_display_is_no_perfect_match),
-        cmocka_unit_test(test_a_change_beyond_the_display_is_no_perfect_match),
-        cmocka_unit_test(test_the_bound_of_ssim_is_that_of_its_codes),
-        cmocka_unit_test(test_each_pixel_beyond_a_bound_is_counted),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

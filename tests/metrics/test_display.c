@@ -217,19 +217,4 @@ static void test_difference_refusals(void **state)
                      NEPH_ERR_INTERNAL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_codes),
-        cmocka_unit_test(test_outside_the_range),
-        cmocka_unit_test(test_ramp_against_closed_form),
-        cmocka_unit_test(test_the_baked_table_is_the_encoder),
-        cmocka_unit_test(test_encode_refusals),
-        cmocka_unit_test(test_stops_and_marks),
-        cmocka_unit_test(test_hue_tells_the_sign),
-        cmocka_unit_test(test_depth_and_sky),
-        cmocka_unit_test(test_luminance_of_colours),
-        cmocka_unit_test(test_difference_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

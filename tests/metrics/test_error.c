@@ -420,23 +420,4 @@ static void test_tables(void **state)
     assert_null(neph_quantity_find("R"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_two_pixels_by_hand),
-        cmocka_unit_test(test_the_plain_function_is_the_metric),
-        cmocka_unit_test(test_mask_and_scene_mean),
-        cmocka_unit_test(test_sign_is_test_minus_reference),
-        cmocka_unit_test(test_identical_images_are_exactly_zero),
-        cmocka_unit_test(test_equal_fireflies_are_trimmed),
-        cmocka_unit_test(test_depth_by_hand),
-        cmocka_unit_test(test_bad_pixels_make_undefined),
-        cmocka_unit_test(test_bad_depth_makes_undefined),
-        cmocka_unit_test(test_empty_mask_and_reference_without_a_mean),
-        cmocka_unit_test(test_relative_metrics_do_not_know_the_unit),
-        cmocka_unit_test(test_sums_are_in_double),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_tables),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

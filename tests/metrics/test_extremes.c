@@ -470,15 +470,4 @@ static void test_settings_at_their_ends(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_odd_sizes_of_images),
-        cmocka_unit_test(test_odd_sizes_of_sequences),
-        cmocka_unit_test(test_flat_and_extreme_contents),
-        cmocka_unit_test(test_bad_values_are_never_silent),
-        cmocka_unit_test(test_bad_values_in_further_layers),
-        cmocka_unit_test(test_settings_at_their_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -218,12 +218,4 @@ static void test_ends(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_check_value),   cmocka_unit_test(test_spread_of_experiments),
-        cmocka_unit_test(test_level),         cmocka_unit_test(test_thresholds_in_percent),
-        cmocka_unit_test(test_probabilities), cmocka_unit_test(test_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

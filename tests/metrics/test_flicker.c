@@ -711,31 +711,4 @@ static void test_table(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_luma_is_that_of_the_standard),
-        cmocka_unit_test(test_luma_at_its_ends),
-        cmocka_unit_test(test_period_of_four),
-        cmocka_unit_test(test_period_of_two),
-        cmocka_unit_test(test_blink),
-        cmocka_unit_test(test_ramp),
-        cmocka_unit_test(test_nothing_is_exactly_nothing),
-        cmocka_unit_test(test_streaming_is_the_definition),
-        cmocka_unit_test(test_small_flicker_on_a_large_value),
-        cmocka_unit_test(test_reference_is_compared_by_value),
-        cmocka_unit_test(test_blocks),
-        cmocka_unit_test(test_white_noise),
-        cmocka_unit_test(test_significance_of_a_cycle),
-        cmocka_unit_test(test_a_trend_changes_nothing),
-        cmocka_unit_test(test_only_whole_cycles_after_the_warm_up),
-        cmocka_unit_test(test_too_short),
-        cmocka_unit_test(test_ended_early),
-        cmocka_unit_test(test_slots_are_traced_in_turn),
-        cmocka_unit_test(test_phase_age_table),
-        cmocka_unit_test(test_a_phase_that_is_not_there),
-        cmocka_unit_test(test_bits_do_not_depend_on_threads),
-        cmocka_unit_test(test_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

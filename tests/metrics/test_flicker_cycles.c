@@ -508,27 +508,4 @@ static void test_table_is_sound(void **state)
     extraction_check_table(&neph_extractor_cycles);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_frequency_has_one_period),
-        cmocka_unit_test(test_few_frames_have_few_periods),
-        cmocka_unit_test(test_declared_periods_and_their_beats),
-        cmocka_unit_test(test_who_made_a_period),
-        cmocka_unit_test(test_pairs_are_found),
-        cmocka_unit_test(test_cycles_are_found_in_noise),
-        cmocka_unit_test(test_noise_has_no_cycles),
-        cmocka_unit_test(test_a_wrong_period_says_so),
-        cmocka_unit_test(test_parts_add_up_to_the_variance),
-        cmocka_unit_test(test_parts_are_what_was_planted),
-        cmocka_unit_test(test_a_mask_without_a_cycle_says_so),
-        cmocka_unit_test(test_what_few_frames_cannot_say),
-        cmocka_unit_test(test_a_declared_long_period),
-        cmocka_unit_test(test_a_bad_declaration_is_told),
-        cmocka_unit_test(test_the_reference_is_taken_out),
-        cmocka_unit_test(test_still_frames_have_nothing),
-        cmocka_unit_test(test_bits_do_not_depend_on_threads),
-        cmocka_unit_test(test_table_is_sound),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

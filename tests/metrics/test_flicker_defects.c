@@ -395,16 +395,4 @@ static void test_fireflies_are_not_called_cyclic(void **state)
     assert_true(count_called_cyclic(fireflies, 64) < share_max * NOISE_PIXEL_COUNT);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defects_get_their_names),
-        cmocka_unit_test(test_numbers_of_the_blinking_fence),
-        cmocka_unit_test(test_the_mean_would_not_tell),
-        cmocka_unit_test(test_a_turning_dither_cancels_in_blocks),
-        cmocka_unit_test(test_pure_functions),
-        cmocka_unit_test(test_noise_is_not_called_cyclic),
-        cmocka_unit_test(test_fireflies_are_not_called_cyclic),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

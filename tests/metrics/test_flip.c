@@ -887,32 +887,4 @@ static void test_a_mean_hides_wires(void **state)
     free_pictures(&pictures);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_second_implementation),
-        cmocka_unit_test(test_uniform_greys),
-        cmocka_unit_test(test_properties),
-        cmocka_unit_test(test_tiles_do_not_show),
-        cmocka_unit_test(test_largest_of_displays),
-        cmocka_unit_test(test_threads_do_not_show),
-        cmocka_unit_test(test_distance_out_of_range),
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_extractors_take_their_conditions),
-        cmocka_unit_test(test_hdr_second_implementation),
-        cmocka_unit_test(test_tone_inverses),
-        cmocka_unit_test(test_median_of_zero_is_no_agreement),
-        cmocka_unit_test(test_hdr_obstacles),
-        cmocka_unit_test(test_exposures_are_frozen),
-        cmocka_unit_test(test_one_exposure_is_enough),
-        cmocka_unit_test(test_negative_light_is_black),
-        cmocka_unit_test(test_hdr_symmetries),
-        cmocka_unit_test(test_alternation),
-        cmocka_unit_test(test_a_short_sequence_is_an_obstacle),
-        cmocka_unit_test(test_alternation_needs_whole_cycles),
-        cmocka_unit_test(test_numbers_through_the_meter),
-        cmocka_unit_test(test_not_a_number_is_not_black),
-        cmocka_unit_test(test_a_mean_hides_wires),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -315,17 +315,4 @@ static void test_sequence_too_short(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exponential_average),
-        cmocka_unit_test(test_published_number),
-        cmocka_unit_test(test_delay),
-        cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_floor_and_periods_not_given),
-        cmocka_unit_test(test_obstacles),
-        cmocka_unit_test(test_sequence_too_short),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

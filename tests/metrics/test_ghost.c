@@ -237,15 +237,4 @@ static void test_obstacle(void **state)
     extraction_check_table(&neph_extractor_ghost);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cards_behind_an_average),
-        cmocka_unit_test(test_sign),
-        cmocka_unit_test(test_ghost_that_moves_with_the_wall),
-        cmocka_unit_test(test_nothing_to_see),
-        cmocka_unit_test(test_one_frame),
-        cmocka_unit_test(test_obstacle),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -226,12 +226,4 @@ static void test_shared_codes(void **state)
     neph_image_destroy(tests[1]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fence_off_by_a_pixel), cmocka_unit_test(test_identical_images),
-        cmocka_unit_test(test_a_stop_brighter),      cmocka_unit_test(test_a_bad_pixel),
-        cmocka_unit_test(test_a_mask_in_the_margin), cmocka_unit_test(test_shared_codes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -704,27 +704,4 @@ static void test_sizes(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_against_numpy),
-        cmocka_unit_test(test_pu21_published),
-        cmocka_unit_test(test_codes_follow_their_formula),
-        cmocka_unit_test(test_pu_psnr_closed_form),
-        cmocka_unit_test(test_stops_closed_form),
-        cmocka_unit_test(test_stops_of_a_black_frame),
-        cmocka_unit_test(test_identical_images),
-        cmocka_unit_test(test_ssim_of_flat_images),
-        cmocka_unit_test(test_ssim_is_symmetric),
-        cmocka_unit_test(test_ssim_of_small_images),
-        cmocka_unit_test(test_ms_ssim_of_a_negative),
-        cmocka_unit_test(test_shift_tells_moved_from_wrong),
-        cmocka_unit_test(test_shift_of_noisy_edges),
-        cmocka_unit_test(test_every_move),
-        cmocka_unit_test(test_two_seeds_remove_the_noise),
-        cmocka_unit_test(test_two_seeds_by_hand),
-        cmocka_unit_test(test_sizes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -379,18 +379,4 @@ static void test_coverage_of_errors_larger_than_tiles(void **state)
     assert_coverage(coverage, IMAGES, 0.58, 0.78);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_percentiles_by_hand),
-        cmocka_unit_test(test_percentiles_against_sorting),
-        cmocka_unit_test(test_compensated_sum),
-        cmocka_unit_test(test_tiling_rule),
-        cmocka_unit_test(test_bootstrap_of_a_mean),
-        cmocka_unit_test(test_bootstrap_against_single_draws),
-        cmocka_unit_test(test_coverage),
-        cmocka_unit_test(test_coverage_is_fair_elsewhere),
-        cmocka_unit_test(test_coverage_of_errors_larger_than_tiles),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

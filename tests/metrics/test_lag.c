@@ -545,28 +545,4 @@ static void test_trail_needs_the_card(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exponential_average),
-        cmocka_unit_test(test_slots),
-        cmocka_unit_test(test_overshoot),
-        cmocka_unit_test(test_change_of_sign),
-        cmocka_unit_test(test_fade),
-        cmocka_unit_test(test_no_lag),
-        cmocka_unit_test(test_never_settles),
-        cmocka_unit_test(test_ghosts),
-        cmocka_unit_test(test_ghosts_of_a_short_sequence),
-        cmocka_unit_test(test_step_of_a_moving_reference),
-        cmocka_unit_test(test_step_that_drifts_away),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_obstacles),
-        cmocka_unit_test(test_nothing_steps),
-        cmocka_unit_test(test_sequence_ends_before_the_step),
-        cmocka_unit_test(test_trail_of_an_average),
-        cmocka_unit_test(test_trail_map),
-        cmocka_unit_test(test_no_trail),
-        cmocka_unit_test(test_trail_needs_the_card),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -621,28 +621,4 @@ static void test_non_edge_is_never_an_edge(void **state)
     neph_image_destroy(second);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table),
-        cmocka_unit_test(test_sky_and_solid_share_the_image),
-        cmocka_unit_test(test_solid_against_sky_is_an_edge_on_both_sides),
-        cmocka_unit_test(test_flat_depth_has_no_edge),
-        cmocka_unit_test(test_ratio),
-        cmocka_unit_test(test_thin_wires),
-        cmocka_unit_test(test_smallest_images),
-        cmocka_unit_test(test_edge_is_its_definition),
-        cmocka_unit_test(test_rings_of_a_wall),
-        cmocka_unit_test(test_sides_at_equal_distance),
-        cmocka_unit_test(test_steepest_step),
-        cmocka_unit_test(test_rings_and_thin_are_their_definitions),
-        cmocka_unit_test(test_thin_things),
-        cmocka_unit_test(test_channels_make_masks),
-        cmocka_unit_test(test_mask_from_a_picture),
-        cmocka_unit_test(test_union),
-        cmocka_unit_test(test_non_edge_is_never_an_edge),
-        cmocka_unit_test(test_medium_in_any_channel),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -629,26 +629,4 @@ static void test_tables(void **state)
     extraction_check_table(&neph_extractor_residual_change);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_vectors_reproject_a_textured_plane),
-        cmocka_unit_test(test_sky_moves_by_rotation_alone),
-        cmocka_unit_test(test_distance),
-        cmocka_unit_test(test_behind_the_camera_and_bad_depths),
-        cmocka_unit_test(test_residual_change),
-        cmocka_unit_test(test_residual_change_in_luma),
-        cmocka_unit_test(test_largest_change),
-        cmocka_unit_test(test_one_frame_says_nothing),
-        cmocka_unit_test(test_residual_over_a_plane),
-        cmocka_unit_test(test_disocclusion),
-        cmocka_unit_test(test_error_that_stays),
-        cmocka_unit_test(test_edges_are_left_out),
-        cmocka_unit_test(test_which_depth_is_looked_for),
-        cmocka_unit_test(test_bad_layers),
-        cmocka_unit_test(test_bad_layers_spoil_no_other_number),
-        cmocka_unit_test(test_wild_motion),
-        cmocka_unit_test(test_tables),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -98,14 +98,4 @@ static void test_bad_pixels_are_an_error(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_is_not_a_difference),
-        cmocka_unit_test(test_gain_shows),
-        cmocka_unit_test(test_pattern_below_the_noise),
-        cmocka_unit_test(test_agreement_needs_quiet),
-        cmocka_unit_test(test_bad_pixels_are_an_error),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -174,12 +174,4 @@ static void test_nothing_is_made_up(void **state)
     neph_image_destroy(a);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_it_errs_as_often_as_it_says),
-        cmocka_unit_test(test_what_both_share_falls_out),
-        cmocka_unit_test(test_nothing_is_made_up),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

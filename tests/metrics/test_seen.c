@@ -639,27 +639,4 @@ static void test_table(void **state)
     assert_ptr_equal(neph_extractor_find("seen"), &neph_extractor_seen);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_full_field),
-        cmocka_unit_test(test_disk),
-        cmocka_unit_test(test_gratings),
-        cmocka_unit_test(test_cycle_of_eight),
-        cmocka_unit_test(test_lines_between_bins),
-        cmocka_unit_test(test_energies),
-        cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_pops),
-        cmocka_unit_test(test_pops_by_their_definition),
-        cmocka_unit_test(test_disks),
-        cmocka_unit_test(test_in_phase_is_seen_better),
-        cmocka_unit_test(test_stillness),
-        cmocka_unit_test(test_obstacles),
-        cmocka_unit_test(test_warm_up_is_as_if_it_were_not),
-        cmocka_unit_test(test_numbers_over_a_mask),
-        cmocka_unit_test(test_bits_do_not_depend_on_threads),
-        cmocka_unit_test(test_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -163,13 +163,4 @@ static void test_weighted_percentiles(void **state)
     neph_selector_destroy(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_keys_keep_the_order),
-        cmocka_unit_test(test_ranks_and_percentiles),
-        cmocka_unit_test(test_expected_percentiles),
-        cmocka_unit_test(test_weighted_percentiles),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -412,26 +412,4 @@ static void test_holm_keeps_the_family_quiet(void **state)
     assert_true(plain > 0.3 * REPLICATIONS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intervals_cover),
-        cmocka_unit_test(test_long_memory_under_noise),
-        cmocka_unit_test(test_long_memory_is_covered_less),
-        cmocka_unit_test(test_frames_are_not_replicates),
-        cmocka_unit_test(test_runs_cover),
-        cmocka_unit_test(test_interval_by_hand),
-        cmocka_unit_test(test_deterministic),
-        cmocka_unit_test(test_too_few_frames),
-        cmocka_unit_test(test_batches_grow_with_the_series),
-        cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_paired_differences),
-        cmocka_unit_test(test_paired_without_a_difference),
-        cmocka_unit_test(test_size_of_paired_tests),
-        cmocka_unit_test(test_student),
-        cmocka_unit_test(test_sign_test),
-        cmocka_unit_test(test_holm),
-        cmocka_unit_test(test_holm_keeps_the_family_quiet),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -81,14 +81,4 @@ static void test_nothing_random(void **state)
     neph_assert_close(neph_z_scores(other, same, little, 2, 0.0).mean, 5.0, 1e-6, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_critical_values),
-        cmocka_unit_test(test_sidak),
-        cmocka_unit_test(test_moments_of_noise),
-        cmocka_unit_test(test_moments_of_halves_are_those_of_the_whole),
-        cmocka_unit_test(test_nothing_random),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -283,20 +283,4 @@ static void test_what_the_hash_sees(void **state)
     neph_image_destroy(named);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clean_frame_passes),
-        cmocka_unit_test(test_planted_faults_are_counted),
-        cmocka_unit_test(test_one_fault_in_a_long_row),
-        cmocka_unit_test(test_negative_values_have_an_allowance),
-        cmocka_unit_test(test_channel_of_nothing_finite),
-        cmocka_unit_test(test_mismatches_are_named),
-        cmocka_unit_test(test_rules_of_channels),
-        cmocka_unit_test(test_many_missing_channels),
-        cmocka_unit_test(test_frozen_frames_are_counted),
-        cmocka_unit_test(test_a_cycle_is_not_frozen),
-        cmocka_unit_test(test_what_the_hash_sees),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -115,13 +115,4 @@ static void test_lanes_give_the_bits_of_single_calls(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log2),
-        cmocka_unit_test(test_exp2),
-        cmocka_unit_test(test_cbrt),
-        cmocka_unit_test(test_lanes_give_the_bits_of_single_calls),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

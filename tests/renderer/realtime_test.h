@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What tests of single passes share: the same random or adversarial targets on the device and in
- * the twin's memory, and a comparison of what both make of them.
+ * the CPU reference's memory, and a comparison of what both make of them.
  */
 #ifndef NEPH_TESTS_REALTIME_TEST_H
 #define NEPH_TESTS_REALTIME_TEST_H
@@ -19,7 +19,7 @@
 struct test_passes {
     struct neph_gpu_view view;
     struct neph_rt_device device;
-    struct twin twin;
+    struct reference cpu;
     uint32_t noise_ranks[NEPH_RT_NOISE_COUNT]; /* random, below 4096 */
 };
 
@@ -47,7 +47,7 @@ static inline void test_be_gpu(struct neph_rt_device *device)
 }
 
 /* A view of this size at the corner of its buffers, a camera of 50 degrees in both frames; the test
- * changes twin.view (which is `view`) and targets before test_passes_run(). Odd seeds have the
+ * changes cpu.view (which is `view`) and targets before test_passes_run(). Odd seeds have the
  * kernels that a GPU has. */
 static inline void test_passes_open(struct neph_vulkan *vulkan,
                                     const struct neph_settings *settings, const int size_px[2],
@@ -75,10 +75,10 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
                    &diag);
     if (test->view.seed % 2)
         test_be_gpu(&test->device);
-    test->twin.view = &test->view;
-    test->twin.noise_ranks = test->noise_ranks;
+    test->cpu.view = &test->view;
+    test->cpu.noise_ranks = test->noise_ranks;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        test->twin.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
+        test->cpu.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
 }
 
 /* A view at the first corner of its buffers, with settings as test_settings() has them. */
@@ -115,13 +115,8 @@ static inline void test_make_parallel(struct neph_gpu_view *view, float half_hei
 static inline void test_end_passes(struct test_passes *test)
 {
     for (int t = 0; t < RT_TARGET_COUNT; t++)
-        free(test->twin.targets[t]);
+        free(test->cpu.targets[t]);
     neph_rt_device_destroy(&test->device);
-}
-
-static inline void test_passes_close(struct test_passes *test)
-{
-    test_end_passes(test);
 }
 
 static inline size_t test_elements(const struct test_passes *test, int target)
@@ -132,7 +127,7 @@ static inline size_t test_elements(const struct test_passes *test, int target)
 static inline void test_set(struct test_passes *test, int target, size_t index,
                             const float value[4])
 {
-    neph_rt_store(&test->view.targets[target], test->twin.targets[target], index, value);
+    neph_rt_store(&test->view.targets[target], test->cpu.targets[target], index, value);
 }
 
 /* All elements of a target. */
@@ -146,11 +141,11 @@ static inline void test_fill(struct test_passes *test, int target, float r, floa
 static inline void test_get(const struct test_passes *test, int target, size_t index,
                             float value[4])
 {
-    neph_rt_load(&test->view.targets[target], test->twin.targets[target], index, value);
+    neph_rt_load(&test->view.targets[target], test->cpu.targets[target], index, value);
 }
 
-/* Give the device the view and, as the twin has them, the targets that a pass says it touches, and
- * run it there. */
+/* Give the device the view and, as the CPU reference has them, the targets that a pass says it
+ * touches, and run it there. */
 static inline void test_passes_run(struct test_passes *test, const char *name)
 {
     const struct neph_rt_pass *pass = neph_rt_passes[neph_rt_pass_index(name)];
@@ -159,7 +154,7 @@ static inline void test_passes_run(struct test_passes *test, const char *name)
     *test->device.view = test->view;
     for (int t = 0; t < RT_TARGET_COUNT; t++)
         if ((pass->reads | pass->writes) & NEPH_RT_BIT(t))
-            neph_assert_ok(neph_rt_device_upload(&test->device, t, test->twin.targets[t], &diag),
+            neph_assert_ok(neph_rt_device_upload(&test->device, t, test->cpu.targets[t], &diag),
                            &diag);
     neph_assert_ok(neph_rt_device_run(&test->device, pass, &diag), &diag);
 }
@@ -178,18 +173,18 @@ static inline uint32_t *test_download(struct test_passes *test, int target)
     return test_words(&test->device, target);
 }
 
-/* What the device made of a target becomes the twin's. */
+/* What the device made of a target becomes the CPU reference's. */
 static inline void test_take(struct test_passes *test, int target)
 {
-    free(test->twin.targets[target]);
-    test->twin.targets[target] = test_download(test, target);
+    free(test->cpu.targets[target]);
+    test->cpu.targets[target] = test_download(test, target);
 }
 
 static inline void test_swap(struct test_passes *test, int a, int b)
 {
-    uint32_t *words = test->twin.targets[a];
-    test->twin.targets[a] = test->twin.targets[b];
-    test->twin.targets[b] = words;
+    uint32_t *words = test->cpu.targets[a];
+    test->cpu.targets[a] = test->cpu.targets[b];
+    test->cpu.targets[b] = words;
 }
 
 /* Every word of a target is the same on both sides. */
@@ -198,9 +193,10 @@ static inline void test_same_words(struct test_passes *test, int target, uint64_
     uint32_t *words = test_download(test, target);
     const size_t count = neph_rt_device_words(&test->device, target);
     for (size_t i = 0; i < count; i++)
-        if (words[i] != test->twin.targets[target][i])
-            fail_msg("seed %llu: word %zu of target %d is %08x on the device, %08x in the twin",
-                     (unsigned long long)seed, i, target, words[i], test->twin.targets[target][i]);
+        if (words[i] != test->cpu.targets[target][i])
+            fail_msg(
+                "seed %llu: word %zu of target %d is %08x on the device, %08x in the CPU reference",
+                (unsigned long long)seed, i, target, words[i], test->cpu.targets[target][i]);
     free(words);
 }
 

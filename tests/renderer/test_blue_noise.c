@@ -109,7 +109,7 @@ static double frame_power(const uint32_t *stack, int k)
 
 static void test_every_slice_is_blue(void **state)
 {
-    uint32_t *ranks = load(0);
+    OWNED(memory) uint32_t *ranks = load(0);
     double worst = 0.0;
     for (int slice = 0; slice < SLICES; slice++)
         worst = fmax(worst, low_power(ranks + slice * PIXELS));
@@ -117,34 +117,31 @@ static void test_every_slice_is_blue(void **state)
     assert_true(worst < low_power_max);
     /* What low frequencies lack, high ones have: the mean over all is that of white noise. */
     assert_true(ring_power(ranks, SIDE / 4.0, SIDE) > 1.0);
-    free(ranks);
 }
 
 /* Frequencies up to a quarter of Nyquist's; 0 is among them. */
 static void test_pixels_are_blue_over_time(void **state)
 {
-    uint32_t *ranks = load(0);
+    OWNED(memory) uint32_t *ranks = load(0);
     double worst = 0.0;
     for (int k = 0; 8 * k <= FRAMES; k++)
         worst = fmax(worst, frame_power(ranks + PIXELS, k));
     print_message("power at low frequencies in time %.2g of white noise's\n", worst);
     assert_true(worst < low_frame_power_max);
-    free(ranks);
 }
 
 static void test_white_noise_is_neither(void **state)
 {
-    uint32_t *ranks = white_noise(11);
+    OWNED(memory) uint32_t *ranks = white_noise(11);
     assert_true(low_power(ranks) > low_power_max);
     assert_true(frame_power(ranks + PIXELS, 1) > low_frame_power_max);
-    free(ranks);
 }
 
 /* ---- ranks and shifts ------------------------------------------------------------------------ */
 
 static void test_every_slice_has_every_rank_once(void **state)
 {
-    uint32_t *ranks = load(7);
+    OWNED(memory) uint32_t *ranks = load(7);
     for (int slice = 0; slice < SLICES; slice++) {
         int seen[PIXELS] = {0};
         for (int i = 0; i < PIXELS; i++) {
@@ -152,7 +149,6 @@ static void test_every_slice_has_every_rank_once(void **state)
             assert_int_equal(seen[ranks[slice * PIXELS + i]]++, 0);
         }
     }
-    free(ranks);
 }
 
 /* pcg(seed) by Python's integers, and the shifts in its bits. */
@@ -162,22 +158,20 @@ static void test_a_seed_shifts_the_file_on_its_torus(void **state)
         uint32_t seed, x, y, frame;
     } known[] = {{0u, 34, 63, 18}, {1u, 60, 40, 14}, {12345u, 14, 52, 10}, {4294967295u, 2, 36, 4}};
     int width_px, height_px;
-    uint16_t *rgb = NULL;
+    OWNED(memory) uint16_t *rgb = NULL;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_png_read_rgb16(path, &width_px, &height_px, &rgb, &diag), &diag);
     assert_int_equal(width_px, SIDE);
     assert_int_equal(height_px, SLICES / 3 * SIDE);
     for (size_t k = 0; k < COUNT(known); k++) {
-        uint32_t *ranks = load(known[k].seed);
+        OWNED(memory) uint32_t *ranks = load(known[k].seed);
         for (uint32_t i = 0; i < COUNT_ALL; i++) {
             const uint32_t x = (i + known[k].x) % SIDE, y = (i / SIDE + known[k].y) % SIDE;
             const uint32_t slice = i < PIXELS ? 0 : 1 + (i / PIXELS - 1 + known[k].frame) % FRAMES;
             const uint32_t pixel = slice / 3 * PIXELS + y * SIDE + x;
             assert_int_equal(ranks[i], rgb[3 * pixel + slice % 3] / 16);
         }
-        free(ranks);
     }
-    free(rgb);
 }
 
 /* One pair of seeds in 4096 has the same shift in x and y; these 16 seeds have 16 shifts. A slice

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The shadow map of clouds: what it tells of the ground, held against closed forms, and against its
- * twin, which interpolates between them in double; what it tells between clouds; and that it stays
- * where the clouds are.
+ * CPU reference, which interpolates between them in double; what it tells between clouds; and that
+ * it stays where the clouds are.
  */
 #include "tests/renderer/frames.h"
 
@@ -84,7 +84,7 @@ static struct difference against_truth(const struct test_scene *test, int c,
     return off;
 }
 
-/* --- the twin: closed forms at the texels, transmittance between them ------------------------- */
+/* --- the CPU reference: closed forms at the texels, transmittance between them --------------- */
 
 static double texel_through(const struct neph_shadow_space *space, const struct neph_scene *scene,
                             int level, const double texel[2], int c)
@@ -99,8 +99,9 @@ static double texel_through(const struct neph_shadow_space *space, const struct 
 }
 
 /* Below all clouds, in the finest map that has the point. */
-static double twin_through(const struct neph_shadow_space *space, const struct neph_shadow_map *map,
-                           const struct neph_scene *scene, struct neph_vec3 point_m, int c)
+static double reference_through(const struct neph_shadow_space *space,
+                                const struct neph_shadow_map *map, const struct neph_scene *scene,
+                                struct neph_vec3 point_m, int c)
 {
     for (int level = 0; level < map->levels; level++) {
         double place[2], low[2], sum = 0.0;
@@ -128,8 +129,8 @@ static double twin_through(const struct neph_shadow_space *space, const struct n
     return exp(-depth_of(scene, point_m, c));
 }
 
-static void check_twin(struct neph_vulkan *vulkan, const struct test_scene *test,
-                       const struct neph_shadow_map *map, const char *what)
+static void check_reference(struct neph_vulkan *vulkan, const struct test_scene *test,
+                            const struct neph_shadow_map *map, const char *what)
 {
     struct neph_march_params params = mapped(map->texels, 1);
     double through[PIXELS], largest = 0.0, from_truth = 0.0;
@@ -139,11 +140,11 @@ static void check_twin(struct neph_vulkan *vulkan, const struct test_scene *test
     measure(vulkan, test, &params, 1, through);
     for (int p = 0; p < PIXELS; p++) {
         const struct neph_vec3 point_m = place_of(test, p);
-        const double twin = twin_through(&space, map, &test->scene, point_m, 1);
-        largest = fmax(largest, fabs(through[p] - twin));
-        from_truth = fmax(from_truth, fabs(twin - exp(-depth_of(&test->scene, point_m, 1))));
+        const double reference = reference_through(&space, map, &test->scene, point_m, 1);
+        largest = fmax(largest, fabs(through[p] - reference));
+        from_truth = fmax(from_truth, fabs(reference - exp(-depth_of(&test->scene, point_m, 1))));
     }
-    print_message("%s: off the twin by %.1e, which is off the truth by %.1e\n", what, largest,
+    print_message("%s: off the reference by %.1e, which is off the truth by %.1e\n", what, largest,
                   from_truth);
     /* A place is a float32 of some 30 m, 2e-6 m; over a texel of a tenth of a metre that is 2e-5 of
      * the difference between two of them. */
@@ -163,7 +164,7 @@ static void add_blob(struct test_scene *test, struct neph_vec3 at_m)
     blob->bounds = (struct neph_bounds){neph_vec3_sub(at_m, reach_m), neph_vec3_add(at_m, reach_m)};
 }
 
-static void test_the_twin_has_the_same(void **state)
+static void test_the_shader_equals_the_reference(void **state)
 {
     struct test_scene test;
     look_down(&test, 40.0);
@@ -171,13 +172,13 @@ static void test_the_twin_has_the_same(void **state)
     add_blob(&test, (struct neph_vec3){13.0, 18.0, -14.0});
     test.scene.media[0].extinction_color = (struct neph_rgb){1.0, 0.6, 0.2};
     struct neph_shadow_map map = {.texels = 64, .layers = 1, .levels = 1};
-    check_twin(*state, &test, &map, "a level plane");
+    check_reference(*state, &test, &map, "a level plane");
     map.plane = NEPH_SHADOW_SUN;
-    check_twin(*state, &test, &map, "across the sun");
+    check_reference(*state, &test, &map, "across the sun");
     map = (struct neph_shadow_map){.texels = 64, .layers = 3, .levels = 3};
-    check_twin(*state, &test, &map, "three maps");
+    check_reference(*state, &test, &map, "three maps");
     map = (struct neph_shadow_map){.texels = 32, .layers = 1, .levels = 2, .extent_m = 20.0};
-    check_twin(*state, &test, &map, "around the camera");
+    check_reference(*state, &test, &map, "around the camera");
 }
 
 /* Between texels a distance h apart transmittance T is off by h^2 / 8 times its second derivatives
@@ -531,7 +532,7 @@ static void test_what_is_out_of_range_is_refused(void **state)
                  {{64, 0, 1, 0.0, 0, 1}, "cloud_shadow_layers"},
                  {{64, 1, 5, 0.0, 0, 1}, "cloud_shadow_levels"},
                  {{64, 1, 1, -1.0, 0, 1}, "cloud_shadow_extent_m"},
-                 {{64, 1, 1, 0.0, 0, 257}, "cloud_shadow_frames"}};
+                 {{64, 1, 1, 0.0, 0, 257}, "sun_cache_frames"}};
     struct test_scene test;
     look_down(&test, 20.0);
     add_blob(&test, (struct neph_vec3){8.0, 14.0, -9.0});
@@ -544,10 +545,4 @@ static void test_what_is_out_of_range_is_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_cloud_shadow.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -344,14 +344,14 @@ static void test_pictures_of_slabs(void **state)
         layer_scene(&layers[s], &test);
         OWNED(image) struct neph_image *frame = test_march(*state, &test.scene, &params, NULL);
         const struct neph_vec3 ray = neph_scene_camera(&test.scene, 0.0).forward;
-        const double twin = radiance_of(&layers[s], &test, ray);
+        const double reference = radiance_of(&layers[s], &test, ray);
         const struct neph_slab_params slab = slab_of(&layers[s]);
         const double truth = slab_per_sr(&test, &slab);
         const double seen = (double)neph_image_channel(
             frame, "volume.G")[WIDTH_PX * (HEIGHT_PX / 2) + WIDTH_PX / 2];
         print_message("%s: %+.2f %% of its formula, %+.1f %% of all orders\n", layers[s].name,
-                      100.0 * (seen / twin - 1.0), 100.0 * (seen / truth - 1.0));
-        assert_true(fabs(seen / twin - 1.0) <
+                      100.0 * (seen / reference - 1.0), 100.0 * (seen / truth - 1.0));
+        assert_true(fabs(seen / reference - 1.0) <
                     5e-3); /* 0.28 % as measured: 512 cells' (above), and steps' */
         assert_true(fabs(seen / truth - 1.0) < layers[s].allowed);
     }
@@ -502,10 +502,4 @@ static void test_what_it_cannot_is_refused(void **state)
     assert_non_null(strstr(reason, "albedo"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_diffused_light.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -143,10 +143,4 @@ static void test_the_march_in_flight(void **state)
     assert_true(test_same_bits(alone, after));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_flight.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

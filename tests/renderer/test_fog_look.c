@@ -32,7 +32,7 @@ struct answer {
     float through;
 };
 
-/* What the twin is asked. */
+/* What the CPU reference is asked. */
 struct question {
     struct neph_scene scene;
     enum neph_fog_model model;
@@ -82,7 +82,7 @@ static struct answer *ask(struct neph_vulkan *vulkan, const struct question *que
     return test_probe(vulkan, &params, NULL, probes, sizeof(*probes), sizeof(struct answer), count);
 }
 
-static struct neph_fog_look_light twin_of(const struct question *question)
+static struct neph_fog_look_light reference_of(const struct question *question)
 {
     return neph_fog_look_ray(&question->scene, &question->scene.fog_look, question->model,
                              question->eye_m, question->direction, question->length_m);
@@ -138,17 +138,17 @@ static struct question some_question(uint64_t *seed, int trial)
     return question;
 }
 
-/* ---- the shader against the twin ------------------------------------------------------------- */
+/* ---- the shader against the CPU reference --------------------------------------------------- */
 
 /* A millionth of a unit of radiance is nothing beside it. */
 static void check_answer(const struct question *question, const struct answer *answer,
                          double *worst)
 {
-    const struct neph_fog_look_light twin = twin_of(question);
-    const double *volume = &twin.volume.r, asked = 1e-5, least = 1e-7;
-    if (twin.transmittance > 1.1e-7) {
-        neph_assert_close(answer->through, twin.transmittance, asked, 0.0);
-        *worst = fmax(*worst, fabs(answer->through / twin.transmittance - 1.0));
+    const struct neph_fog_look_light reference = reference_of(question);
+    const double *volume = &reference.volume.r, asked = 1e-5, least = 1e-7;
+    if (reference.transmittance > 1.1e-7) {
+        neph_assert_close(answer->through, reference.transmittance, asked, 0.0);
+        *worst = fmax(*worst, fabs(answer->through / reference.transmittance - 1.0));
     } else {
         assert_true(answer->through >= 0.0f && answer->through < 1.2e-7f);
     }
@@ -212,7 +212,7 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
 }
 
 /* The receiver at the camera, 2^127 d above all floats and not, falloff 0, density 0, straight up
- * and down, a glow of cos^0 at its edge: no bad value, and the twin's. */
+ * and down, a glow of cos^0 at its edge: no bad value, and the CPU reference's. */
 static void test_the_points_where_engines_fail(void **state)
 {
     struct neph_vulkan *vulkan = *state;
@@ -235,9 +235,9 @@ static void test_the_points_where_engines_fail(void **state)
     }
     OWNED(memory) struct answer *answers = ask(vulkan, questions, count);
     for (int i = 0; i < count; i++) {
-        const struct neph_fog_look_light twin = twin_of(&questions[i]);
-        neph_assert_close(answers[i].through, twin.transmittance, 1e-5, 1e-7);
-        neph_assert_close(answers[i].volume[0], twin.volume.r, 1e-5, 1e-7);
+        const struct neph_fog_look_light reference = reference_of(&questions[i]);
+        neph_assert_close(answers[i].through, reference.transmittance, 1e-5, 1e-7);
+        neph_assert_close(answers[i].volume[0], reference.volume.r, 1e-5, 1e-7);
     }
     assert_true(answers[0].through == 1.0f && answers[1].through == 1.0f);
     assert_true(answers[14].through > 0.1f && answers[14].through < 0.9f); /* at 2^127 d */

@@ -363,10 +363,4 @@ static void test_says_what_it_cannot(void **state)
         neph_march_can_render_under(&other, look, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_fog_look_march.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

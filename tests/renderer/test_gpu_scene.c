@@ -107,10 +107,4 @@ static void test_a_cpu_has_voxels_in_pairs(void **state)
     neph_gpu_scene_destroy(*state, &gpu);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_gpu_scene.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -366,10 +366,4 @@ static void test_textures_in_real_time(void **state)
     assert_true(off > 0.0 && off < 0.01);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_grid_texture.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -255,10 +255,4 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
     assert_true(fabs(squares / pixels - 1.0) < 4.5 * sqrt(2.0 / pixels));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_lamps.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -184,10 +184,4 @@ static void test_all_orders_lose_nothing(void **state)
     check(*state, &test.scene, 0.7);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_low_discrepancy.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

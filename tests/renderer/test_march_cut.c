@@ -125,10 +125,4 @@ static void test_closed_forms_count_where_there_are_some(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_cut.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

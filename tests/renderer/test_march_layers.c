@@ -164,10 +164,4 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_layers.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

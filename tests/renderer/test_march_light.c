@@ -241,7 +241,7 @@ static double slab_of_slabs(const struct test_scene *test, struct neph_vec3 ray)
 
 static const struct {
     enum neph_march_lighting lighting;
-    double (*twin)(const struct test_scene *test, struct neph_vec3 ray);
+    double (*reference)(const struct test_scene *test, struct neph_vec3 ray);
     double allowed;
 } similar[] = {
     {NEPH_MARCH_SIMILARITY, slab_similarity, 2e-3},
@@ -264,8 +264,8 @@ static void test_similar_media_over_a_slab(void **state)
             for (int p = 7; p < width_px * height_px; p += 97) {
                 const struct neph_vec3 ray =
                     test_ray(&test.scene, width_px, height_px, p).direction;
-                const double twin = similar[s].twin(&test, ray);
-                worst = fmax(worst, fabs((double)volume[1][p] / twin - 1.0));
+                const double reference = similar[s].reference(&test, ray);
+                worst = fmax(worst, fabs((double)volume[1][p] / reference - 1.0));
             }
             print_message("lighting %d, g %g: off by %.1e of its formula\n",
                           (int)similar[s].lighting, gs[round], worst);
@@ -472,10 +472,4 @@ static void test_what_each_model_cannot(void **state)
     assert_false(neph_march_can_render(scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_light.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

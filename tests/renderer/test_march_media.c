@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
- * precision: the GLSL twins of scenes/media.h at work. Horizon clouds against quadrature.
+ * precision: the shaders of the media (scenes/media.h) at work. Horizon clouds against quadrature.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -172,10 +172,4 @@ static void test_horizon_scattering_against_quadrature(void **state)
     assert_true(brightest > 0.05 && worst < 2e-3 * brightest);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_media.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

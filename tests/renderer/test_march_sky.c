@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The sky of a planet from tables behind, before and between what is marched: against the exact
- * light of one order, the tables' own twin in C, and pictures that must be the same.
+ * light of one order, the tables' own CPU reference, and pictures that must be the same.
  */
 #include "tests/renderer/frames.h"
 
@@ -163,7 +163,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
 /* --- behind and before ------------------------------------------------------------------------ */
 
 /* A cloud of nothing changes nothing, and without solids but the ground the picture is the table's
- * own; neph_sky_see() looks into its twin. */
+ * own; neph_sky_see() looks into its CPU reference. */
 static void test_without_clouds_it_is_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
@@ -410,10 +410,4 @@ static void test_says_what_it_cannot(void **state)
     refuses(&other, NEPH_MARCH_OCTAVES, "without an atmosphere");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_march_sky.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

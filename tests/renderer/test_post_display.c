@@ -250,10 +250,4 @@ static void test_codes_have_the_bits_asked_for(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_post_display.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -366,7 +366,8 @@ static void test_heat_changes_nothing(void **state)
 {
     float *rgb[3], *made[2][3];
     struct neph_diag diag = {0};
-    struct neph_image *frame = post_image(37, 23, rgb), *pictures[2];
+    OWNED(image) struct neph_image *frame = post_image(37, 23, rgb);
+    struct neph_image *pictures[2];
     struct neph_post_stats stats[2];
     for (int p = 0; p < 37 * 23; p++)
         for (int c = 0; c < 3; c++)
@@ -387,7 +388,6 @@ static void test_heat_changes_nothing(void **state)
     assert_true(stats[0].metered_ev == stats[1].metered_ev);
     neph_image_destroy(pictures[0]);
     neph_image_destroy(pictures[1]);
-    neph_image_destroy(frame);
 }
 
 int main(int count, char **arguments)

@@ -385,10 +385,4 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
     neph_assert_close(squares, 1.0 / 12.0, 0.0, 5.0 * sqrt(1.0 / 180.0 / count));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_post_tone.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

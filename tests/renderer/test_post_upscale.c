@@ -199,10 +199,4 @@ static void test_what_is_too_large_is_refused(void **state)
     neph_image_destroy(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_post_upscale.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

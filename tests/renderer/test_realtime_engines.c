@@ -17,12 +17,12 @@ static void test_a_slice_turns(void **state)
     uint64_t seed = 41;
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
         ranks[i] = (uint32_t)(neph_test_random(&seed) % 4096);
-    const struct twin_dither dither = {0, ranks};
+    const struct cpu_dither dither = {0, ranks};
     for (int i = 0; i < 64; i++) {
         const int x = i * 5 % 64, y = i;
-        const double first = twin_dither(&dither, RT_DITHER_SPATIOTEMPORAL, x, y, 0, 0);
+        const double first = cpu_dither(&dither, RT_DITHER_SPATIOTEMPORAL, x, y, 0, 0);
         for (uint32_t frame = 0; frame < 33; frame += 4) {
-            const double value = twin_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
+            const double value = cpu_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
             const double turned = first + 0.6180339887498949 * frame;
             /* 24 bits of a value, and a step of 32 bits times 32 frames */
             neph_assert_close(value, turned - floor(turned), 0, 2 * 0x1p-24);
@@ -37,9 +37,9 @@ static void test_the_sky_of_the_override(void **state)
     OWNED(passes) struct test_passes test;
     test_open(*state, 20, 20, 1, &test, "override=parallel");
     test_fill(&test, RT_HALF_DEPTH, NEPH_GPU_FAR_M, 0, 0, 0);
-    const int other = (twin_default_slot(&test.view, 2, 2) + 2) % 4;
-    const int *place = twin_slot_place(&test.view, other);
-    twin_put_half(&test.twin, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
+    const int other = (cpu_default_slot(&test.view, 2, 2) + 2) % 4;
+    const int *place = cpu_slot_place(&test.view, other);
+    cpu_put_half(&test.cpu, RT_HALF_DEPTH, 4 + place[0], 4 + place[1], (float[4]){18000});
     test_passes_run(&test, "tile index");
     OWNED(memory) uint32_t *words = test_download(&test, RT_TILE);
     float tile[4];
@@ -72,7 +72,7 @@ static void test_history_follows_the_jitter(void **state)
                      (float[4]){(float)(k % 16), (float)(k / 16), 0, 1});
         reconstruct_run(&test);
         float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, 7, 5, value);
+        cpu_fetch_half(&test.cpu, RT_HISTORY, 7, 5, value);
         /* half a pixel per pixel; float32 places of up to 32 px */
         neph_assert_close(value[0], 7 + cases[i].follows * 0.1875, 0, 1e-5);
         neph_assert_close(value[1], 5 - cases[i].follows * 0.3125, 0, 1e-5);
@@ -95,12 +95,12 @@ static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const
         const float light = 1.0f + (float)i;
         float tile[4];
         int place[2];
-        twin_fetch_tile(&test->twin, RT_TILE, at[0], at[1], tile);
-        tile[1] = twin_stored_depth_m(&test->view, depths_m[i]) * 1e-4f;
-        twin_put_tile(&test->twin, RT_TILE, at[0], at[1], tile);
-        twin_put_tile(&test->twin, RT_RAY, at[0], at[1], (float[4]){light, light, light, 1});
+        cpu_fetch_tile(&test->cpu, RT_TILE, at[0], at[1], tile);
+        tile[1] = cpu_stored_depth_m(&test->view, depths_m[i]) * 1e-4f;
+        cpu_put_tile(&test->cpu, RT_TILE, at[0], at[1], tile);
+        cpu_put_tile(&test->cpu, RT_RAY, at[0], at[1], (float[4]){light, light, light, 1});
         reconstruct_marched(test, at[0], at[1], place);
-        twin_put_half(&test->twin, RT_HALF_DEPTH, place[0], place[1], (float[4]){depths_m[i]});
+        cpu_put_half(&test->cpu, RT_HALF_DEPTH, place[0], place[1], (float[4]){depths_m[i]});
     }
 }
 
@@ -168,7 +168,7 @@ static void test_what_stands_in_for_history(void **state)
         test.view.has_history = 0;
         int at[2];
         skipped_one(&test, at);
-        twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        cpu_put_half(&test.cpu, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_run(&test);
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
         /* nine sums and products of float32 */
@@ -186,7 +186,7 @@ static void test_rejected_is_not_absent(void **state)
                   &test);
         int at[2];
         skipped_one(&test, at);
-        twin_put_half(&test.twin, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
+        cpu_put_half(&test.cpu, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         test_fill(&test, RT_HALF_DEPTH_BEFORE, 500, 0, 0, 0);
         test.view.has_history = (uint32_t)is_rejected;
         reconstruct_run(&test);
@@ -232,7 +232,7 @@ static void test_where_a_rejection_looks(void **state)
         snprintf(words, sizeof(words), "reject_depth=0.1 reject_around=%s", cases[i].around);
         open_bright(*state, words, &test);
         test.view.wind_m[0] = cases[i].wind_m;
-        twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
+        cpu_put_half(&test.cpu, RT_HALF_DEPTH_BEFORE, 7, 6, (float[4]){50});
         reconstruct_run(&test);
         assert_int_equal(count_void(&test), cases[i].rejected);
     }
@@ -261,8 +261,8 @@ static void test_history_is_relit(void **state)
         test.view.wind_m[0] = (float)(cases[i].parts / px_per_m);
         reconstruct_run(&test);
         float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, 8, 6,
-                        value); /* in the middle, where rays are level */
+        cpu_fetch_half(&test.cpu, RT_HISTORY, 8, 6,
+                       value); /* in the middle, where rays are level */
         for (int c = 0; c < 3; c++)
             neph_assert_close(value[c], cases[i].expected[c], 0.0, 1e-3);
     }
@@ -278,7 +278,7 @@ static void open_box(struct neph_vulkan *vulkan, const char *assignments, const 
 {
     reconstruct_open(vulkan, 12, 12, test, "target_format=float %s", assignments);
     test_fill(test, RT_RAY, 1, 1, 1, 0.2f);
-    twin_put_tile(&test->twin, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
+    cpu_put_tile(&test->cpu, RT_RAY, 2, 2, (float[4]){3, 2, 1, 0.6f});
     test_fill(test, RT_HISTORY_BEFORE, history[0], history[1], history[2], history[3]);
     test_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
 }
@@ -396,7 +396,7 @@ static double upscale(struct test_passes *test)
     float value[4];
     test_passes_run(test, "upscale");
     test_take(test, RT_VOLUME);
-    twin_fetch_full(&test->twin, RT_VOLUME, 6, 6, value);
+    cpu_fetch_full(&test->cpu, RT_VOLUME, 6, 6, value);
     return value[0];
 }
 
@@ -411,7 +411,7 @@ static void test_square_weights_are_the_published(void **state)
     for (int i = 0; i < 9; i++) {
         OWNED(passes) struct test_passes test;
         open_upscale(*state, "upscale=square", &test);
-        twin_put_half(&test.twin, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
+        cpu_put_half(&test.cpu, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
         neph_assert_close(upscale(&test), weights[i] / total, 0, 1e-6); /* six digits */
     }
 }
@@ -435,8 +435,8 @@ static void test_inverse_weights(void **state)
         OWNED(passes) struct test_passes test;
         open_upscale(*state, cases[i].assignments, &test);
         test_fill(&test, RT_HALF_DEPTH, cases[i].other_m, 0, 0, 0);
-        twin_put_half(&test.twin, RT_HALF_DEPTH, 3, 3, (float[4]){100});
-        twin_put_half(&test.twin, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
+        cpu_put_half(&test.cpu, RT_HALF_DEPTH, 3, 3, (float[4]){100});
+        cpu_put_half(&test.cpu, RT_HISTORY, 3, 3, (float[4]){1, 0, 0, 1});
         neph_assert_close(upscale(&test), cases[i].expected, 1e-6, 0);
     }
 }
@@ -452,8 +452,8 @@ static void test_contrast_of_opacity(void **state)
         open_upscale(*state, assignments[i], &test);
         test_fill(&test, RT_HALF_DEPTH, 500, 0, 0, 0);
         test_fill(&test, RT_HISTORY, 0, 0, 0, 0.97f);
-        twin_put_half(&test.twin, RT_HALF_DEPTH, 2, 2, (float[4]){100});
-        twin_put_half(&test.twin, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
+        cpu_put_half(&test.cpu, RT_HALF_DEPTH, 2, 2, (float[4]){100});
+        cpu_put_half(&test.cpu, RT_HISTORY, 2, 2, (float[4]){1, 0, 0, 0.99f});
         neph_assert_close(upscale(&test), i ? 1.0 : 0.25, 1e-6, 0);
     }
 }
@@ -492,10 +492,4 @@ static void test_lengths_of_the_jitter(void **state)
     assert_int_equal(places_of_a_slot(7), 7);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_engines.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -71,7 +71,7 @@ static bool read_line(const char *line, const char *device, char scene[32], char
  * lines of all other devices to `others`. Returns the number of lines of this device. */
 static int read_hashes(const char *device, char hashes[COUNT(cases)][HASH_SIZE], FILE *others)
 {
-    char *text = NULL;
+    OWNED(memory) char *text = NULL;
     size_t size = 0;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_file_read(file_of_hashes, 1 << 20, &text, &size, &diag), &diag);
@@ -88,7 +88,6 @@ static int read_hashes(const char *device, char hashes[COUNT(cases)][HASH_SIZE],
             if (strcmp(scene, cases[i].scene) == 0 && strcmp(preset, cases[i].preset) == 0)
                 memcpy(hashes[i], hash, HASH_SIZE);
     }
-    free(text);
     return count;
 }
 

@@ -132,7 +132,7 @@ static void test_the_device_counts_what_is_bad(void **state)
         const struct neph_rt_rectangle own = neph_rt_view_texels(&test.view, t);
         uint64_t expected = 0, found = 0;
         for (size_t i = 0; i < neph_rt_device_words(&test.device, t); i++)
-            test.twin.targets[t][i] = (uint32_t)neph_test_random(&seed);
+            test.cpu.targets[t][i] = (uint32_t)neph_test_random(&seed);
         for (size_t i = 0; i < test_elements(&test, t); i++) {
             const uint32_t x = (uint32_t)i % shape->width - own.left; /* outside it is large */
             const uint32_t y = (uint32_t)i / shape->width - own.top;
@@ -141,7 +141,7 @@ static void test_the_device_counts_what_is_bad(void **state)
             for (int c = 0; c < 4 && x < own.width && y < own.height; c++)
                 expected += !isfinite(value[c]) || (value[c] < 0.0f && t != RT_MOVED);
         }
-        neph_assert_ok(neph_rt_device_upload(&test.device, t, test.twin.targets[t], &diag), &diag);
+        neph_assert_ok(neph_rt_device_upload(&test.device, t, test.cpu.targets[t], &diag), &diag);
         neph_assert_ok(neph_rt_watch(&test.device, NEPH_RT_BIT(t), &found, &diag), &diag);
         assert_int_equal(found, expected);
         all += found;
@@ -447,10 +447,4 @@ static void test_what_stands_still_costs_nothing(void **state)
     assert_int_equal(of_a.traffic_bytes, of_b.traffic_bytes);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_injection.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -238,10 +238,4 @@ static void test_columns_of_froxels_go_with_the_picture(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_passes.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -84,14 +84,13 @@ static void test_a_tile_marches_as_march_does(void **state)
     const struct neph_settings settings = plain();
     const struct neph_march_params params = {
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
-    struct neph_image *half = test_march(*state, &test.scene, &params, NULL);
+    OWNED(image) struct neph_image *half = test_march(*state, &test.scene, &params, NULL);
     struct ray_check check = {.half = half};
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     neph_realtime_observe(realtime, check_rays, &check);
     for (int frame = 0; frame < 4; frame++)
         neph_image_destroy(test_next(realtime, &test.scene, 0, NULL));
     assert_int_equal(check.checked, 4 * (WIDTH_PX / 4) * (HEIGHT_PX / 4));
-    neph_image_destroy(half);
 }
 
 /* Those of a day come first; what each of them costs is its kernels. Every preset of a day renders
@@ -509,10 +508,4 @@ static void test_what_does_not_shine_is_not_marched(void **state)
     assert_int_equal(stats.rays, checked);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_pipeline.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -202,7 +202,7 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
     test_fill(test, RT_CHANGE, 1, 1, 1, 0);
     test_fill(test, RT_CHANGE_BEHIND, 1, 1, 1, 0);
     test_set(test, RT_RAY, 1, (float[4]){NAN, 0.0f, 0.0f, 1.0f});
-    twin_tile_index(&test->twin);
+    cpu_tile_index(&test->cpu);
 }
 
 /* By the kernels of lavapipe and, in odd rounds, of a GPU. The ray that a tile keeps is what the
@@ -228,13 +228,13 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
             test.view.settings[RT_STEADY] = RT_STEADY_KNOWN;
             test_passes_run(&test, rows[r].pass);
             for (int t = 0; t < rows[r].count; t++) {
-                free(test.twin.targets[rows[r].targets[t]]);
-                test.twin.targets[rows[r].targets[t]] = made[t];
+                free(test.cpu.targets[rows[r].targets[t]]);
+                test.cpu.targets[rows[r].targets[t]] = made[t];
                 test_same_words(&test, rows[r].targets[t], (uint64_t)round);
             }
             if (r == 0) {
-                free(test.twin.targets[RT_KEPT_RAY]);
-                test.twin.targets[RT_KEPT_RAY] = kept;
+                free(test.cpu.targets[RT_KEPT_RAY]);
+                test.cpu.targets[RT_KEPT_RAY] = kept;
                 test_same_words(&test, RT_KEPT_RAY, (uint64_t)round);
             }
         }
@@ -267,10 +267,4 @@ static void test_what_is_not_known(void **state)
     assert_false(is_known(whole_px, "gradient=on taa_jitter_length=4 override_wake=32", 39));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_realtime_steady.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

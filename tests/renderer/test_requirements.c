@@ -168,7 +168,7 @@ static void test_why_no_device_can_be_used_is_said(void **state)
 
 static void test_docs_have_the_table(void **state)
 {
-    char *text = NULL;
+    OWNED(memory) char *text = NULL;
     size_t size_bytes = 0;
     struct neph_diag diag = {0};
     int count;
@@ -186,13 +186,6 @@ static void test_docs_have_the_table(void **state)
                                                              : "optional");
         assert_says(text, line);
     }
-    free(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_requirements.inc"
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The GLSL twins of the media, value by value through shaders/probe_media.comp, against
+ * The shaders of the media, value by value through shaders/probe_media.comp, against
  * scenes/media.h in double precision. A ray is rounded to float32 first and given to both sides. A
  * tolerance is what float32 can know: positions to `place` roundings of their size, each function
  * to a few roundings, both times the slope of the answer.

@@ -559,7 +559,8 @@ static bool is_written_right(float answer, float value)
     return isnan(value) ? isnan(neph_rt_from_half(half)) : half == neph_rt_to_half(value);
 }
 
-/* Bits of what the driver does otherwise than the twins' conversions, for `count` halves. */
+/* Bits of what the driver does otherwise than the CPU reference's conversions, for `count` halves.
+ * */
 static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uint32_t first,
                            int count)
 {

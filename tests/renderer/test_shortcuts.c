@@ -498,10 +498,4 @@ static void test_shortcuts_in_real_time(void **state)
     assert_int_equal(stats[1].density_evaluations, stats[1].view_steps);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_shortcuts.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

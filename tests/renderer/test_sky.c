@@ -547,7 +547,7 @@ static void test_splitting_a_medium_changes_nothing(void **state)
 
 /* In float32 heights along a ray are good to 1e-7 of its length, and light to that over a scale
  * height: 4e-5 of the darkest place of a picture, measured 3e-6. */
-static void test_device_is_the_twin(void **state)
+static void test_device_equals_the_cpu_reference(void **state)
 {
     struct neph_vulkan *vulkan = *state;
     enum { WIDTH = 9, HEIGHT = 7 };
@@ -671,10 +671,4 @@ static void test_says_what_it_cannot(void **state)
     refuses(&scene, "emits");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_sky.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

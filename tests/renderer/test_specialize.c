@@ -356,10 +356,4 @@ static void test_a_damaged_shader_is_found(void **state)
                      NEPH_ERR_INTERNAL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_specialize.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -153,10 +153,4 @@ static void test_validation_tells(void **state)
     assert_int_equal(neph_vulkan_destroy(vulkan), is_on_cpu);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_spirv_loops.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -575,10 +575,4 @@ static void test_what_it_cannot_is_refused(void **state)
     assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_TRACED, reason, sizeof(reason)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_traced_light.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

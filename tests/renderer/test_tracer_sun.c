@@ -163,10 +163,4 @@ static void test_no_light_is_negative(void **state)
         neph_image_destroy(render(*state, &test, 1000 << (seed % 4), seed, 8));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_tracer_sun.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -204,16 +204,4 @@ static void test_what_cannot_be_baked(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lattice_and_nodes),
-        cmocka_unit_test(test_thin_margins_are_trimmed),
-        cmocka_unit_test(test_sharp_faces_cost_no_optical_depth),
-        cmocka_unit_test(test_error_is_of_second_order),
-        cmocka_unit_test(test_error_is_what_others_find),
-        cmocka_unit_test(test_whole_grids_are_copied),
-        cmocka_unit_test(test_what_cannot_be_baked),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -253,14 +253,4 @@ static void test_bad_grids(void **state)
     neph_grid_destroy(grid);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaussian_lines),  cmocka_unit_test(test_gaussian_tail),
-        cmocka_unit_test(test_shell_lines),     cmocka_unit_test(test_chapman),
-        cmocka_unit_test(test_shell_is_hollow), cmocka_unit_test(test_grid_lines),
-        cmocka_unit_test(test_grid_on_faces),   cmocka_unit_test(test_grid_density),
-        cmocka_unit_test(test_majorants),       cmocka_unit_test(test_bad_grids),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -183,8 +183,9 @@ static void test_what_is_wrong_is_named(void **state)
         char *text = neph_format("%s%s", HEAD, bad[i].text);
         assert_int_equal(load(state, text, &scene, &diag), NEPH_ERR_INPUT);
         assert_null(scene);
-        if (!strstr(diag.message, bad[i].words) && !strstr(diag.hint, bad[i].words))
-            fail_msg("%s: %s (%s)", bad[i].text, diag.message, diag.hint);
+        if (!strstr(diag.message, bad[i].words) && !strstr(diag.hint, bad[i].words) &&
+            !strstr(diag.more, bad[i].words))
+            fail_msg("%s: %s (%s)\n%s", bad[i].text, diag.message, diag.hint, diag.more);
         assert_int_equal(diag.line, bad[i].line);
         free(text);
     }

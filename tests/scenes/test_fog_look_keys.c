@@ -150,14 +150,4 @@ static void test_what_a_look_does_not_know(void **state)
     neph_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_is_left_out_is_off),
-        cmocka_unit_test(test_each_control_has_its_key),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_what_physics_has_for_a_look),
-        cmocka_unit_test(test_what_a_look_does_not_know),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -170,16 +170,4 @@ static void test_container_keeps_finite_bounds(void **state)
     assert_true(away.min_m.x <= away.max_m.x && error < 1e-10);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_optical_depth_against_reference),
-        cmocka_unit_test(test_optical_depth_adds_and_reverses),
-        cmocka_unit_test(test_extinction_is_the_derivative),
-        cmocka_unit_test(test_is_never_nonsense),
-        cmocka_unit_test(test_bound_holds_in_any_box),
-        cmocka_unit_test(test_container_loses_no_more_than_it_says),
-        cmocka_unit_test(test_container_keeps_finite_bounds),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

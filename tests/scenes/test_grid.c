@@ -506,22 +506,4 @@ static void test_hash_knows_size_and_values(void **state)
     assert_int_equal(strlen(hashes[0]), NEPH_HASH_HEX_SIZE - 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_density_is_a_sum_of_hats),
-        cmocka_unit_test(test_density_at_nodes_and_beyond),
-        cmocka_unit_test(test_integral_against_planes_and_simpson),
-        cmocka_unit_test(test_integral_adds_and_reverses),
-        cmocka_unit_test(test_integral_along_nodes_by_hand),
-        cmocka_unit_test(test_integral_of_a_single_node),
-        cmocka_unit_test(test_bundle_of_rays_gives_the_volume_integral),
-        cmocka_unit_test(test_long_thin_grid_is_quick),
-        cmocka_unit_test(test_maximum_holds_in_any_box),
-        cmocka_unit_test(test_maximum_by_hand),
-        cmocka_unit_test(test_bad_sizes_and_places_are_refused),
-        cmocka_unit_test(test_bad_values_are_named),
-        cmocka_unit_test(test_hash_knows_size_and_values),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -767,25 +767,7 @@ int main(void)
 {
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_repeats),
-        cmocka_unit_test(test_a_row_of_noise_is_its_points),
-        cmocka_unit_test(test_noise_stays_in_its_range),
-        cmocka_unit_test(test_perlin_noise_is_smooth),
-        cmocka_unit_test(test_worley_noise_is_a_distance),
-        cmocka_unit_test(test_textures_have_the_bits_they_always_had),
-        cmocka_unit_test(test_another_seed_makes_other_clouds),
-        cmocka_unit_test(test_density_is_the_articles),
-        cmocka_unit_test(test_limits_of_the_formulas),
-        cmocka_unit_test(test_height_in_the_layer),
-        cmocka_unit_test(test_bound_is_never_beaten),
-        cmocka_unit_test(test_bound_of_endless_boxes),
-        cmocka_unit_test(test_majorants_are_sound_and_worth_having),
-        cmocka_unit_test(test_voxels_are_the_clouds),
-        cmocka_unit_test(test_integral_against_brute_force),
-        cmocka_unit_test(test_integral_is_additive_and_knows_no_direction),
-        cmocka_unit_test(test_integral_of_rays_without_end),
-        cmocka_unit_test(test_parameters_out_of_range_are_refused),
-        cmocka_unit_test(test_extreme_parameters_give_no_nonsense),
+#include "cases/test_horizon.inc"
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -91,11 +91,4 @@ static void test_shadows_against_brute_force(void **state)
     assert_true(rays > 400 && hidden_points > 5000);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_cone_by_hand),
-        cmocka_unit_test(test_shadows_against_brute_force),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -6,6 +6,7 @@
 #include "tests/base/scratch.h"
 
 #include "base/files.h"
+#include "scenes/gates.h"
 #include "scenes/grid.h"
 #include "scenes/media.h"
 #include "scenes/scene.h"
@@ -500,7 +501,7 @@ static int load_folder(const char *folder, const char *scratch, bool with_gates)
             continue;
         }
         neph_assert_ok(status, &diag);
-        assert_true(scene->gate_count > 0 || !with_gates);
+        assert_true(neph_scene_gates(scene)->count > 0 || !with_gates);
         assert_true(scene->frame_count > 1 || with_gates);
         assert_true(strncmp(entry->d_name, scene->name, strlen(scene->name)) == 0);
         neph_scene_destroy(scene);

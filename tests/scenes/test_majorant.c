@@ -354,17 +354,4 @@ static void test_float_ends(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_extinction_passes_its_majorant),
-        cmocka_unit_test(test_covered_nodes_pass_no_majorant),
-        cmocka_unit_test(test_bound_of_even_density_and_small_boxes),
-        cmocka_unit_test(test_more_cells_are_tighter),
-        cmocka_unit_test(test_cells_of_flat_and_long_boxes),
-        cmocka_unit_test(test_cells_are_no_thinner_than_a_grid_s),
-        cmocka_unit_test(test_what_has_no_majorants),
-        cmocka_unit_test(test_float_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

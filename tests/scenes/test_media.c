@@ -409,23 +409,4 @@ static void test_unreal_formula(void **state)
     report(&worst);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_phi),
-        cmocka_unit_test(test_fog_layer_against_reference),
-        cmocka_unit_test(test_fog_layer_is_never_nonsense),
-        cmocka_unit_test(test_fog_upside_down),
-        cmocka_unit_test(test_infinite_rays),
-        cmocka_unit_test(test_optical_depth_adds_and_reverses),
-        cmocka_unit_test(test_bounds_clip),
-        cmocka_unit_test(test_clip_by_hand),
-        cmocka_unit_test(test_scene_adds_media),
-        cmocka_unit_test(test_phase_against_reference),
-        cmocka_unit_test(test_phases_are_what_their_rows_say),
-        cmocka_unit_test(test_unreal_defaults),
-        cmocka_unit_test(test_unreal_round_trip),
-        cmocka_unit_test(test_unreal_formula),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -129,13 +129,4 @@ static void test_box_bake_and_drift(void **state)
                       before_per_m, 1e-14, 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_lines_in_all_directions),
-        cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_box_bake_and_drift),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -201,15 +201,4 @@ static void test_nothing(void **state)
     assert_true(scalar.evaluations <= 42);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_integrals),
-        cmocka_unit_test(test_error_estimate_is_not_too_small),
-        cmocka_unit_test(test_error_estimate_where_signs_cancel),
-        cmocka_unit_test(test_rough_integrands_end),
-        cmocka_unit_test(test_union_of_pieces),
-        cmocka_unit_test(test_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

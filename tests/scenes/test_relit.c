@@ -135,14 +135,4 @@ static void test_refusals(void **state)
            NEPH_ERR_USAGE);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_where_the_sun_is),
-        cmocka_unit_test(test_a_sun_that_sinks),
-        cmocka_unit_test(test_what_stays_and_what_changes),
-        cmocka_unit_test(test_nothing_moves),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -483,25 +483,4 @@ static void test_moments_are_told_apart(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_time_stands_still_in_pauses),
-        cmocka_unit_test(test_time_goes_on_unevenly),
-        cmocka_unit_test(test_there_are_no_media_where_they_are_cleared),
-        cmocka_unit_test(test_solids_are_where_their_keys_say),
-        cmocka_unit_test(test_still_solids_are_the_moved_ones),
-        cmocka_unit_test(test_a_point_of_a_solid_is_found_before),
-        cmocka_unit_test(test_sizes_hold_from_their_picture_on),
-        cmocka_unit_test(test_camera_is_held_until_it_cuts),
-        cmocka_unit_test(test_cuts_lie_behind_the_earlier_picture),
-        cmocka_unit_test(test_sun_goes_along_the_great_circle),
-        cmocka_unit_test(test_steady_wind_is_a_product),
-        cmocka_unit_test(test_displacement_is_the_integral),
-        cmocka_unit_test(test_still_media_are_the_moved_ones),
-        cmocka_unit_test(test_still_clouds_are_the_moved_ones),
-        cmocka_unit_test(test_still_scene_has_no_time_left),
-        cmocka_unit_test(test_moments_are_told_apart),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -299,18 +299,4 @@ static void test_what_is_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_sheet_has_its_optical_depth),
-        cmocka_unit_test(test_a_sheet_has_its_pattern),
-        cmocka_unit_test(test_a_sheet_goes_around_a_planet),
-        cmocka_unit_test(test_a_repeated_node_is_a_slab),
-        cmocka_unit_test(test_a_checkerboard_repeats),
-        cmocka_unit_test(test_a_grid_is_there_once),
-        cmocka_unit_test(test_without_end),
-        cmocka_unit_test(test_without_end_everywhere),
-        cmocka_unit_test(test_what_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

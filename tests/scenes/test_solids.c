@@ -369,19 +369,4 @@ static void test_a_planet_does_not_shade_its_day(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hits_by_hand),
-        cmocka_unit_test(test_the_nearest_solid_is_hit),
-        cmocka_unit_test(test_hit_from_far_away),
-        cmocka_unit_test(test_shadows_by_hand),
-        cmocka_unit_test(test_shadow_interval_against_brute_force),
-        cmocka_unit_test(test_a_turned_box_is_a_turned_world),
-        cmocka_unit_test(test_a_cube_shows_its_edge),
-        cmocka_unit_test(test_shadow_range_only_cuts),
-        cmocka_unit_test(test_a_lit_face_sees_the_sun),
-        cmocka_unit_test(test_a_planet_does_not_shade_its_day),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -182,19 +182,4 @@ static void test_speeds_are_those_of_the_texts(void **state)
     neph_scene_destroy(scene);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fences_have_their_pitch),
-        cmocka_unit_test(test_leaves_are_pixels),
-        cmocka_unit_test(test_ridges_are_20_pixels_apart),
-        cmocka_unit_test(test_sun_grazes_all_faces),
-        cmocka_unit_test(test_sun_steps_at_frame_64),
-        cmocka_unit_test(test_wind_is_two_pixels_per_frame),
-        cmocka_unit_test(test_pan_is_even),
-        cmocka_unit_test(test_camera_cuts_once),
-        cmocka_unit_test(test_what_moves_never_stops),
-        cmocka_unit_test(test_speeds_are_those_of_the_texts),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -199,16 +199,4 @@ static void test_what_cannot_be_is_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise_is_pcg3d),
-        cmocka_unit_test(test_noise_is_bilinear_and_uniform),
-        cmocka_unit_test(test_a_checker_by_hand),
-        cmocka_unit_test(test_a_pattern_is_painted_on_faces),
-        cmocka_unit_test(test_keys_are_read),
-        cmocka_unit_test(test_hashes),
-        cmocka_unit_test(test_what_cannot_be_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

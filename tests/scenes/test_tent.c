@@ -160,14 +160,4 @@ static void test_support_holds_all_of_it(void **state)
     neph_assert_close(box.min_m.y, -2.0 * 6.36e6 - 40e3, 0.0, 1e-6);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_optical_depth_is_the_closed_form),
-        cmocka_unit_test(test_known_columns),
-        cmocka_unit_test(test_optical_depth_adds),
-        cmocka_unit_test(test_bound_holds_in_any_box),
-        cmocka_unit_test(test_support_holds_all_of_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -184,7 +184,7 @@ static int check_files(void **state, const char *path)
         struct neph_scene *read = load(file);
         assert_string_equal(read->hash, made->hash);
         assert_string_equal(read->title, made->title);
-        assert_string_equal(read->physics, made->physics);
+        assert_string_equal(read->description, made->description);
         assert_int_equal(read->frame_count, made->frame_count);
         assert_true(read->frame_rate_hz == made->frame_rate_hz);
         neph_scene_destroy(read);

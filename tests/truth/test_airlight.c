@@ -517,21 +517,4 @@ static void test_white_media_keep_all_lamplight(void **state)
     assert_conserves((struct neph_phase){NEPH_PHASE_RAYLEIGH, 0.0}, 4.0, false);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_away_from_a_lamp),
-        cmocka_unit_test(test_the_airlight_model_of_sun_et_al),
-        cmocka_unit_test(test_thin_air_by_hand),
-        cmocka_unit_test(test_a_stage_against_plain_quadrature),
-        cmocka_unit_test(test_a_lamplit_surface_by_hand),
-        cmocka_unit_test(test_a_light_on_the_ray_outside_the_fog),
-        cmocka_unit_test(test_a_light_on_the_ray_in_the_fog_has_no_value),
-        cmocka_unit_test(test_paths_against_the_stage),
-        cmocka_unit_test(test_paths_find_lights_near_rays),
-        cmocka_unit_test(test_paths_find_the_fog_around_a_clear_place),
-        cmocka_unit_test(test_fog_without_ground),
-        cmocka_unit_test(test_white_media_keep_all_lamplight),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

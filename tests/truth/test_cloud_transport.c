@@ -428,17 +428,4 @@ static void test_never_nonsense(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference),
-        cmocka_unit_test(test_towards_and_away_from_the_sun),
-        cmocka_unit_test(test_random_clouds),
-        cmocka_unit_test(test_a_channel_is_a_grey_scene),
-        cmocka_unit_test(test_coloured_surface_and_furnace),
-        cmocka_unit_test(test_clouds_far_away),
-        cmocka_unit_test(test_shadow_of_a_small_cloud),
-        cmocka_unit_test(test_never_nonsense),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

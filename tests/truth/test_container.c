@@ -239,15 +239,4 @@ static void test_scattered_light_stays(void **state)
     assert_true(worst < 1e-6);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_finite_bounds_are_kept),
-        cmocka_unit_test(test_unreal_default_fog),
-        cmocka_unit_test(test_no_view_is_off_by_more_than_stated),
-        cmocka_unit_test(test_homogeneous_without_bounds),
-        cmocka_unit_test(test_corners),
-        cmocka_unit_test(test_scattered_light_stays),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -161,15 +161,4 @@ static void test_which_scenes_differ(void **state)
     assert_false(neph_scene_sources_differ(&scene));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_thin_glow_in_a_dark_medium),
-        cmocka_unit_test(test_a_glow_behind_a_dark_medium),
-        cmocka_unit_test(test_thin_cloud_in_a_dark_medium),
-        cmocka_unit_test(test_all_orders),
-        cmocka_unit_test(test_horizon_layers_that_are_dark),
-        cmocka_unit_test(test_which_scenes_differ),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

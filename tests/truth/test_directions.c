@@ -157,15 +157,4 @@ static void test_cosine_sampling(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_streams_are_reproducible_and_differ),
-        cmocka_unit_test(test_first_numbers_of_streams),
-        cmocka_unit_test(test_henyey_greenstein_inverts_its_distribution),
-        cmocka_unit_test(test_rayleigh_inverts_its_distribution),
-        cmocka_unit_test(test_phase_sampling),
-        cmocka_unit_test(test_cosine_sampling),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

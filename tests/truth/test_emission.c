@@ -369,20 +369,4 @@ static void test_halves_of_the_furnace(void **state)
     assert_true(estimate(&dark, from_m, ahead, 4000, true).mean.r == 0.0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_glow),
-        cmocka_unit_test(test_one_plate),
-        cmocka_unit_test(test_plates_that_differ),
-        cmocka_unit_test(test_fog_without_end),
-        cmocka_unit_test(test_the_sun_adds),
-        cmocka_unit_test(test_random_scenes_against_brute_force),
-        cmocka_unit_test(test_a_plate_without_noise),
-        cmocka_unit_test(test_paths_against_exact),
-        cmocka_unit_test(test_furnace_is_exact),
-        cmocka_unit_test(test_paths_in_the_furnace),
-        cmocka_unit_test(test_halves_of_the_furnace),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -474,24 +474,4 @@ static void test_filament_does_not_know_all(void **state)
     assert_true(seen(&scene, NEPH_FOG_UNREAL, &view).transmittance != before);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unreal_is_what_its_listing_says),
-        cmocka_unit_test(test_filament_is_what_its_shader_says),
-        cmocka_unit_test(test_density_is_unreals),
-        cmocka_unit_test(test_mean_is_ln2_times_the_mean),
-        cmocka_unit_test(test_a_start_is_a_camera_further_on),
-        cmocka_unit_test(test_the_end_is_over_ground),
-        cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_without_controls_it_is_physics),
-        cmocka_unit_test(test_sky_light_is_a_furnace),
-        cmocka_unit_test(test_nothing_lies_before_what_is_at_the_camera),
-        cmocka_unit_test(test_far_below_the_fog),
-        cmocka_unit_test(test_zeros),
-        cmocka_unit_test(test_there_is_no_glow_away_from_the_sun),
-        cmocka_unit_test(test_controls_are_switched_one_by_one),
-        cmocka_unit_test(test_filament_does_not_know_all),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -307,11 +307,7 @@ static void test_exact_transport_says_why_not(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_transmittance_is_unbiased),
-        cmocka_unit_test(test_collisions_have_their_distribution),
-        cmocka_unit_test(test_single_scattering_of_paths),
-        cmocka_unit_test(test_clouds_against_the_light),
-        cmocka_unit_test(test_exact_transport_says_why_not),
+#include "cases/test_horizon_tracking.inc"
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -140,11 +140,4 @@ static void test_any_order_of_layers_is_the_same(void **state)
     neph_grid_destroy(grid);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_medium_in_layers_is_the_medium),
-        cmocka_unit_test(test_any_order_of_layers_is_the_same),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -577,17 +577,4 @@ static void test_white_furnace(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_scattering_of_one_medium),
-        cmocka_unit_test(test_single_scattering_of_coloured_media_and_solids),
-        cmocka_unit_test(test_conservative_slabs),
-        cmocka_unit_test(test_slabs_against_doubling),
-        cmocka_unit_test(test_vertical_profiles_are_slabs),
-        cmocka_unit_test(test_half_space_against_chandrasekhar),
-        cmocka_unit_test(test_colour_of_all_orders),
-        cmocka_unit_test(test_white_furnace),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

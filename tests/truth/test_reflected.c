@@ -574,26 +574,4 @@ static void test_what_no_path_finds_is_refused(void **state)
     assert_non_null(strstr(reason, "media"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ambient_of_a_plane_is_one),
-        cmocka_unit_test(test_ambient_of_a_corner),
-        cmocka_unit_test(test_ambient_of_a_step),
-        cmocka_unit_test(test_ambient_within_a_distance),
-        cmocka_unit_test(test_ambient_of_a_board),
-        cmocka_unit_test(test_one_bounce_off_a_board),
-        cmocka_unit_test(test_what_a_screen_knows),
-        cmocka_unit_test(test_energy_in_a_room),
-        cmocka_unit_test(test_textures_in_the_sun),
-        cmocka_unit_test(test_textures_in_all_light),
-        cmocka_unit_test(test_white_furnace),
-        cmocka_unit_test(test_rough_metal_under_an_even_sky),
-        cmocka_unit_test(test_reflectance_of_rough_metal),
-        cmocka_unit_test(test_a_mirror_is_a_mirrored_camera),
-        cmocka_unit_test(test_light_that_a_mirror_throws),
-        cmocka_unit_test(test_a_turned_mirror),
-        cmocka_unit_test(test_what_no_path_finds_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

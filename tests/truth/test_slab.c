@@ -425,21 +425,4 @@ static void test_what_is_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_h_function),
-        cmocka_unit_test(test_half_space),
-        cmocka_unit_test(test_diffusion_limit),
-        cmocka_unit_test(test_cloud_fluxes),
-        cmocka_unit_test(test_second_order),
-        cmocka_unit_test(test_thin_limit),
-        cmocka_unit_test(test_energy_is_conserved),
-        cmocka_unit_test(test_radiances_integrate_to_fluxes),
-        cmocka_unit_test(test_reciprocity),
-        cmocka_unit_test(test_number_of_nodes),
-        cmocka_unit_test(test_nothing_there),
-        cmocka_unit_test(test_what_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -153,13 +153,4 @@ static void test_same_seed_same_bits_and_bad_input(void **state)
     assert_int_equal(neph_step_cloud_solve(&params, &a, NULL, &diag), NEPH_ERR_INPUT);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_i3rc_step_cloud),
-        cmocka_unit_test(test_equal_columns_are_a_slab),
-        cmocka_unit_test(test_wide_and_narrow_columns),
-        cmocka_unit_test(test_same_seed_same_bits_and_bad_input),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -152,13 +152,4 @@ static void test_what_is_out_of_range_is_refused(void **state)
     assert_null(image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_parts_make_the_picture),
-        cmocka_unit_test(test_noise_is_told),
-        cmocka_unit_test(test_orders_of_scattering),
-        cmocka_unit_test(test_what_is_out_of_range_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

@@ -566,25 +566,4 @@ static void test_never_nonsense(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_scattering_against_reference),
-        cmocka_unit_test(test_the_sun_behind_an_opaque_medium),
-        cmocka_unit_test(test_a_slanting_sun_behind_a_slab),
-        cmocka_unit_test(test_light_behind_an_opaque_shadow),
-        cmocka_unit_test(test_shadow_of_one_solid),
-        cmocka_unit_test(test_shadows_overlap_and_rays_end),
-        cmocka_unit_test(test_shadow_in_height_fog),
-        cmocka_unit_test(test_fence_against_brute_force),
-        cmocka_unit_test(test_random_scenes_against_brute_force),
-        cmocka_unit_test(test_lambert_through_fog),
-        cmocka_unit_test(test_a_surface_turned_away_or_shaded_is_black),
-        cmocka_unit_test(test_a_surface_far_away_is_lit),
-        cmocka_unit_test(test_parts_add_up),
-        cmocka_unit_test(test_white_furnace),
-        cmocka_unit_test(test_what_is_refused),
-        cmocka_unit_test(test_never_nonsense),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

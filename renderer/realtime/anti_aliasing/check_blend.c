@@ -30,18 +30,17 @@ static double moving_weight(double speed_px)
 
 /* --- the blend and the format --------------------------------------------------------------- */
 
-/* What weight a frame of 1 had over a history of 0 ... read off the output. */
+/* The weight that a frame had over a history, from the output. */
 static double weight_of(double out, double frame, double history)
 {
     return (out - history) / (frame - history);
 }
 
-/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below 1
- * % is not averaged at all. Colours are known to some
- * ulps, the weight to that over r. */
+/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below
+ * 1 % is not averaged at all. Colours are known to some ulps, the weight to that over r. */
 static void test_the_contrast_law_takes_small_differences_whole(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(*state, 64, 2, 0, &test,
               "taa_filter=off taa_box=none taa_hdr_weight=off target_format=float");
     test.view.has_history = 1;
@@ -50,10 +49,10 @@ static void test_the_contrast_law_takes_small_differences_whole(void **state)
         const double r = pow(10.0, -3.0 + 4.0 * x / 63.0);
         const float above = (float)(luma * (1.0 + r)), below = (float)(luma * (1.0 - fmin(r, 0.9)));
         for (int y = 0; y < 2; y++) {
-            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){1.0f});
-            twin_put_full(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
+            cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){1.0f});
+            cpu_put_full(&test.cpu, RT_TAA_BEFORE, x, y, (float[4]){luma, luma, luma});
             const float value = y ? below : above;
-            twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){value, value, value});
+            cpu_put_full(&test.cpu, RT_COLOR, x, y, (float[4]){value, value, value});
         }
     }
     run(&test, "anti-aliasing");
@@ -65,13 +64,12 @@ static void test_the_contrast_law_takes_small_differences_whole(void **state)
             neph_assert_close(alpha, fmax(0.04, fmin(1.0, 0.01 / r)), 0.0,
                               8.0 * float_ulp * (1.0 + r) / r);
         }
-    test_passes_close(&test);
 }
 
 /* From taa_alpha at rest to 0.2 at 20 pixels and beyond. */
 static void test_the_weight_grows_with_speed(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 target_format=float",
               &test);
@@ -84,7 +82,6 @@ static void test_the_weight_grows_with_speed(void **state)
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 128, 20, 0),
                           0.04 + 0.16 * fmin(speed_px / 20.0, 1.0), 1e-6, 0.0);
     }
-    test_passes_close(&test);
 }
 
 /* --- static pixels, and motion with the medium ---------------------------------------------- */
@@ -94,7 +91,7 @@ static void test_a_static_pixel_is_the_mean_of_its_frames(void **state)
 {
     enum { FRAMES = 12, AGE_MAX = 8 };
     static const float frames[FRAMES] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_hdr_weight=off target_format=float gradient=on taa_age_max=8",
               &test);
@@ -108,7 +105,6 @@ static void test_a_static_pixel_is_the_mean_of_its_frames(void **state)
         assert_true(pixel_value(&test, RT_TAA_OUT, 99, 33, 3) == (n < AGE_MAX ? n + 1 : AGE_MAX));
         test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
     }
-    test_passes_close(&test);
 }
 
 static void put_change(struct test_passes *test, int target, float gain, float residue)
@@ -130,7 +126,7 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
                  {0.1f, 0.1f, 0.0f, 0.0, 8.0},  {0.0f, 0.9f, 0.0f, 1.0, 14.0 / 9.0},
                  {0.0f, 0.0f, 1.0f, 0.0, 19.0}, {0.0f, 0.0f, 1.5f, 0.5, 19.0},
                  {0.0f, 0.0f, 2.0f, 1.0, 19.0}};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_hdr_weight=off taa_contrast=0 target_format=float taa_alpha=0.25 "
               "gradient=on taa_age_max=64 taa_change=0.2",
@@ -151,7 +147,6 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 3),
                           (1.0 - part) * (age + 1.0) + part, 0.0, 20.0 * error);
     }
-    test_passes_close(&test);
 }
 
 /* History at rest is multiplied with what the light of the pixel has been: that of the medium and
@@ -166,7 +161,7 @@ static void test_history_takes_the_light_along(void **state)
                  {0.25, 1.05, 1.0, 0.0, 1.0 / (0.25 / 1.05 + 0.75)},
                  {1.0, 0.98, 0.98, 1.5, 0.99},
                  {1.0, 0.98, 0.98, 2.0, 1.0}};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 target_format=float "
               "taa_alpha=0 gradient=on taa_age_max=64 relight=0.1",
@@ -188,13 +183,12 @@ static void test_history_takes_the_light_along(void **state)
                           cases[i].gain + alpha * (2.0 - cases[i].gain), 0.0,
                           moved > 0.0 ? motion_error_px / 0.02 : 1e-5);
     }
-    test_passes_close(&test);
 }
 
 /* Without a gradient nobody knows whether something changes: nothing rests. */
 static void test_without_a_gradient_no_pixel_is_static(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_wall(*state,
               "taa_filter=off taa_hdr_weight=off taa_box=none taa_contrast=0 target_format=float "
               "taa_alpha=0.25 taa_age_max=64",
@@ -203,7 +197,6 @@ static void test_without_a_gradient_no_pixel_is_static(void **state)
         test_set(&test, RT_TAA_BEFORE, e, (float[4]){1.0f, 1.0f, 1.0f, 19.0f});
     run(&test, "anti-aliasing");
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 0), 0.75, 0.0, 1e-6);
-    test_passes_close(&test);
 }
 
 /* The wind blows by 8 pixels at 128 m, where clouds before a wall at 200 m are; those at half that
@@ -232,21 +225,21 @@ static void test_the_history_goes_with_the_medium(void **state)
                  "taa_filter=off taa_box=none taa_alpha=0 taa_contrast=0 taa_hdr_weight=off "
                  "target_format=float taa_history=nearest taa_medium=on %s",
                  cases[i].words);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_wall(*state, text, &test);
         fill_colours(&test, RT_TAA_BEFORE, 3.0, &seed);
         put_change(&test, RT_CHANGE, 1.0f, 0.1f);
         for (int y = 0; y < 64; y++)
             for (int x = 0; x < 256; x++) {
-                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
+                cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){cases[i].scene_m});
                 /* along the ray, which is longer towards the sides */
                 const double across = (2.0 * (x + 0.5) / 256.0 - 1.0),
                              up = (1.0 - 2.0 * (y + 0.5) / 64.0) * 0.25;
                 const double slant = sqrt(1.0 + across * across + up * up);
-                twin_put_full(&test.twin, RT_VOLUME, x, y,
-                              (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
-                twin_put_full(&test.twin, RT_VOLUME_DISTANCE, x, y,
-                              (float[4]){(float)(slant * (double)cases[i].distance_m)});
+                cpu_put_full(&test.cpu, RT_VOLUME, x, y,
+                             (float[4]){0.0f, 0.0f, 0.0f, cases[i].through});
+                cpu_put_full(&test.cpu, RT_VOLUME_DISTANCE, x, y,
+                             (float[4]){(float)(slant * (double)cases[i].distance_m)});
             }
         test.view.wind_m[0] = 8.0f;
         run(&test, "anti-aliasing");
@@ -260,7 +253,6 @@ static void test_the_history_goes_with_the_medium(void **state)
                                       (1.0 - weight) * pixel_value(&test, RT_TAA_BEFORE,
                                                                    x - cases[i].motion_px, y, c),
                                       1e-5, 0.0);
-        test_passes_close(&test);
     }
 }
 
@@ -270,7 +262,7 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
     static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
     static const float frames[] = {0.001f, 0.7f, 65504.0f, 1e5f};
     for (int i = 0; i < 8; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_open(*state, 1, 1, 0, &test,
                   "taa_filter=off taa_box=none taa_alpha=1 target_format=float %s", guards[i / 4]);
         test.view.has_history = 1;
@@ -281,14 +273,13 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
         run(&test, "anti-aliasing");
         assert_true(pixel_value(&test, RT_TAA_OUT, 0, 0, 0) ==
                     (double)(frame < 65504.0f ? frame : 65504.0f));
-        test_passes_close(&test);
     }
 }
 
 /* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
 static void test_hdr_weights_hold_bright_samples_back(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(*state, 1, 1, 0, &test,
               "taa_filter=off taa_box=none taa_alpha=0.5 taa_contrast=0 target_format=float");
     test.view.has_history = 1;
@@ -299,7 +290,6 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
     const double dark = 1.0 / 8.0, bright = 1.0 / 40.0;
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 0, 0, 0),
                       (1.0 * dark + 9.0 * bright) / (dark + bright), 1e-6, 0.0);
-    test_passes_close(&test);
 }
 
 /* Every output is one of the two halves around the exact value, the CPU reference's choice bit by
@@ -308,14 +298,14 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
 static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
 {
     static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(vulkan, 64, 64, seed, &test, "taa_filter=off");
     for (size_t v = 0; v < COUNT(values); v++) {
         const float value = (float)values[v];
         test.view.frame = (uint32_t)v;
         test_fill(&test, RT_COLOR, value, value, value, 0);
         test_passes_run(&test, "anti-aliasing");
-        twin_taa(&test.twin);
+        cpu_taa(&test.cpu);
         test_same_words(&test, RT_TAA_OUT, v);
         const double step = fmax(ldexp(1.0, ilogb(values[v] > 0.0 ? values[v] : 1.0) - 10),
                                  0x1p-24);
@@ -327,7 +317,6 @@ static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
         }
         neph_assert_close(sum / (3 * 64 * 64), value, 0.0, 4.0 * 0.5 * step / sqrt(3 * 64 * 64));
     }
-    test_passes_close(&test);
 }
 
 /* By floats, and by whole numbers as a GPU does: the same choice of each number. Below 2^-14 a GPU
@@ -374,13 +363,12 @@ static void test_media_are_responsive(void **state)
                  {"taa_responsive=medium taa_alpha=0.75", 0.1f, 0.75}};
     for (int p = 0; p < 2; p++)
         for (size_t i = 0; i < COUNT(cases); i++) {
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_plain(*state, p, cases[i].words, &test);
             test_fill(&test, RT_VOLUME, 0, 0, 0, cases[i].through);
             run(&test, passes[p].pass);
             neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 1), 1.0 + cases[i].weight, 0.0,
                               1e-6);
-            test_passes_close(&test);
         }
 }
 
@@ -395,32 +383,14 @@ static void test_history_follows_the_exposure(void **state)
                  {"taa_pre_exposure=on", 0.875 * 8.0 + 0.125 * 16.0}};
     for (int p = 0; p < 2; p++)
         for (int i = 0; i < 2; i++) {
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_plain(*state, p, cases[i].words, &test);
             test.view.exposure = 8.0f;
             test.view.exposure_before = 0.5f;
             test_fill(&test, RT_TAA_BEFORE, 0.5f, 0.5f, 0.5f, 0);
             run(&test, passes[p].pass);
             neph_assert_close(pixel_value(&test, RT_TAA_OUT, 7, 3, 2), cases[i].kept, 1e-6, 0.0);
-            test_passes_close(&test);
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_contrast_law_takes_small_differences_whole),
-        cmocka_unit_test(test_the_weight_grows_with_speed),
-        cmocka_unit_test(test_a_static_pixel_is_the_mean_of_its_frames),
-        cmocka_unit_test(test_change_and_motion_begin_a_new_mean),
-        cmocka_unit_test(test_history_takes_the_light_along),
-        cmocka_unit_test(test_without_a_gradient_no_pixel_is_static),
-        cmocka_unit_test(test_the_history_goes_with_the_medium),
-        cmocka_unit_test(test_a_frame_of_full_weight_comes_out_as_it_is),
-        cmocka_unit_test(test_hdr_weights_hold_bright_samples_back),
-        cmocka_unit_test(test_rounding_by_chance_is_right_on_average),
-        cmocka_unit_test(test_media_are_responsive),
-        cmocka_unit_test(test_history_follows_the_exposure),
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

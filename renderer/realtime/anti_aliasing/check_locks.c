@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Upsampling with locks against its twin, and what each of its parts is there for: thin features
- * are locked, what is uncovered has no history, a history counts by what is in it.
+ * Upsampling with locks against its CPU reference, and what each of its parts is there for: thin
+ * features are locked, what is uncovered has no history, a history counts by what is in it.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
@@ -12,7 +12,7 @@ static void run(struct test_passes *test)
     test_take(test, RT_TAA_STATE);
 }
 
-/* --- against the twin ------------------------------------------------------------------------- */
+/* --- against the CPU reference --------------------------------------------------------------- */
 
 /* Locks of all ages, with lumas of the picture or of none; depths of all sorts. */
 static void fill_states(struct test_passes *test, double most, uint64_t *seed)
@@ -24,7 +24,7 @@ static void fill_states(struct test_passes *test, double most, uint64_t *seed)
                             (float)neph_test_uniform(seed, 0.0, 4.0 * most), random_depth_m(seed)});
 }
 
-static void test_the_pass_equals_the_twin(void **state)
+static void test_the_pass_equals_the_cpu_reference(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {5, 4}, {64, 36}, {67, 33}};
     static const char *const words[] = {"screen_percent=50 taa_age_max=8",
@@ -40,7 +40,7 @@ static void test_the_pass_equals_the_twin(void **state)
         snprintf(text + length, sizeof(text) - length, "taa=locks %s taa_motion=%s",
                  words[round % 4], round % 3 ? "square" : "cross");
         const struct neph_settings settings = test_settings(text);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round / 4 % 4], (int[2]){0, 0}, start, &test);
         const double most = round % 3 ? 1.0 : 100.0;
         test.view.frame = (uint32_t)neph_test_random(&seed);
@@ -57,12 +57,11 @@ static void test_the_pass_equals_the_twin(void **state)
         for (size_t e = 0; e < test_elements(&test, RT_COLOR) && round % 5 == 4; e += 7)
             test_set(&test, RT_COLOR, e, (float[4]){NAN, 1.0f, INFINITY});
         test_passes_run(&test, "locks");
-        twin_locks(&test.twin);
+        cpu_locks(&test.cpu);
         if (settings.values[RT_TAA_GUARD] != 0.0 || round % 5 != 4) {
             compare(&test, most, start, text);
             test_same_words(&test, RT_TAA_STATE, start);
         }
-        test_passes_close(&test);
     }
 }
 
@@ -84,7 +83,7 @@ static void open_flat(struct neph_vulkan *vulkan, const char *words, float value
  * out. */
 static void test_a_first_frame_comes_out_as_it_is(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     uint64_t seed = 3;
     open_flat(*state, "", 0.0f, &test);
     fill_colours(&test, RT_COLOR, 1.0, &seed);
@@ -94,14 +93,13 @@ static void test_a_first_frame_comes_out_as_it_is(void **state)
             for (int c = 0; c < 3; c++)
                 neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, c),
                                   pixel_value(&test, RT_COLOR, x, y, c), 0.0, 1e-6);
-    test_passes_close(&test);
 }
 
 /* Whole frames go into the mean until it has eight, and then one in nine. */
 static void test_a_history_counts_by_what_is_in_it(void **state)
 {
     static const float frames[] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_flat(*state, "", 0.0f, &test);
     double mean = 0.0;
     for (int n = 0; n < 12; n++) {
@@ -113,7 +111,6 @@ static void test_a_history_counts_by_what_is_in_it(void **state)
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 9, 9, 3), n < 8 ? n + 1 : 8, 0.0, 1e-5);
         test_swap(&test, RT_TAA_BEFORE, RT_TAA_OUT);
     }
-    test_passes_close(&test);
 }
 
 /* A line of one rendered pixel is locked where its ray went, at half the size in two of its four
@@ -126,19 +123,18 @@ static void test_thin_features_are_locked(void **state)
         bool is_locked;
     } cases[] = {{7, 8, true}, {7, 16, false}, {0, 0, false}};
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_flat(*state, "screen_percent=50 taa_jitter_length=8", 0.1f, &test);
         for (int y = 0; y < 8; y++)
             for (int x = cases[i].first; x < cases[i].end; x++)
-                twin_put_full(&test.twin, RT_COLOR, x, y, (float[4]){1.0f, 1.0f, 1.0f});
+                cpu_put_full(&test.cpu, RT_COLOR, x, y, (float[4]){1.0f, 1.0f, 1.0f});
         run(&test);
         for (int y = 0; y < 16; y++)
             for (int x = 0; x < 32; x++)
                 assert_true(pixel_value(&test, RT_TAA_STATE, x, y, 0) ==
                             (cases[i].is_locked && x / 2 == 7 ? 1.0 : 0.0));
-        test_passes_close(&test);
     }
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_flat(*state, "screen_percent=50 taa_jitter_length=8", 0.1f, &test);
     test.view.has_history = 1;
     for (size_t e = 0; e < test_elements(&test, RT_TAA_STATE_BEFORE); e++)
@@ -147,13 +143,12 @@ static void test_thin_features_are_locked(void **state)
     run(&test);
     neph_assert_close(pixel_value(&test, RT_TAA_STATE, 5, 5, 0), 0.5 - 1.0 / 32.0, 0.0, 1e-6);
     assert_true(pixel_value(&test, RT_TAA_STATE, 6, 5, 0) == 0.0);
-    test_passes_close(&test);
 }
 
 /* A lock keeps its part of the history out of the box, which is that of a flat frame here. */
 static void test_a_lock_keeps_the_history(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_flat(*state, "taa_box=min_max taa_jitter_length=64", 1.0f, &test);
     test.view.has_history = 1;
     for (size_t e = 0; e < test_elements(&test, RT_TAA_BEFORE); e++) {
@@ -164,40 +159,26 @@ static void test_a_lock_keeps_the_history(void **state)
     run(&test);
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 5, 5, 0), 1.0 + 7.0 / 8.0, 0.0, 1e-5);
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 6, 5, 0), 1.0, 0.0, 1e-5);
-    test_passes_close(&test);
 }
 
 /* What stood nearer by more than 2 % has left no history; at the rim of something that
  * is still within two pixels it has. */
 static void test_what_is_uncovered_has_no_history(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_flat(*state, "", 1.0f, &test);
     test.view.has_history = 1;
     for (int y = 0; y < 16; y++)
         for (int x = 0; x < 32; x++) {
             const float before_m = x < 16 ? 120.0f : 126.0f; /* of 128: 6 % and 1.6 % nearer */
-            twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){x == 0 ? 120.0f : 128.0f});
-            twin_put_picture(&test.twin, RT_TAA_STATE_BEFORE, x, y,
-                             (float[4]){0.0f, 0.0f, before_m});
-            twin_put_picture(&test.twin, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
+            cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){x == 0 ? 120.0f : 128.0f});
+            cpu_put_picture(&test.cpu, RT_TAA_STATE_BEFORE, x, y, (float[4]){0.0f, 0.0f, before_m});
+            cpu_put_picture(&test.cpu, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
         }
     run(&test);
     for (int x = 0; x < 32; x++) /* 15 has a texel of 126 m next to it */
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, 8, 0), x < 3 || x > 14 ? 2.5 : 1.0, 0.0,
                           1e-5);
-    test_passes_close(&test);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_pass_equals_the_twin),
-        cmocka_unit_test(test_a_first_frame_comes_out_as_it_is),
-        cmocka_unit_test(test_a_history_counts_by_what_is_in_it),
-        cmocka_unit_test(test_thin_features_are_locked),
-        cmocka_unit_test(test_a_lock_keeps_the_history),
-        cmocka_unit_test(test_what_is_uncovered_has_no_history),
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -17,14 +17,14 @@ struct box {
     double low[3], high[3];
 };
 
-static float setting(const struct twin *twin, int index)
+static float setting(const struct reference *cpu, int index)
 {
-    return twin->view->settings[index];
+    return cpu->view->settings[index];
 }
 
-static int choice(const struct twin *twin, int index)
+static int choice(const struct reference *cpu, int index)
 {
-    return (int)twin->view->settings[index];
+    return (int)cpu->view->settings[index];
 }
 
 /* --- numbers that may be bad, samples --------------------------------------------------------- */
@@ -39,9 +39,9 @@ bool taa_is_finite(struct colour colour)
     return isfinite(colour.c[0]) && isfinite(colour.c[1]) && isfinite(colour.c[2]);
 }
 
-struct colour taa_guard(const struct twin *twin, struct colour colour)
+struct colour taa_guard(const struct reference *cpu, struct colour colour)
 {
-    for (int c = 0; c < 3 && choice(twin, RT_TAA_GUARD); c++)
+    for (int c = 0; c < 3 && choice(cpu, RT_TAA_GUARD); c++)
         colour.c[c] = taa_clamp(colour.c[c], 0.0, half_max);
     return colour;
 }
@@ -51,30 +51,30 @@ double taa_luma_4(struct colour colour)
     return colour.c[0] + 2.0 * colour.c[1] + colour.c[2];
 }
 
-static double hdr_weight(const struct twin *twin, struct colour colour)
+static double hdr_weight(const struct reference *cpu, struct colour colour)
 {
-    return choice(twin, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
+    return choice(cpu, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
 }
 
 /* The frame as the camera exposes it. */
-struct colour taa_fetch_colour(const struct twin *twin, int target, int x, int y)
+struct colour taa_fetch_colour(const struct reference *cpu, int target, int x, int y)
 {
     float value[4];
-    twin_fetch_full(twin, target, x, y, value);
-    const float exposure = twin->view->exposure;
+    cpu_fetch_full(cpu, target, x, y, value);
+    const float exposure = cpu->view->exposure;
     return (struct colour){{exposure * value[0], exposure * value[1], exposure * value[2]}};
 }
 
-static bool upsamples(const struct twin *twin)
+static bool upsamples(const struct reference *cpu)
 {
-    return choice(twin, RT_TAA) == RT_TAA_UPSAMPLING || choice(twin, RT_TAA) == RT_TAA_LOCKS;
+    return choice(cpu, RT_TAA) == RT_TAA_UPSAMPLING || choice(cpu, RT_TAA) == RT_TAA_LOCKS;
 }
 
 /* The rendered pixel whose ray went nearest, in the shader's float32. */
-struct place taa_find_source(const struct twin *twin, int x, int y)
+struct place taa_find_source(const struct reference *cpu, int x, int y)
 {
-    const struct neph_gpu_view *view = twin->view;
-    if (!upsamples(twin))
+    const struct neph_gpu_view *view = cpu->view;
+    if (!upsamples(cpu))
         return (struct place){x, y, x, y};
     const float way_x = ((float)x + 0.5f) * view->rendered_per_px[0] - view->jitter_px[0];
     const float way_y = ((float)y + 0.5f) * view->rendered_per_px[1] - view->jitter_px[1];
@@ -82,25 +82,25 @@ struct place taa_find_source(const struct twin *twin, int x, int y)
 }
 
 /* From a pixel's centre to where its source's ray went, along one side. */
-float taa_shift_px(const struct twin *twin, int pixel, int source, int axis)
+float taa_shift_px(const struct reference *cpu, int pixel, int source, int axis)
 {
-    const struct neph_gpu_view *view = twin->view;
-    if (!upsamples(twin))
+    const struct neph_gpu_view *view = cpu->view;
+    if (!upsamples(cpu))
         return view->jitter_px[axis];
     const float way = ((float)pixel + 0.5f) * view->rendered_per_px[axis] - view->jitter_px[axis];
     return (float)source + 0.5f - way;
 }
 
-struct neighbourhood taa_fetch_neighbourhood(const struct twin *twin, struct place at)
+struct neighbourhood taa_fetch_neighbourhood(const struct reference *cpu, struct place at)
 {
-    const float shift_x = taa_shift_px(twin, at.x, at.source_x, 0);
-    const float shift_y = taa_shift_px(twin, at.y, at.source_y, 1);
+    const float shift_x = taa_shift_px(cpu, at.x, at.source_x, 0);
+    const float shift_y = taa_shift_px(cpu, at.y, at.source_y, 1);
     struct neighbourhood around;
     for (int i = 0; i < 9; i++) {
-        const struct colour colour = taa_fetch_colour(twin, RT_COLOR, at.source_x + i % 3 - 1,
+        const struct colour colour = taa_fetch_colour(cpu, RT_COLOR, at.source_x + i % 3 - 1,
                                                       at.source_y + i / 3 - 1);
-        around.is_valid[i] = !choice(twin, RT_TAA_GUARD) || taa_is_finite(colour);
-        around.colours[i] = taa_guard(twin, colour);
+        around.is_valid[i] = !choice(cpu, RT_TAA_GUARD) || taa_is_finite(colour);
+        around.colours[i] = taa_guard(cpu, colour);
         around.off_px[i][0] = (float)(i % 3 - 1) + shift_x;
         around.off_px[i][1] = (float)(i / 3 - 1) + shift_y;
     }
@@ -110,32 +110,32 @@ struct neighbourhood taa_fetch_neighbourhood(const struct twin *twin, struct pla
 /* --- the filter ------------------------------------------------------------------------------- */
 
 /* By the distance in pixels of the picture. */
-static double filter_weight(const struct twin *twin, const struct neighbourhood *around, int i)
+static double filter_weight(const struct reference *cpu, const struct neighbourhood *around, int i)
 {
     double squared = 0.0;
     for (int axis = 0; axis < 2; axis++)
-        squared += pow(around->off_px[i][axis] / (double)twin->view->rendered_per_px[axis], 2.0);
+        squared += pow(around->off_px[i][axis] / (double)cpu->view->rendered_per_px[axis], 2.0);
     return exp(-2.29 * squared);
 }
 
-/* What there is of the frame in a pixel: the sum of the filter, at most 1. */
-double taa_coverage(const struct twin *twin, const struct neighbourhood *around)
+/* How much of the pixel is covered by samples: the sum of the filter's weights, at most 1. */
+double taa_coverage(const struct reference *cpu, const struct neighbourhood *around)
 {
-    double sum = upsamples(twin) ? 0.0 : 1.0;
+    double sum = upsamples(cpu) ? 0.0 : 1.0;
     for (int i = 0; i < 9; i++)
-        sum += filter_weight(twin, around, i);
+        sum += filter_weight(cpu, around, i);
     return fmin(sum, 1.0);
 }
 
-bool taa_filter_samples(const struct twin *twin, const struct neighbourhood *around,
+bool taa_filter_samples(const struct reference *cpu, const struct neighbourhood *around,
                         struct colour *filtered)
 {
     *filtered = around->colours[4];
-    if (!choice(twin, RT_TAA_FILTER))
+    if (!choice(cpu, RT_TAA_FILTER))
         return around->is_valid[4];
     double weights = 0.0, sum[3] = {0.0};
     for (int i = 0; i < 9; i++) {
-        const double weight = filter_weight(twin, around, i) * hdr_weight(twin, around->colours[i]);
+        const double weight = filter_weight(cpu, around, i) * hdr_weight(cpu, around->colours[i]);
         weights += around->is_valid[i] ? weight : 0.0;
         for (int c = 0; c < 3 && around->is_valid[i]; c++)
             sum[c] += weight * around->colours[i].c[c];
@@ -167,7 +167,7 @@ static struct colour from_space(int space, struct colour value)
     return value;
 }
 
-/* Crossed where no colour is_valid. */
+/* Empty, low above high, where no colour is valid. */
 static struct box extremes(const struct neighbourhood *around, const bool among[9])
 {
     struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
@@ -221,20 +221,20 @@ static float distance_squared(const struct neighbourhood *around, int i)
     return x * x + y * y;
 }
 
-static struct box near_box(const struct twin *twin, const struct neighbourhood *around)
+static struct box near_box(const struct reference *cpu, const struct neighbourhood *around)
 {
-    const float reach_px = 1.51f - 0.21f * (1.0f / twin->view->rendered_per_px[0] - 1.0f);
-    const bool is_larger = choice(twin, RT_TAA) == RT_TAA_UPSAMPLING;
+    const float reach_px = 1.51f - 0.21f * (1.0f / cpu->view->rendered_per_px[0] - 1.0f);
+    const bool is_larger = choice(cpu, RT_TAA) == RT_TAA_UPSAMPLING;
     bool near[9];
     for (int i = 0; i < 9; i++)
         near[i] = distance_squared(around, i) < (is_larger ? reach_px * reach_px : 2.2801f);
     return extremes(around, near);
 }
 
-struct colour taa_clamp_history(const struct twin *twin, struct colour history,
+struct colour taa_clamp_history(const struct reference *cpu, struct colour history,
                                 struct neighbourhood around, struct colour filtered, double scale)
 {
-    const int kind = choice(twin, RT_TAA_BOX), space = choice(twin, RT_TAA_SPACE);
+    const int kind = choice(cpu, RT_TAA_BOX), space = choice(cpu, RT_TAA_SPACE);
     if (kind == RT_BOX_NONE)
         return history;
     for (int i = 0; i < 9; i++)
@@ -242,8 +242,8 @@ struct colour taa_clamp_history(const struct twin *twin, struct colour history,
     const struct box box = kind == RT_BOX_MIN_MAX ? rounded_box(&around)
                            : kind == RT_BOX_VARIANCE
                                ? variance_box(&around, to_space(space, filtered),
-                                              scale * setting(twin, RT_TAA_SIGMA))
-                               : near_box(twin, &around);
+                                              scale * setting(cpu, RT_TAA_SIGMA))
+                               : near_box(cpu, &around);
     struct colour clamped = to_space(space, history);
     bool is_moved = false;
     for (int c = 0; c < 3; c++) {
@@ -256,13 +256,13 @@ struct colour taa_clamp_history(const struct twin *twin, struct colour history,
 
 /* --- motion: the shader's float32, operation by operation ------------------------------------- */
 
-/* What has changed around the tile of a pixel, of the medium and behind it; false where nobody
- * asks. */
-static bool find_change(const struct twin *twin, int x, int y, float changes[2][4])
+/* What has changed around the tile of a pixel, of the medium and behind it; false where no setting
+ * uses it. */
+static bool find_change(const struct reference *cpu, int x, int y, float changes[2][4])
 {
-    twin_fetch_tile(twin, RT_CHANGE, x / 4, y / 4, changes[0]);
-    twin_fetch_tile(twin, RT_CHANGE_BEHIND, x / 4, y / 4, changes[1]);
-    return choice(twin, RT_GRADIENT) && setting(twin, RT_TAA_AGE_MAX) != 0.0f;
+    cpu_fetch_tile(cpu, RT_CHANGE, x / 4, y / 4, changes[0]);
+    cpu_fetch_tile(cpu, RT_CHANGE_BEHIND, x / 4, y / 4, changes[1]);
+    return choice(cpu, RT_GRADIENT) && setting(cpu, RT_TAA_AGE_MAX) != 0.0f;
 }
 
 static double beyond(double value, double least)
@@ -270,12 +270,12 @@ static double beyond(double value, double least)
     return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-/* Whether light changes by more than what is_valid as a change, as far as anybody knows. */
-static bool is_changing(const struct twin *twin, int x, int y)
+/* Whether the light changes by more than taa_change; without a gradient it may. */
+static bool is_changing(const struct reference *cpu, int x, int y)
 {
     float changes[2][4];
-    return !find_change(twin, x, y, changes) ||
-           beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)) > 0.0;
+    return !find_change(cpu, x, y, changes) ||
+           beyond(fmax(changes[0][3], changes[1][3]), setting(cpu, RT_TAA_CHANGE)) > 0.0;
 }
 
 float taa_dot(const float a[3], const float b[3])
@@ -324,19 +324,19 @@ static bool find_motion(const struct neph_gpu_view *view, const float ray[3], fl
     return depth_before > 0.0f;
 }
 
-static float nearest_depth(const struct twin *twin, int x, int y, float moved_m[4])
+static float nearest_depth(const struct reference *cpu, int x, int y, float moved_m[4])
 {
     static const int cross_px[4][2] = {{-2, -2}, {2, -2}, {-2, 2}, {2, 2}};
     static const int square_px[8][2] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
                                         {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
-    const int motion = choice(twin, RT_TAA_MOTION);
+    const int motion = choice(cpu, RT_TAA_MOTION);
     const int count = motion == RT_MOTION_CROSS ? 4 : motion == RT_MOTION_SQUARE ? 8 : 0;
     const int(*others_px)[2] = motion == RT_MOTION_CROSS ? cross_px : square_px;
     float nearest_m[4], depth_m[4];
     int nearest_x = x, nearest_y = y;
-    twin_fetch_full(twin, RT_DEPTH, x, y, nearest_m);
+    cpu_fetch_full(cpu, RT_DEPTH, x, y, nearest_m);
     for (int i = 0; i < count; i++) {
-        twin_fetch_full(twin, RT_DEPTH, x + others_px[i][0], y + others_px[i][1], depth_m);
+        cpu_fetch_full(cpu, RT_DEPTH, x + others_px[i][0], y + others_px[i][1], depth_m);
         if (depth_m[0] < nearest_m[0]) {
             nearest_m[0] = depth_m[0];
             nearest_x = x + others_px[i][0];
@@ -344,23 +344,23 @@ static float nearest_depth(const struct twin *twin, int x, int y, float moved_m[
         }
     }
     memset(moved_m, 0, 4 * sizeof(*moved_m));
-    if (choice(twin, RT_SOLID_MOTION))
-        twin_fetch_full(twin, RT_MOVED, nearest_x, nearest_y, moved_m);
+    if (choice(cpu, RT_SOLID_MOTION))
+        cpu_fetch_full(cpu, RT_MOVED, nearest_x, nearest_y, moved_m);
     return nearest_m[0];
 }
 
 /* The medium is what is seen, and before the solids around, and is known to have been before the
  * camera. What moves by itself is seen through more of it. */
-static bool find_medium_motion(const struct twin *twin, int x, int y, const float ray[3],
+static bool find_medium_motion(const struct reference *cpu, int x, int y, const float ray[3],
                                float motion_px[2])
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     float volume[4], distance[4], from_m[3], moved_m[4];
-    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
-    twin_fetch_full(twin, RT_VOLUME_DISTANCE, x, y, distance);
+    cpu_fetch_full(cpu, RT_VOLUME, x, y, volume);
+    cpu_fetch_full(cpu, RT_VOLUME_DISTANCE, x, y, distance);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + view->wind_m[c];
-    const float scene_m = nearest_depth(twin, x, y, moved_m);
+    const float scene_m = nearest_depth(cpu, x, y, moved_m);
     const float depth_m = distance[0] / sqrtf(taa_dot(ray, ray));
     const bool is_mover = moved_m[0] != 0.0f || moved_m[1] != 0.0f || moved_m[2] != 0.0f;
     const float most = is_mover ? 0.0625f : scene_m >= NEPH_GPU_FAR_M ? 1.0f : 0.5f;
@@ -369,21 +369,22 @@ static bool find_medium_motion(const struct twin *twin, int x, int y, const floa
            find_motion(view, ray, depth_m, from_m, motion_px);
 }
 
-bool taa_find_before(const struct twin *twin, struct place at, float place_px[2], double *speed_px)
+bool taa_find_before(const struct reference *cpu, struct place at, float place_px[2],
+                     double *speed_px)
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     const float width_px = (float)view->picture_px[0], height_px = (float)view->picture_px[1];
     const float centre_px[2] = {(float)at.x + 0.5f, (float)at.y + 0.5f};
     float ray[3], motion_px[2], moved_m[4], from_m[3];
-    const float scene_m = nearest_depth(twin, at.source_x, at.source_y, moved_m);
+    const float scene_m = nearest_depth(cpu, at.source_x, at.source_y, moved_m);
     taa_ray_through(view, at.x, at.y, ray);
     for (int c = 0; c < 3; c++)
         from_m[c] = view->before.position_m[c] + moved_m[c];
     const bool has_wind = view->wind_m[0] != 0.0f || view->wind_m[1] != 0.0f ||
                           view->wind_m[2] != 0.0f;
-    const bool is_carried = choice(twin, RT_TAA_MEDIUM) && choice(twin, RT_WIND) && has_wind;
-    const bool is_before = (is_carried && is_changing(twin, at.source_x, at.source_y) &&
-                            find_medium_motion(twin, at.source_x, at.source_y, ray, motion_px)) ||
+    const bool is_carried = choice(cpu, RT_TAA_MEDIUM) && choice(cpu, RT_WIND) && has_wind;
+    const bool is_before = (is_carried && is_changing(cpu, at.source_x, at.source_y) &&
+                            find_medium_motion(cpu, at.source_x, at.source_y, ray, motion_px)) ||
                            find_motion(view, ray, scene_m, from_m, motion_px);
     place_px[0] = centre_px[0] - motion_px[0];
     place_px[1] = centre_px[1] - motion_px[1];
@@ -403,9 +404,9 @@ static double catmull_rom(double distance)
     return d > 1.0 ? ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0 : (1.5 * d - 2.5) * d * d + 1.0;
 }
 
-static double tap_weight(const struct twin *twin, double distance)
+static double tap_weight(const struct reference *cpu, double distance)
 {
-    switch (choice(twin, RT_TAA_HISTORY)) {
+    switch (choice(cpu, RT_TAA_HISTORY)) {
     case RT_FILTER_NEAREST: /* halfway it is the next one */
         return distance > -0.5 && distance <= 0.5;
     case RT_FILTER_BILINEAR:
@@ -415,42 +416,42 @@ static double tap_weight(const struct twin *twin, double distance)
     }
 }
 
-static struct colour fetch_before(const struct twin *twin, int x, int y)
+static struct colour fetch_before(const struct reference *cpu, int x, int y)
 {
     float value[4];
-    twin_fetch_picture(twin, RT_TAA_BEFORE, x, y, value);
+    cpu_fetch_picture(cpu, RT_TAA_BEFORE, x, y, value);
     return (struct colour){{value[0], value[1], value[2]}};
 }
 
-bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct colour *history)
+bool taa_fetch_history(const struct reference *cpu, const float place_px[2], struct colour *history)
 {
     const float corner[2] = {floorf(place_px[0] - 0.5f), floorf(place_px[1] - 0.5f)};
     const double way[2] = {place_px[0] - 0.5f - corner[0], place_px[1] - 0.5f - corner[1]};
     *history = (struct colour){{0.0}};
     for (int y = -1; y < 3; y++)
         for (int x = -1; x < 3; x++) {
-            const double weight = tap_weight(twin, x - way[0]) * tap_weight(twin, y - way[1]);
-            const struct colour texel = fetch_before(twin, (int)corner[0] + x, (int)corner[1] + y);
+            const double weight = tap_weight(cpu, x - way[0]) * tap_weight(cpu, y - way[1]);
+            const struct colour texel = fetch_before(cpu, (int)corner[0] + x, (int)corner[1] + y);
             for (int c = 0; c < 3 && weight != 0.0; c++)
                 history->c[c] += weight * texel.c[c];
         }
-    const double ratio = (double)twin->view->exposure / (double)twin->view->exposure_before;
-    for (int c = 0; c < 3 && choice(twin, RT_TAA_PRE_EXPOSURE); c++)
+    const double ratio = (double)cpu->view->exposure / (double)cpu->view->exposure_before;
+    for (int c = 0; c < 3 && choice(cpu, RT_TAA_PRE_EXPOSURE); c++)
         history->c[c] *= ratio;
-    const bool is_sound = !choice(twin, RT_TAA_GUARD) || taa_is_finite(*history);
-    *history = taa_guard(twin, *history);
+    const bool is_sound = !choice(cpu, RT_TAA_GUARD) || taa_is_finite(*history);
+    *history = taa_guard(cpu, *history);
     return is_sound;
 }
 
 /* The age of the history at a place; 1 where it has none, 0 where none is kept. */
-static double fetch_age(const struct twin *twin, const float place_px[2])
+static double fetch_age(const struct reference *cpu, const float place_px[2])
 {
-    const double most = setting(twin, RT_TAA_AGE_MAX);
+    const double most = setting(cpu, RT_TAA_AGE_MAX);
     float value[4];
     if (most == 0.0 || !place_px)
         return fmin(most, 1.0);
-    twin_fetch_picture(twin, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
-                       value);
+    cpu_fetch_picture(cpu, RT_TAA_BEFORE, (int)floorf(place_px[0]), (int)floorf(place_px[1]),
+                      value);
     return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
@@ -458,19 +459,19 @@ static double fetch_age(const struct twin *twin, const float place_px[2])
 
 static const double static_px = 0.02f;
 
-/* History of what rests, in the light of this frame. */
-static struct colour relight(const struct twin *twin, int x, int y, struct colour history,
+/* The history of a static pixel, in the light of this frame. */
+static struct colour relight(const struct reference *cpu, int x, int y, struct colour history,
                              const struct neighbourhood *around, double speed_px)
 {
     float changes[2][4], volume[4];
-    if (!find_change(twin, x, y, changes) || setting(twin, RT_RELIGHT) == 0.0f ||
+    if (!find_change(cpu, x, y, changes) || setting(cpu, RT_RELIGHT) == 0.0f ||
         !around->is_valid[4])
         return history;
-    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
+    cpu_fetch_full(cpu, RT_VOLUME, x, y, volume);
     const double moved = beyond(speed_px, static_px);
     for (int c = 0; c < 3; c++) {
         const double colour = around->colours[4].c[c];
-        const double medium = taa_clamp((double)(twin->view->exposure * volume[c]), 0.0, colour);
+        const double medium = taa_clamp((double)(cpu->view->exposure * volume[c]), 0.0, colour);
         const double before = medium / changes[0][c] + (colour - medium) / changes[1][c];
         const double gain = before > 0.0 ? colour / before : 1.0;
         history.c[c] *= (1.0 - moved) * gain + moved;
@@ -478,36 +479,36 @@ static struct colour relight(const struct twin *twin, int x, int y, struct colou
     return history;
 }
 
-/* How far a pixel is from being at rest. */
-static double find_change_share(const struct twin *twin, int x, int y, double speed_px)
+/* 0: the pixel is static and in the same light, 1: it moves or changes. */
+static double find_change_share(const struct reference *cpu, int x, int y, double speed_px)
 {
     float changes[2][4];
-    if (!find_change(twin, x, y, changes))
+    if (!find_change(cpu, x, y, changes))
         return 1.0;
     return fmax(beyond(speed_px, static_px),
-                beyond(fmax(changes[0][3], changes[1][3]), setting(twin, RT_TAA_CHANGE)));
+                beyond(fmax(changes[0][3], changes[1][3]), setting(cpu, RT_TAA_CHANGE)));
 }
 
-static double frame_weight(const struct twin *twin, double part, double luma, double history_luma,
-                           double speed_px)
+static double frame_weight(const struct reference *cpu, double part, double luma,
+                           double history_luma, double speed_px)
 {
-    const double contrast = setting(twin, RT_TAA_CONTRAST);
+    const double contrast = setting(cpu, RT_TAA_CONTRAST);
     const double way = fmin(speed_px / 20.0, 1.0);
-    const double alpha = (1.0 - way) * part * setting(twin, RT_TAA_ALPHA) + way * (double)0.2f;
-    if (contrast == 0.0 || (choice(twin, RT_TAA_GUARD) && !(history_luma > 0.0)))
+    const double alpha = (1.0 - way) * part * setting(cpu, RT_TAA_ALPHA) + way * (double)0.2f;
+    if (contrast == 0.0 || (choice(cpu, RT_TAA_GUARD) && !(history_luma > 0.0)))
         return alpha;
     const double least = contrast * history_luma / fabs(luma - history_luma);
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
 
 /* How many frames are alike but for taa_change. */
-static double frames_alike(const struct twin *twin, int x, int y)
+static double frames_alike(const struct reference *cpu, int x, int y)
 {
-    const double limit = setting(twin, RT_TAA_CHANGE);
-    const double frames[2] = {4.0, setting(twin, RT_TAA_JITTER_LENGTH)};
+    const double limit = setting(cpu, RT_TAA_CHANGE);
+    const double frames[2] = {4.0, setting(cpu, RT_TAA_JITTER_LENGTH)};
     float changes[2][4];
     double least = INFINITY;
-    if (!find_change(twin, x, y, changes))
+    if (!find_change(cpu, x, y, changes))
         return least;
     for (int c = 0; c < 2; c++)
         if (changes[c][3] > 0.0f)
@@ -516,25 +517,25 @@ static double frames_alike(const struct twin *twin, int x, int y)
 }
 
 /* A medium that hides more than half. */
-static bool is_responsive(const struct twin *twin, int x, int y)
+static bool is_responsive(const struct reference *cpu, int x, int y)
 {
     float volume[4];
-    twin_fetch_full(twin, RT_VOLUME, x, y, volume);
-    return choice(twin, RT_TAA_RESPONSIVE) && volume[3] < 0.5f;
+    cpu_fetch_full(cpu, RT_VOLUME, x, y, volume);
+    return choice(cpu, RT_TAA_RESPONSIVE) && volume[3] < 0.5f;
 }
 
-struct colour taa_blend(const struct twin *twin, struct colour frame, struct colour history,
+struct colour taa_blend(const struct reference *cpu, struct colour frame, struct colour history,
                         double alpha)
 {
-    const double of_frame = alpha * hdr_weight(twin, frame);
-    const double of_history = (1.0 - alpha) * hdr_weight(twin, history);
+    const double of_frame = alpha * hdr_weight(cpu, frame);
+    const double of_history = (1.0 - alpha) * hdr_weight(cpu, history);
     const double weight = of_frame / (of_frame + of_history);
     for (int c = 0; c < 3 && weight != 1.0; c++)
         frame.c[c] = (1.0 - weight) * history.c[c] + weight * frame.c[c];
     return frame;
 }
 
-/* What both sides of a step are worth, `part` of the way. */
+/* `to` at part 1, `from` at 0. */
 static struct colour between(struct colour from, struct colour to, double part)
 {
     for (int c = 0; c < 3 && part != 1.0; c++)
@@ -542,37 +543,37 @@ static struct colour between(struct colour from, struct colour to, double part)
     return to;
 }
 
-static struct colour resolve(const struct twin *twin, struct place at, double *age)
+static struct colour resolve(const struct reference *cpu, struct place at, double *age)
 {
     const int x = at.source_x, y = at.source_y;
-    const struct neph_gpu_view *view = twin->view;
-    const bool is_reset = !view->has_history || (view->is_cut && choice(twin, RT_CUT_RESET));
+    const struct neph_gpu_view *view = cpu->view;
+    const bool is_reset = !view->has_history || (view->is_cut && choice(cpu, RT_CUT_RESET));
     float before_px[2];
     double speed_px = 0.0;
     struct colour history, filtered;
-    const bool has_history = !is_reset && taa_find_before(twin, at, before_px, &speed_px) &&
-                             taa_fetch_history(twin, before_px, &history);
-    const struct neighbourhood around = taa_fetch_neighbourhood(twin, at);
-    *age = fetch_age(twin, has_history ? before_px : NULL);
-    if (!taa_filter_samples(twin, &around, &filtered))
+    const bool has_history = !is_reset && taa_find_before(cpu, at, before_px, &speed_px) &&
+                             taa_fetch_history(cpu, before_px, &history);
+    const struct neighbourhood around = taa_fetch_neighbourhood(cpu, at);
+    *age = fetch_age(cpu, has_history ? before_px : NULL);
+    if (!taa_filter_samples(cpu, &around, &filtered))
         return has_history ? history : (struct colour){{0.0}};
     if (!has_history)
         return filtered;
-    history = relight(twin, x, y, history, &around, speed_px);
-    const double change_share = find_change_share(twin, x, y, speed_px),
-                 age_max = setting(twin, RT_TAA_AGE_MAX);
-    double alpha = frame_weight(twin, taa_coverage(twin, &around), taa_luma_4(filtered),
+    history = relight(cpu, x, y, history, &around, speed_px);
+    const double change_share = find_change_share(cpu, x, y, speed_px),
+                 age_max = setting(cpu, RT_TAA_AGE_MAX);
+    double alpha = frame_weight(cpu, taa_coverage(cpu, &around), taa_luma_4(filtered),
                                 taa_luma_4(history), speed_px);
-    if (age_max > 0.0 && choice(twin, RT_GRADIENT))
-        *age = fmax(fmin(*age, frames_alike(twin, x, y)), 1.0);
+    if (age_max > 0.0 && choice(cpu, RT_GRADIENT))
+        *age = fmax(fmin(*age, frames_alike(cpu, x, y)), 1.0);
     if (age_max > 0.0) {
         alpha = (1.0 - change_share) / (*age + 1.0) + change_share * alpha;
         *age = fmin((1.0 - change_share) * (*age + 1.0) + change_share, age_max);
     }
-    if (is_responsive(twin, x, y))
+    if (is_responsive(cpu, x, y))
         alpha = fmax(alpha, 0.25);
-    const struct colour clamped = taa_clamp_history(twin, history, around, filtered, 1.0);
-    return taa_blend(twin, filtered, between(history, clamped, change_share), alpha);
+    const struct colour clamped = taa_clamp_history(cpu, history, around, filtered, 1.0);
+    return taa_blend(cpu, filtered, between(history, clamped, change_share), alpha);
 }
 
 /* --- the output ------------------------------------------------------------------------------- */
@@ -588,30 +589,30 @@ static float round_by_chance(float value, float number)
     return (number < halves - below ? below + 1.0f : below) * half_step;
 }
 
-void taa_put_pixel(const struct twin *twin, int x, int y, struct colour colour, double age)
+void taa_put_pixel(const struct reference *cpu, int x, int y, struct colour colour, double age)
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     float value[4] = {[3] = (float)age};
     uint32_t bits[4] = {(uint32_t)x, (uint32_t)y, view->frame, view->seed};
-    twin_pcg4d(bits); /* the first number is the white dither's */
-    const bool by_chance = choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF &&
-                           choice(twin, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
+    cpu_pcg4d(bits); /* the first number is the white dither's */
+    const bool by_chance = choice(cpu, RT_TARGET_FORMAT) == RT_FORMAT_HALF &&
+                           choice(cpu, RT_TAA_ROUNDING) == RT_ROUNDING_STOCHASTIC;
     for (int c = 0; c < 3; c++) {
-        const double least = choice(twin, RT_TAA_GUARD) ? 0.0 : -half_max;
+        const double least = choice(cpu, RT_TAA_GUARD) ? 0.0 : -half_max;
         value[c] = (float)taa_clamp(colour.c[c], least, half_max);
         if (by_chance)
             value[c] = round_by_chance(value[c], ((float)(bits[c + 1] >> 9) + 0.5f) * 0x1p-23f);
     }
-    twin_put_picture(twin, RT_TAA_OUT, x, y, value);
+    cpu_put_picture(cpu, RT_TAA_OUT, x, y, value);
 }
 
-void twin_taa(const struct twin *twin)
+void cpu_taa(const struct reference *cpu)
 {
-    for (int y = 0; y < (int)twin->view->picture_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->picture_px[0]; x++) {
+    for (int y = 0; y < (int)cpu->view->picture_px[1]; y++)
+        for (int x = 0; x < (int)cpu->view->picture_px[0]; x++) {
             double age;
-            const struct place at = taa_find_source(twin, x, y);
-            const struct colour colour = resolve(twin, at, &age);
-            taa_put_pixel(twin, x, y, colour, age);
+            const struct place at = taa_find_source(cpu, x, y);
+            const struct colour colour = resolve(cpu, at, &age);
+            taa_put_pixel(cpu, x, y, colour, age);
         }
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the twins of anti-aliasing and of its rival with locks have in common; not for tests.
+ * What the CPU references of anti-aliasing and of the upsampling with locks share; not for tests.
  */
-#ifndef NEPH_TESTS_TWIN_TAA_H
-#define NEPH_TESTS_TWIN_TAA_H
+#ifndef NEPH_CHECK_REFERENCE_TAA_H
+#define NEPH_CHECK_REFERENCE_TAA_H
 
 #include "renderer/realtime/shared/check_reference.h"
 
@@ -26,31 +26,33 @@ struct place {
 
 double taa_clamp(double value, double low, double high);
 bool taa_is_finite(struct colour colour);
-struct colour taa_guard(const struct twin *twin, struct colour colour);
-struct colour taa_fetch_colour(const struct twin *twin, int target, int x, int y);
+struct colour taa_guard(const struct reference *cpu, struct colour colour);
+struct colour taa_fetch_colour(const struct reference *cpu, int target, int x, int y);
 double taa_luma_4(struct colour colour);
 
 /* Decisions, in the shader's float32. */
 float taa_dot(const float a[3], const float b[3]);
 void taa_ray_through(const struct neph_gpu_view *view, int x, int y, float ray[3]);
-bool taa_find_before(const struct twin *twin, struct place at, float place_px[2], double *speed_px);
-struct place taa_find_source(const struct twin *twin, int x, int y);
-float taa_shift_px(const struct twin *twin, int pixel, int source, int axis);
+bool taa_find_before(const struct reference *cpu, struct place at, float place_px[2],
+                     double *speed_px);
+struct place taa_find_source(const struct reference *cpu, int x, int y);
+float taa_shift_px(const struct reference *cpu, int pixel, int source, int axis);
 
-bool taa_fetch_history(const struct twin *twin, const float place_px[2], struct colour *history);
-struct neighbourhood taa_fetch_neighbourhood(const struct twin *twin, struct place at);
-double taa_coverage(const struct twin *twin, const struct neighbourhood *around);
-bool taa_filter_samples(const struct twin *twin, const struct neighbourhood *around,
+bool taa_fetch_history(const struct reference *cpu, const float place_px[2],
+                       struct colour *history);
+struct neighbourhood taa_fetch_neighbourhood(const struct reference *cpu, struct place at);
+double taa_coverage(const struct reference *cpu, const struct neighbourhood *around);
+bool taa_filter_samples(const struct reference *cpu, const struct neighbourhood *around,
                         struct colour *filtered);
 
 /* `scale`: of the deviations of taa_box=variance. */
-struct colour taa_clamp_history(const struct twin *twin, struct colour history,
+struct colour taa_clamp_history(const struct reference *cpu, struct colour history,
                                 struct neighbourhood around, struct colour filtered, double scale);
 
-struct colour taa_blend(const struct twin *twin, struct colour frame, struct colour history,
+struct colour taa_blend(const struct reference *cpu, struct colour frame, struct colour history,
                         double alpha);
 
 /* A pixel of RT_TAA_OUT. */
-void taa_put_pixel(const struct twin *twin, int x, int y, struct colour colour, double age);
+void taa_put_pixel(const struct reference *cpu, int x, int y, struct colour colour, double age);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What tests of temporal anti-aliasing and of upsampling share: pictures, cameras and settings of
- * all sorts, and how far the device may be from the twin.
+ * all sorts, and how far the device may be from the CPU reference.
  */
 #ifndef NEPH_TESTS_TAA_TEST_H
 #define NEPH_TESTS_TAA_TEST_H
@@ -133,8 +133,8 @@ static inline double pixel_value(const struct test_passes *test, int target, int
                                  int channel)
 {
     float value[4];
-    (neph_rt_is_of_picture(target) ? twin_fetch_picture : twin_fetch_full)(&test->twin, target, x,
-                                                                           y, value);
+    (neph_rt_is_of_picture(target) ? cpu_fetch_picture : cpu_fetch_full)(&test->cpu, target, x, y,
+                                                                         value);
     return value[channel];
 }
 
@@ -179,11 +179,11 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
     return test_settings(text);
 }
 
-/* How far the device may be from the twin when no colour is above `most`. float32 rounds some 60
- * times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp and
- * either way, which is some 8 ulps together, and twice that is allowed (worst of a million pixels:
- * 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down to
- * taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
+/* How far the device may be from the CPU reference when no colour is above `most`. float32 rounds
+ * some 60 times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp
+ * and either way, which is some 8 ulps together, and twice that is allowed (worst of a million
+ * pixels: 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down
+ * to taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
  * curve has slope (1 + c)^2. Halves round both sides, by chance by up to a whole step. */
 static inline double allowed(const struct neph_gpu_view *view, double expected, double most)
 {
@@ -212,10 +212,11 @@ static inline void compare(struct test_passes *test, double most, uint64_t seed,
             const double bound = allowed(&test->view, expected[c], scale);
             if (!(fabs((double)actual[c] - (double)expected[c]) <= bound) &&
                 !(isnan(actual[c]) && isnan(expected[c]))) /* 0 / 0 without guard */
-                fail_msg("seed %llu, %s: element %zu channel %d is %.9g, %.9g in the twin, "
-                         "allowed %.3g",
-                         (unsigned long long)seed, settings, i, c, (double)actual[c],
-                         (double)expected[c], bound);
+                fail_msg(
+                    "seed %llu, %s: element %zu channel %d is %.9g, %.9g in the CPU reference, "
+                    "allowed %.3g",
+                    (unsigned long long)seed, settings, i, c, (double)actual[c],
+                    (double)expected[c], bound);
         }
     }
     free(words);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Temporal upsampling: its places, one frame of it against the twin, what many frames make of a
- * pattern that is known everywhere, and the pipeline with fewer pixels than its picture.
+ * Temporal upsampling: its places, one frame of it against the CPU reference, what many frames
+ * make of a pattern that is known everywhere, and the pipeline with fewer pixels than its picture.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 #include "tests/renderer/sequence_test.h"
@@ -43,9 +43,9 @@ static void test_places_grow_with_the_square(void **state)
     assert_int_equal(neph_rt_jitter_length(7, 100), 7);
 }
 
-/* --- against the twin ------------------------------------------------------------------------- */
+/* --- against the CPU reference --------------------------------------------------------------- */
 
-static void test_the_pass_equals_the_twin(void **state)
+static void test_the_pass_equals_the_cpu_reference(void **state)
 {
     static const char *const percents[] = {"50", "58", "67", "77", "99", "100"};
     uint64_t seed = 20261125;
@@ -57,14 +57,13 @@ static void test_the_pass_equals_the_twin(void **state)
         snprintf(text + length, sizeof(text) - length, "taa=upsampling screen_percent=%s",
                  percents[round % 6]);
         const struct neph_settings settings = test_settings(text);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round % SIZES], (int[2]){0, 0}, 3 * start,
                          &test);
         const double most = fill_round(&test, round, &seed);
         test_passes_run(&test, "upsampling");
-        twin_taa(&test.twin);
+        cpu_taa(&test.cpu);
         compare(&test, most, start, text);
-        test_passes_close(&test);
     }
 }
 
@@ -77,8 +76,8 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
     static const char *const passes[] = {"anti-aliasing", "upsampling"};
     uint32_t *words[2];
     size_t count = 0;
-    struct test_passes test;
     for (int k = 0; k < 2; k++) {
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 5;
         test_open(*state, 64, 36, 0, &test,
                   "taa_box=distance taa_contrast=0 target_format=float %s", kinds[k]);
@@ -92,7 +91,6 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
         test_passes_run(&test, passes[k]);
         words[k] = test_download(&test, RT_TAA_OUT);
         count = neph_rt_device_words(&test.device, RT_TAA_OUT);
-        test_passes_close(&test);
     }
     for (size_t i = 0; i < count; i++) {
         float on, upsampling;
@@ -133,7 +131,7 @@ static struct kept find_wave(const struct test_passes *film, int y, double perio
 /* A camera at rest before waves, 1.5 cycles of the jitter's places. */
 static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double period_px)
 {
-    struct test_passes film;
+    OWNED(passes) struct test_passes film;
     test_open(vulkan, 120, 8, 0, &film,
               "taa=on screen_percent=%d taa_box=none taa_hdr_weight=off taa_contrast=0 "
               "taa_alpha=0.1 target_format=float",
@@ -150,14 +148,12 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
         for (int y = 0; y < (int)view->size_px[1]; y++)
             for (int x = 0; x < (int)view->size_px[0]; x++) {
                 const double place = (x + 0.5 + jitter_px[0]) / (double)view->rendered_per_px[0];
-                twin_put_full(&film.twin, RT_COLOR, x, y,
-                              (float[4]){(float)wave(place, period_px)});
+                cpu_put_full(&film.cpu, RT_COLOR, x, y, (float[4]){(float)wave(place, period_px)});
             }
-        twin_taa(&film.twin);
+        cpu_taa(&film.cpu);
         test_swap(&film, RT_TAA_OUT, RT_TAA_BEFORE);
     }
     const struct kept kept = find_wave(&film, 4, period_px);
-    test_passes_close(&film);
     return kept;
 }
 
@@ -198,13 +194,13 @@ static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_
                                   const char *text, int frame_count)
 {
     const struct neph_settings settings = test_settings(text);
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_image *image = NULL;
     for (int i = 0; i < frame_count; i++) {
         neph_image_destroy(image);
         image = test_next(realtime, scene, i, NULL);
     }
-    neph_realtime_destroy(realtime);
     return image;
 }
 
@@ -219,10 +215,10 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         "split=four ray_dither=none screen_percent=50 taa_jitter=none taa_filter=off"};
     struct test_scene test;
     scene_posts(&test);
-    struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
+    OWNED(image) struct neph_image *truth = last_of(*state, &test.scene, "split=none taa=on", 40);
     for (int s = 0; s < 2; s++) {
-        struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
-        struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
+        OWNED(image) struct neph_image *image = last_of(*state, &test.scene, images[s], 64);
+        OWNED(image) struct neph_image *blocks = last_of(*state, &test.scene, larger[s], 8);
         assert_int_equal(image->width_px, WIDTH_PX);
         assert_int_equal(image->height_px, HEIGHT_PX);
         assert_int_equal(image->channel_count, truth->channel_count);
@@ -235,10 +231,7 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         for (int y = 0; y < HEIGHT_PX; y++)
             for (int x = 0; x < WIDTH_PX; x += 2)
                 assert_true(depth_m[y * WIDTH_PX + x] == depth_m[y * WIDTH_PX + x + 1]);
-        neph_image_destroy(blocks);
-        neph_image_destroy(image);
     }
-    neph_image_destroy(truth);
 }
 
 static void test_what_cannot_be_upsampled_says_so(void **state)
@@ -258,16 +251,4 @@ static void test_what_cannot_be_upsampled_says_so(void **state)
     assert_non_null(strstr(reason, "inject.view"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_less_is_rendered_by_the_percentage),
-        cmocka_unit_test(test_places_grow_with_the_square),
-        cmocka_unit_test(test_the_pass_equals_the_twin),
-        cmocka_unit_test(test_at_full_size_it_is_anti_aliasing),
-        cmocka_unit_test(test_waves_come_back_that_no_frame_has),
-        cmocka_unit_test(test_a_smaller_frame_makes_the_whole_picture),
-        cmocka_unit_test(test_what_cannot_be_upsampled_says_so),
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -16,8 +16,8 @@
 #include "filters.glsl"
 #include "motion.glsl"
 
-// RGB: filtered, A: the age of the nearest texel. Only texels that have a weight are read, one of
-// sixteen where nothing moves.
+// RGB: filtered, A: the age of the nearest texel. A CPU skips rows at the ends that have no weight.
+// Other texels without a weight are read and not added, for they may not be finite.
 vec4 filter_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);

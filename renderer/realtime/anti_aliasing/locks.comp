@@ -23,8 +23,8 @@
 //   depths of 5x5 now, whatever the jitter has moved.
 // - A lock ends when its luma leaves the range of the 3x3 of the frame by 5 %; the original has a
 //   pyramid of lumas, and four frames of luma to tell flicker, which is left out.
-// - The box is three times as wide when static as at FAST_PX, and the history counts by a quarter
-//   there: numbers of ours.
+// - The box of variance is three times as wide when static as at FAST_PX, and the history counts by
+//   a quarter there: numbers of ours.
 // - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its
 //   own, no sharpening (sharpen=on).
 #extension GL_GOOGLE_include_directive : require
@@ -77,6 +77,7 @@ bool upsample(Neighbourhood around, out vec3 colour)
 // to be invalid.
 const float SEPARATION = 0.02;
 
+// The nearest of all depths within a distance; motion.glsl's nearest_depth() is by taa_motion.
 float nearest_depth_m(ivec2 source, int distance_px)
 {
     float nearest_m = FAR_M;
@@ -128,6 +129,7 @@ float luma_of(Neighbourhood around, int i)
 // are brighter, or all darker.
 bool is_thin(Neighbourhood around)
 {
+    // Samples 0, 1, 3; 1, 2, 5; 3, 6, 7; 5, 7, 8: the neighbours at each corner.
     const uint corners[4] = {0x00bu, 0x026u, 0x0c8u, 0x1a0u};
     float centre = luma_of(around, CENTRE), low = 3e38, high = -3e38;
     uint alike = 0u;

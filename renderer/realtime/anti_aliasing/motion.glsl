@@ -38,8 +38,8 @@ bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
 
 // The solids' motion is known by their distance. The medium's distance is a mean over all that a
 // ray meets: good enough for the wind, which moves all of it alike, but not for a camera that
-// moves. A veil that looks the same everywhere does not change, whatever the wind, and keeps its
-// place.
+// moves. Where the light does not change the medium is not followed: an even veil looks the same
+// whatever the wind, and what is behind it keeps its history.
 bool follows_medium()
 {
     return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
@@ -47,8 +47,8 @@ bool follows_medium()
 }
 
 // Whether the history of each pixel is the pixel of the same place: camera, media and solids are
-// where they were in the frame before. Known before the kernel is compiled (ALL_REST), so that it
-// has nothing of the rest of this file.
+// where they were in the frame before. It is a specialization constant (ALL_REST), so that the
+// kernel of a static frame has no code of find_before() but for its first lines.
 bool is_static = ALL_REST && !follows_solids();
 
 // --- places --------------------------------------------------------------------------------------
@@ -80,8 +80,8 @@ vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
     return place_px;
 }
 
-// How many pixels a point `depth_m` deep has moved since the frame before, when it stood `from_m`
-// off from where it is now, as seen by the camera; false when it was behind that camera. Lengths
+// How many pixels a point `depth_m` deep has moved since the frame before. `from_m`: how far it has
+// moved relative to the camera of that frame. False when it was behind that camera. Lengths
 // are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
 // difference of two projections, exactly 0 for a static camera. All depths of an orthographic frame
 // move alike, since its camera never turns (scenes/load_motion.c).

@@ -125,7 +125,7 @@ void find_filter_weights()
         filter_weights[i] = exp(-SHARPNESS * distance_squared(i));
 }
 
-// False when no sample is valid.
+// False when no sample is valid; without the filter, when the one in the middle is not.
 bool filter_samples(Neighbourhood around, out vec3 colour)
 {
     colour = around.colours[CENTRE];
@@ -146,7 +146,8 @@ bool filter_samples(Neighbourhood around, out vec3 colour)
 
 float box_distance_squared = 2.2801; // of RT_BOX_DISTANCE: 1.51 px
 
-// Where the box is made and history is clamped.
+// Where the box is made and history is clamped. Unreal's Reinhard compresses each channel; that of
+// the reconstruction, RT_SPACE_REINHARD, the luminance.
 int clamp_space()
 {
     return choice(RT_TAA_SPACE) == RT_SPACE_REINHARD ? RT_SPACE_CHANNELS : choice(RT_TAA_SPACE);
@@ -194,7 +195,8 @@ Box near_box(Neighbourhood around)
     return extremes(around, near);
 }
 
-// In clamp_space().
+// In clamp_space(). The box of variance need not have the filtered colour in it, and is extended to
+// it. Boxes of shared/clamp.glsl have four channels: the last is not used here.
 Box find_box(Neighbourhood around, vec3 filtered, float sigma)
 {
     for (int i = 0; i < 9; i++)

@@ -6,6 +6,7 @@
     NEPH_RT_BIT(RT_COLOR) | NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_TAA_BEFORE) |                   \
         NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) |        \
         NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_MOVED)
+/* Targets that are not read unless one of these choices is made (passes.h). */
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_PASS}, {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},        \

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Stochastic rounding to half floats: one of the two halves next to a value, by 32 random bits, so
-// that their mean is the value. A history that is rounded to nearest stalls short of its limit.
+// Stochastic rounding to half floats: one of the two next to a value, by random bits, so that their
+// mean is the value. A history that is rounded to nearest stalls short of its limit. A float has 13
+// bits more than a half: the upper 13 random bits decide.
 // (Unreal adds up to one step, and leaves the rest to the hardware's rounding.)
 #ifndef NEPH_REALTIME_ROUNDING_GLSL
 #define NEPH_REALTIME_ROUNDING_GLSL

@@ -21,7 +21,7 @@ float limit_age(float age)
     return age >= 1.0 ? min(age, setting(RT_TAA_AGE_MAX)) : 1.0;
 }
 
-// RGB, A: the age. False when the guard finds the history invalid.
+// RGB: the colour, A: the age. False when the guard finds the colour invalid.
 bool fetch_history(vec2 place_px, out vec4 history)
 {
     history = filter_history(place_px);
@@ -36,9 +36,9 @@ bool fetch_history(vec2 place_px, out vec4 history)
 // Motion per frame up to which a pixel is static; from twice this on it moves.
 const float STATIC_PX = 0.02;
 
-// History gain: a static pixel's history is multiplied with the light of this frame over that of
-// the frame before. The medium and what is behind it have gains of their own, and the pixel's mean
-// goes by their shares in it.
+// The history gain (setting relight, gradient/settings.toml): a static pixel's history is
+// multiplied by the ratio of this frame's light to the light of the frame before. The medium and
+// the scene behind it have gains of their own; they are weighted by their shares in the pixel.
 vec3 relight(vec3 history, ivec2 source, Frame frame, float speed_px)
 {
     bool is_same = medium_change.gain == vec3(1.0) && behind_change.gain == vec3(1.0);
@@ -74,8 +74,9 @@ bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_set(RT_
 const float ALPHA_MOVING = 0.2; // weight of the frame at FAST_PX and above
 const float FAST_PX = 20.0;     // per frame; Unreal counts halves of pixels: its 40
 
-// Weight of the frame: more when the pixel moves, and enough for a step of taa_contrast of the
-// history's luma (before the clamp), so that noise below it is not averaged.
+// Weight of the frame: more when the pixel moves, and by Unreal's contrast law enough for a step of
+// taa_contrast of the history's luma (before the clamp). So a smaller difference is taken whole,
+// and a history in half floats does not stall short of the frame (check_film.c).
 float frame_weight(float luma, float history_luma, float speed_px)
 {
     float way = speed_px / FAST_PX;
@@ -85,12 +86,12 @@ float frame_weight(float luma, float history_luma, float speed_px)
     precise float least = setting(RT_TAA_CONTRAST) * history_luma / abs(luma - history_luma);
     if (least <= alpha)
         return alpha;
-    return least > 1.0 ? 1.0 : least; // or NaN
+    return least > 1.0 ? 1.0 : least; // without the guard NaN, for black over black
 }
 
-// In how many frames the light changes by taa_change: a mean of more would lag behind. The gradient
-// compares rays through media after four frames, and what is behind them after as many as the
-// jitter has places.
+// How many frames have the same light, to taa_change: a mean of more frames would lag behind. The
+// residue is a change in four frames for media, and in as many frames as the jitter has places for
+// what is behind them.
 float frames_alike()
 {
     float limit = setting(RT_TAA_CHANGE);

@@ -68,9 +68,9 @@ Sample sample_at(ivec2 pixel)
 
 // --- rows of samples -----------------------------------------------------------------------------
 
-// Three samples side by side. Invalid ones are 0.
+// Three samples side by side. Invalid ones are 0, in all spaces of colours, too.
 struct Row {
-    vec4 weighted; // RGB: their sum by weights, A: the sum of these; of places along x alone
+    vec4 weighted; // RGB: their sum, weighted along x and for HDR, A: the sum of these weights
     vec3 mean;     // in clamp_space()
     vec3 scatter;  // squares of the distances from it
     float count;   // of valid samples

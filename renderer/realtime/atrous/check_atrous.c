@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The a-trous filter of the volume: its steps against their twin, what it leaves alone, what it
- * takes of noise, and that the upscale reads it.
+ * The a-trous filter of the volume: its steps against their CPU reference, what it leaves alone,
+ * what it takes of noise, and that the upscale reads it.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -21,13 +21,13 @@ static void open_volume(struct neph_vulkan *vulkan, const char *words, const int
 }
 
 /* Rounding of some 75 sums, of exp() to 3 ulps times the weight's exponent, and of halves. */
-static void test_each_step_equals_the_twin(void **state)
+static void test_each_step_equals_the_cpu_reference(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {9, 5}, {64, 36}};
     uint64_t seed = 11;
     for (int round = 0; round < 9; round++) {
         const int step = round % 3;
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_volume(*state, round % 2 ? "target_format=float" : "", sizes_px[round / 3], seed,
                     &test);
         for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++) {
@@ -45,8 +45,8 @@ static void test_each_step_equals_the_twin(void **state)
                 test_set(&test, RT_HISTORY_STATE, i, (float[4]){0.0f});
         }
         test_passes_run(&test, names[step]);
-        twin_atrous(&test.twin, 1 << step);
-        uint32_t *words = test_download(&test, outputs[step]);
+        cpu_atrous(&test.cpu, 1 << step);
+        OWNED(memory) uint32_t *words = test_download(&test, outputs[step]);
         for (size_t i = 0; i < test_elements(&test, outputs[step]); i++) {
             float actual[4], expected[4];
             neph_rt_load(&test.view.targets[outputs[step]], words, i, actual);
@@ -55,14 +55,12 @@ static void test_each_step_equals_the_twin(void **state)
                 if (!(isnan(actual[c]) && isnan(expected[c])))
                     neph_assert_close(actual[c], expected[c], 0x1p-10, 1e-5);
         }
-        free(words);
-        test_passes_close(&test);
     }
 }
 
 static double deviation(struct test_passes *test, int target, double mean)
 {
-    uint32_t *words = test_download(test, target);
+    OWNED(memory) uint32_t *words = test_download(test, target);
     double squares = 0.0;
     int count = 0;
     for (int y = 8; y < 56; y++) /* away from the sides */
@@ -73,7 +71,6 @@ static double deviation(struct test_passes *test, int target, double mean)
                          value);
             squares += pow((double)value[3] - mean, 2.0);
         }
-    free(words);
     return sqrt(squares / count);
 }
 
@@ -83,7 +80,7 @@ static double deviation(struct test_passes *test, int target, double mean)
 static void test_noise_is_averaged_by_what_the_spline_says(void **state)
 {
     uint64_t seed = 5;
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_volume(*state, "target_format=float", (int[2]){128, 128}, 2, &test);
     for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++) {
         const float value = (float)(0.5 + 0.1 * (test_uniform(&seed) - 0.5));
@@ -92,7 +89,6 @@ static void test_noise_is_averaged_by_what_the_spline_says(void **state)
     test_passes_run(&test, names[0]);
     neph_assert_close(deviation(&test, RT_HISTORY_BEFORE, 0.5), 0.1 / sqrt(12.0) * 70.0 / 256.0,
                       0.05, 0.0);
-    test_passes_close(&test);
 }
 
 /* A constant stays; nothing passes an edge of depth. */
@@ -102,32 +98,31 @@ static void test_edges_stay(void **state)
         float near_m, left, right;
     } cases[] = {{100.0f, 0.5f, 0.5f}, {10.0f, 0.25f, 0.75f}};
     for (int i = 0; i < 2; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_volume(*state, "", (int[2]){64, 32}, 0, &test);
         for (int y = 0; y < 16; y++)
             for (int x = 0; x < 32; x++) {
                 const float value = x < 16 ? cases[i].left : cases[i].right;
-                twin_put_half(&test.twin, RT_HISTORY, x, y, (float[4]){value, value, value, value});
-                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y,
-                              (float[4]){x < 16 ? cases[i].near_m : 100.0f});
+                cpu_put_half(&test.cpu, RT_HISTORY, x, y, (float[4]){value, value, value, value});
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH, x, y,
+                             (float[4]){x < 16 ? cases[i].near_m : 100.0f});
             }
         test_passes_run(&test, names[0]);
         uint32_t *words = test_download(&test, RT_HISTORY_BEFORE);
-        memcpy(test.twin.targets[RT_HISTORY_BEFORE], words,
+        memcpy(test.cpu.targets[RT_HISTORY_BEFORE], words,
                neph_rt_device_words(&test.device, RT_HISTORY_BEFORE) * sizeof(*words));
         free(words);
         for (int x = 0; x < 32; x++) {
             float value[4];
-            twin_fetch_half(&test.twin, RT_HISTORY_BEFORE, x, 8, value);
+            cpu_fetch_half(&test.cpu, RT_HISTORY_BEFORE, x, 8, value);
             neph_assert_close(value[3], x < 16 ? cases[i].left : cases[i].right, 0.0, 2e-3);
         }
-        test_passes_close(&test);
     }
 }
 
 static void test_the_upscale_reads_what_is_filtered(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_volume(*state, "upscale=bilinear upscale_dither=none", (int[2]){32, 16}, 0, &test);
     test_fill(&test, RT_HISTORY, 1, 1, 1, 0.25f);
     test_fill(&test, RT_HISTORY_BEFORE, 2, 2, 2, 0.5f);
@@ -139,13 +134,6 @@ static void test_the_upscale_reads_what_is_filtered(void **state)
                  (size_t)16 * test.view.targets[RT_VOLUME].width + 12, value);
     free(words);
     assert_true(value[0] == 2.0f && value[3] == 0.5f);
-    test_passes_close(&test);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_atrous.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

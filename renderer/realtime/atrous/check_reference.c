@@ -6,7 +6,7 @@
 
 /* One step of the filter, from one target to another. */
 struct step {
-    const struct twin *twin;
+    const struct reference *cpu;
     int input, output, apart;
 };
 
@@ -14,9 +14,9 @@ struct step {
 static bool fetch(const struct step *step, int x, int y, float volume[4])
 {
     float state[4];
-    twin_fetch_half(step->twin, RT_HISTORY_STATE, x, y, state);
-    twin_fetch_half(step->twin, step->input, x, y, volume);
-    return state[0] > 0.0f && twin_is_sound(volume);
+    cpu_fetch_half(step->cpu, RT_HISTORY_STATE, x, y, state);
+    cpu_fetch_half(step->cpu, step->input, x, y, volume);
+    return state[0] > 0.0f && cpu_is_sound(volume);
 }
 
 static double luma(const float volume[4])
@@ -55,7 +55,7 @@ static double falling(double difference, double unit)
 static double depth_m(const struct step *step, int x, int y)
 {
     float value[4];
-    twin_fetch_half(step->twin, RT_HALF_DEPTH, x, y, value);
+    cpu_fetch_half(step->cpu, RT_HALF_DEPTH, x, y, value);
     return value[0];
 }
 
@@ -65,7 +65,7 @@ static void filter(const struct step *step, int x, int y)
     float own[4], other[4];
     double sum[4] = {0.0}, weights = 0.0;
     if (!fetch(step, x, y, own)) {
-        twin_put_half(step->twin, step->output, x, y, own);
+        cpu_put_half(step->cpu, step->output, x, y, own);
         return;
     }
     const double luma_unit = 4.0 * deviation(step, x, y);
@@ -85,20 +85,20 @@ static void filter(const struct step *step, int x, int y)
         }
     for (int c = 0; c < 4; c++)
         own[c] = (float)(sum[c] / weights);
-    twin_put_half(step->twin, step->output, x, y, own);
+    cpu_put_half(step->cpu, step->output, x, y, own);
 }
 
-void twin_atrous(const struct twin *twin, int apart)
+void cpu_atrous(const struct reference *cpu, int apart)
 {
     const struct step step = {
-        .twin = twin,
+        .cpu = cpu,
         .input = apart == 1   ? RT_HISTORY
                  : apart == 2 ? RT_HISTORY_BEFORE
                               : RT_KEPT_RAY,
         .output = apart == 2 ? RT_KEPT_RAY : RT_HISTORY_BEFORE,
         .apart = apart,
     };
-    for (int y = 0; y < (int)twin->view->half_size_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->half_size_px[0]; x++)
+    for (int y = 0; y < (int)cpu->view->half_size_px[1]; y++)
+        for (int x = 0; x < (int)cpu->view->half_size_px[0]; x++)
             filter(&step, x, y);
 }

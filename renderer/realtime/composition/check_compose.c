@@ -17,7 +17,7 @@ static void open_view(void **state, const char *assignments, const int size_px[2
 static void compose_both(struct test_passes *test)
 {
     test_passes_run(test, "composition");
-    twin_compose(&test->twin);
+    cpu_compose(&test->cpu);
 }
 
 /* 0, and 1e-6 .. 1e6 on a logarithmic scale. */
@@ -28,13 +28,13 @@ static float random_radiance(uint64_t *seed)
 
 /* The shader multiplies, rounds, adds and rounds, as C does: with one rounding of a fused
  * multiply-add one value in nine would be another float. */
-static void test_compose_equals_the_twin(void **state)
+static void test_compose_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 20261126;
     for (size_t s = 0; s < COUNT(sizes_px); s++)
         for (int f = 0; f < 2; f++) {
             const uint64_t start = seed;
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_view(state, f ? "target_format=float" : "target_format=half", sizes_px[s], seed,
                       &test);
             for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
@@ -47,7 +47,6 @@ static void test_compose_equals_the_twin(void **state)
             }
             compose_both(&test);
             test_same_words(&test, RT_COLOR, start);
-            test_passes_close(&test);
         }
 }
 
@@ -65,7 +64,7 @@ static void test_identities(void **state)
     };
     uint64_t seed = 7;
     for (size_t k = 0; k < COUNT(cases); k++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_view(state, "target_format=float", sizes_px[4], seed, &test);
         for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
             test_set(&test, RT_VOLUME, i, cases[k].volume);
@@ -77,20 +76,19 @@ static void test_identities(void **state)
         for (uint32_t y = 0; y < test.view.size_px[1]; y++)
             for (uint32_t x = 0; x < test.view.size_px[0]; x++) {
                 float color[4], behind[4];
-                twin_fetch_full(&test.twin, RT_COLOR, (int)x, (int)y, color);
-                twin_fetch_full(&test.twin, RT_BEHIND, (int)x, (int)y, behind);
+                cpu_fetch_full(&test.cpu, RT_COLOR, (int)x, (int)y, color);
+                cpu_fetch_full(&test.cpu, RT_BEHIND, (int)x, (int)y, behind);
                 for (int c = 0; c < 3; c++)
                     assert_true(color[c] == cases[k].behind_weight * behind[c] +
                                                 cases[k].volume_weight * cases[k].volume[c]);
             }
-        test_passes_close(&test);
     }
 }
 
 /* Outside the view nothing is written. */
 static void test_the_rest_of_the_buffer_is_left_alone(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_view(state, "", sizes_px[2], 1, &test);
     const float mark[4] = {-1, -2, -3, -4};
     for (size_t i = 0; i < test_elements(&test, RT_COLOR); i++)
@@ -104,7 +102,6 @@ static void test_the_rest_of_the_buffer_is_left_alone(void **state)
         written += color[0] != mark[0];
     }
     assert_int_equal(written, sizes_px[2][0] * sizes_px[2][1]);
-    test_passes_close(&test);
 }
 
 /* What the anti-aliasing makes of a volume and what is behind it; for the caller to free. */
@@ -123,7 +120,7 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
         "", "taa_box=variance", "taa_box=variance taa_guard=off taa_filter=off taa_hdr_weight=off"};
     for (uint64_t i = 0; i < 2 * COUNT(settings); i++) {
         uint64_t seed = i;
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_view(state, settings[i / 2], sizes_px[4], seed, &test);
         test.view.has_history = 1;
         test.view.jitter_px[0] = 0.25f;
@@ -135,14 +132,11 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
             test_set(&test, RT_TAA_BEFORE, e, (float[4]){behind, volume, 1.0f, 1.0f});
         }
         compose_both(&test);
-        uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
+        OWNED(memory) uint32_t *by_pass = anti_aliased(&test, RT_COMPOSITION_PASS);
         test_fill(&test, RT_COLOR, NAN, NAN, NAN, NAN);
-        uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
+        OWNED(memory) uint32_t *by_itself = anti_aliased(&test, RT_COMPOSITION_TAA);
         assert_memory_equal(by_pass, by_itself,
                             neph_rt_device_words(&test.device, RT_TAA_OUT) * sizeof(uint32_t));
-        free(by_pass);
-        free(by_itself);
-        test_passes_close(&test);
     }
 }
 
@@ -165,7 +159,7 @@ static void test_the_upscale_composes_as_the_pass_does(void **state)
     static const char *const settings[] = {"target_format=half", "target_format=float"};
     for (uint64_t i = 0; i < 4; i++) {
         uint64_t seed = i;
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_view(state, settings[i / 2], sizes_px[i + 1], seed, &test);
         test.device.specialises = i % 2;
         for (size_t e = 0; e < test_elements(&test, RT_HISTORY); e++) {
@@ -179,21 +173,12 @@ static void test_the_upscale_composes_as_the_pass_does(void **state)
             test_set(&test, RT_DEPTH, e, (float[4]){10.0f + (float)(e % 3)});
             test_set(&test, RT_BEHIND, e, (float[4]){random_radiance(&seed), 0.1f, 1.0f / 7.0f});
         }
-        uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
+        OWNED(memory) uint32_t *by_pass = upscaled(&test, RT_COMPOSITION_PASS);
         test_fill(&test, RT_COLOR, 0, 0, 0, 0);
-        uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
+        OWNED(memory) uint32_t *by_itself = upscaled(&test, RT_COMPOSITION_UPSCALE);
         const size_t bytes = neph_rt_device_words(&test.device, RT_COLOR) * sizeof(uint32_t);
         assert_memory_equal(by_pass, by_itself, bytes);
-        free(by_pass);
-        free(by_itself);
-        test_passes_close(&test);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_compose.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -52,7 +52,7 @@ static float random_depth_m(uint64_t *seed)
     }
 }
 
-static void test_min_max_equals_the_twin(void **state)
+static void test_min_max_equals_the_cpu_reference(void **state)
 {
     static const char *const maps[] = {"depth_map=checkerboard", "depth_map=nearest",
                                        "depth_map=farthest", "depth_map=reversed"};
@@ -61,15 +61,14 @@ static void test_min_max_equals_the_twin(void **state)
         for (int m = 0; m < 4; m++) {
             const uint64_t start = seed;
             const struct neph_settings settings = test_settings(maps[m]);
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             const int origin_px[2] = {m == 1 ? 8 : 0, m == 1 ? 4 : 0};
             test_passes_open(*state, &settings, sizes_px[s], origin_px, seed, &test);
             for (size_t i = 0; i < test_elements(&test, RT_STEADY_DEPTH); i++)
                 test_set(&test, RT_STEADY_DEPTH, i, (float[4]){random_depth_m(&seed)});
             test_passes_run(&test, "depth map");
-            twin_min_max(&test.twin);
+            cpu_min_max(&test.cpu);
             test_same_words(&test, RT_HALF_DEPTH, start);
-            test_passes_close(&test);
         }
 }
 
@@ -81,27 +80,21 @@ static void test_a_tile_has_two_near_and_two_far(void **state)
     struct neph_gpu_view view;
     neph_rt_view_init(&view, &settings, (int[2]){8, 8}, (int[2]){0, 0}, (int[2]){8, 8});
     uint32_t depth[64], half[16];
-    const struct twin twin = {.view = &view,
-                              .targets = {[RT_STEADY_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
+    const struct reference cpu = {.view = &view,
+                                  .targets = {[RT_STEADY_DEPTH] = depth, [RT_HALF_DEPTH] = half}};
     for (size_t i = 0; i < 64; i++)
         neph_rt_store(&view.targets[RT_STEADY_DEPTH], depth, i, (float[4]){i % 2 ? near_m : far_m});
-    twin_min_max(&twin);
+    cpu_min_max(&cpu);
     for (int tile = 0; tile < 4; tile++) {
         int near_count = 0;
         for (int slot = 0; slot < 4; slot++) {
             float value[4];
-            twin_fetch_half(&twin, RT_HALF_DEPTH, tile % 2 * 2 + slot % 2, tile / 2 * 2 + slot / 2,
-                            value);
+            cpu_fetch_half(&cpu, RT_HALF_DEPTH, tile % 2 * 2 + slot % 2, tile / 2 * 2 + slot / 2,
+                           value);
             near_count += value[0] == near_m;
         }
         assert_int_equal(near_count, 2);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_depth_map.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

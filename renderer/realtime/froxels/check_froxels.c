@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Near froxels: each pass against its twin, and the picture against the exact transport as slices
- * get thinner, at a wall and at the seam to the march.
+ * Near froxels: each pass against its CPU reference, and the picture against the exact transport
+ * as slices get thinner, at a wall and at the seam to the march.
  */
 #include "tests/renderer/sequence_test.h"
 
@@ -20,7 +20,7 @@ static const double passes_relative = 2e-4, passes_absolute = 1e-6;
 
 static void assert_same(struct test_passes *test, int target, size_t first, size_t count)
 {
-    uint32_t *words = test_download(test, target);
+    OWNED(memory) uint32_t *words = test_download(test, target);
     const struct neph_gpu_target *shape = &test->view.targets[target];
     for (size_t i = first; i < first + count; i++) {
         float found[4], expected[4];
@@ -30,7 +30,6 @@ static void assert_same(struct test_passes *test, int target, size_t first, size
             neph_assert_close((double)found[c], (double)expected[c], passes_relative,
                               passes_absolute);
     }
-    free(words);
 }
 
 static void fill_froxels(struct test_passes *test, uint64_t *seed)
@@ -43,13 +42,13 @@ static void fill_froxels(struct test_passes *test, uint64_t *seed)
     }
 }
 
-static void test_passes_are_their_twins(void **state)
+static void test_passes_equal_their_cpu_references(void **state)
 {
     for (uint64_t k = 0; k < 3; k++) {
         const struct neph_settings settings = test_settings(
             "froxels=on froxel_px=4 froxel_slices=13 froxel_end_m=20 "
             "target_format=float");
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 20261125 + k;
         test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
         test.view.frame = (uint32_t)k;
@@ -66,13 +65,12 @@ static void test_passes_are_their_twins(void **state)
                 (float[4]){(float)test_uniform(&seed), 0.5f, 2.0f, (float)test_uniform(&seed)});
         }
         test_passes_run(&test, "froxel sum");
-        twin_froxel_sum(&test.twin);
+        cpu_froxel_sum(&test.cpu);
         assert_same(&test, RT_FROXELS, 0, test_elements(&test, RT_FROXELS));
         test_passes_run(&test, "froxel composition");
-        twin_froxel_apply(&test.twin);
+        cpu_froxel_apply(&test.cpu);
         for (size_t y = 0; y < 21; y++)
             assert_same(&test, RT_VOLUME, (y + 8) * test.view.targets[RT_VOLUME].width + 4, 37);
-        test_passes_close(&test);
     }
 }
 
@@ -88,6 +86,7 @@ static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct ne
                                      neph_realtime_observer *observer, void *context)
 {
     const struct neph_settings settings = test_settings(assignments);
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_image *image = NULL;
     neph_realtime_observe(realtime, observer, context);
@@ -95,7 +94,6 @@ static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct ne
         neph_image_destroy(image);
         image = test_next(realtime, scene, frame, NULL);
     }
-    neph_realtime_destroy(realtime);
     return image;
 }
 
@@ -170,6 +168,7 @@ static void converges(struct neph_vulkan *vulkan, const char *name,
         char settings[400];
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_end_m=24 lamp_peaks=off froxel_slices=%d", slices);
+        OWNED(image)
         struct neph_image *image = picture_of(vulkan, &test.scene, settings, 1, NULL, NULL);
         const struct error error = error_of(&test, image);
         print_message("%s, %3d slices: bias %+.1e, rms %.1e\n", name, slices, error.bias,
@@ -178,7 +177,6 @@ static void converges(struct neph_vulkan *vulkan, const char *name,
         if (slices >= 64)
             assert_true(error.rms < most_rms);
         last = error;
-        neph_image_destroy(image);
     }
 }
 
@@ -203,11 +201,11 @@ static void test_peaks_of_lamps_are_of_pixels(void **state)
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_px=4 froxel_end_m=24 froxel_slices=64 lamp_peaks=%s",
                  peaks ? "on" : "off");
+        OWNED(image)
         struct neph_image *image = picture_of(*state, &test.scene, settings, 1, NULL, NULL);
         errors[peaks] = error_of(&test, image);
         print_message("lamps, columns of 4 pixels, peaks %s: bias %+.1e, rms %.1e\n",
                       peaks ? "on" : "off", errors[peaks].bias, errors[peaks].rms);
-        neph_image_destroy(image);
     }
     assert_true(errors[1].rms < 0.25 * errors[0].rms && fabs(errors[1].bias) < 0.02);
 }
@@ -251,9 +249,9 @@ static void check_light(struct neph_rt_device *device, const struct neph_rt_pass
     struct lit_check *check = context;
     if (strcmp(pass->name, "froxel light") != 0)
         return;
-    const struct twin twin = {.view = device->view};
+    const struct reference cpu = {.view = device->view};
     const struct neph_gpu_target *shape = &device->view->targets[RT_FROXELS];
-    uint32_t *words = test_words(device, RT_FROXELS);
+    OWNED(memory) uint32_t *words = test_words(device, RT_FROXELS);
     const struct neph_camera camera = neph_scene_camera(check->scene, 0.0);
     const int slices = (int)device->view->settings[RT_FROXEL_SLICES];
     for (int i = 0; i < WIDTH_PX * HEIGHT_PX * slices; i++) {
@@ -262,14 +260,14 @@ static void check_light(struct neph_rt_device *device, const struct neph_rt_pass
         const struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH_PX, HEIGHT_PX, column,
                                                           row);
         const double slope = 1.0 / neph_vec3_dot(ray.direction, camera.forward);
-        const double middle_m = 0.5 * (twin_froxel_edge_m(&twin, slice) +
-                                       twin_froxel_edge_m(&twin, slice + 1));
+        const double middle_m = 0.5 * (cpu_froxel_edge_m(&cpu, slice) +
+                                       cpu_froxel_edge_m(&cpu, slice + 1));
         double light[2], near[2], far[2];
         const struct neph_vec3 point_m = neph_vec3_along(ray.origin_m, ray.direction,
                                                          middle_m * slope);
         light_at(check->scene, point_m, ray.direction, light);
-        const double half_m =
-            0.5 * slope * (twin_froxel_edge_m(&twin, slice + 1) - twin_froxel_edge_m(&twin, slice));
+        const double half_m = 0.5 * slope *
+                              (cpu_froxel_edge_m(&cpu, slice + 1) - cpu_froxel_edge_m(&cpu, slice));
         if (extinction_at(check->scene, point_m, ray.direction, -half_m) != light[1] ||
             extinction_at(check->scene, point_m, ray.direction, half_m) != light[1])
             continue;
@@ -284,7 +282,6 @@ static void check_light(struct neph_rt_device *device, const struct neph_rt_pass
         check->wrong += !(fabs((double)found[1] - light[0]) <= 1e-4 * light[0] + 1e-9) ||
                         !(fabs((double)found[3] - light[1]) <= 1e-5 * light[1]);
     }
-    free(words);
 }
 
 static void test_each_froxel_has_its_light(void **state)
@@ -321,15 +318,15 @@ static double leak(struct neph_vulkan *vulkan, const char *assignments)
     struct test_scene room, open;
     scene_room(&room, true);
     scene_room(&open, false);
+    OWNED(image)
     struct neph_image *dark = picture_of(vulkan, &room.scene, assignments, 8, NULL, NULL);
+    OWNED(image)
     struct neph_image *lit = picture_of(vulkan, &open.scene, assignments, 8, NULL, NULL);
     float *a[3], *b[3];
     assert_true(neph_image_rgb(dark, "volume", a) && neph_image_rgb(lit, "volume", b));
     double most = 0.0;
     for (int p = 0; p < WIDTH_PX * HEIGHT_PX; p++)
         most = fmax(most, (double)a[1][p] / (double)b[1][p]);
-    neph_image_destroy(dark);
-    neph_image_destroy(lit);
     return most;
 }
 
@@ -360,10 +357,10 @@ static void test_the_seam_is_not_seen(void **state)
     for (size_t i = 0; i < COUNT(ends); i++) {
         char settings[400];
         snprintf(settings, sizeof(settings), PLAIN "froxel_slices=64 %s", ends[i]);
+        OWNED(image)
         struct neph_image *image = picture_of(*state, &test.scene, settings, 16, NULL, NULL);
         errors[i] = error_of(&test, image);
         print_message("%s: bias %+.1e, rms %.1e\n", ends[i], errors[i].bias, errors[i].rms);
-        neph_image_destroy(image);
     }
     for (size_t i = 0; i + 1 < COUNT(ends); i++)
         assert_true(errors[i].rms < 1.1 * errors[COUNT(ends) - 1].rms + 1e-3);
@@ -375,15 +372,15 @@ static void test_jitter_and_history(void **state)
     neph_test_waits_for_the_night();
     struct test_scene test;
     scene_fence(&test);
-    struct neph_image *image = picture_of(
-        *state, &test.scene,
-        PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95", 64, NULL,
-        NULL);
+    OWNED(image)
+    struct neph_image *image =
+        picture_of(*state, &test.scene,
+                   PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95",
+                   64, NULL, NULL);
     const struct error error = error_of(&test, image);
     print_message("64 pictures with jitter and history: bias %+.1e, rms %.1e\n", error.bias,
                   error.rms);
     assert_true(fabs(error.bias) < 0.01 && error.rms < 0.04);
-    neph_image_destroy(image);
 }
 
 static void history_follows(struct neph_vulkan *vulkan, const char *name,
@@ -405,11 +402,11 @@ static void history_follows(struct neph_vulkan *vulkan, const char *name,
         char settings[400];
         snprintf(settings, sizeof(settings),
                  PLAIN "froxel_slices=64 froxel_end_m=24 froxel_history=%g", i ? 0.8 : 0.0);
+        OWNED(image)
         struct neph_image *image = picture_of(vulkan, &test.scene, settings, 9, NULL, NULL);
         errors[i] = error_of(&test, image);
         print_message("%s, moving, history %g: bias %+.1e, rms %.1e\n", name, i ? 0.8 : 0.0,
                       errors[i].bias, errors[i].rms);
-        neph_image_destroy(image);
     }
     assert_true(errors[1].rms < errors[0].rms + most_more);
 }
@@ -439,10 +436,4 @@ static void test_refusals(void **state)
     assert_non_null(strstr(reason, "froxels"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_froxels.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

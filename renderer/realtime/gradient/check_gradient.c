@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The temporal gradient: its passes against their twins, and what they promise of rays that are
- * marched twice: no change where nothing has changed, all of it where something has, and the gain
- * of light that changes everywhere alike.
+ * The temporal gradient: its passes against their CPU references, and what they promise of rays
+ * that are marched twice: no change where nothing has changed, all of it where something has, and
+ * the gain of light that changes everywhere alike.
  */
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/sequence_test.h"
@@ -62,7 +62,7 @@ static void fill_looks(struct test_passes *test, int now, int then, uint64_t *se
     }
 }
 
-static void test_the_passes_equal_their_twins(void **state)
+static void test_the_passes_equal_their_cpu_reference(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     static const char *const settings_texts[] = {
@@ -73,7 +73,7 @@ static void test_the_passes_equal_their_twins(void **state)
     for (int round = 0; round < 80; round++) {
         const uint64_t start = seed;
         const struct neph_settings settings = test_settings(settings_texts[round / 2 % 4]);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[round / 2 % 5],
                          (int[2]){round % 3 * 4, round % 2 * 8}, start, &test);
         test.view.frame = (uint32_t)neph_test_random(&seed);
@@ -93,16 +93,15 @@ static void test_the_passes_equal_their_twins(void **state)
         test.view.strobes_behind = round % 13 == 7;
         if (round % 2) {
             test_passes_run(&test, "change");
-            twin_change(&test.twin);
+            cpu_change(&test.cpu);
         } else {
             test_passes_run(&test, "gradient");
-            twin_gradient(&test.twin);
+            cpu_gradient(&test.cpu);
         }
         const uint32_t writes = (round % 2 ? &neph_rt_change : &neph_rt_gradient)->writes;
         for (int target = 0; target < RT_TARGET_COUNT; target++)
             if (writes & NEPH_RT_BIT(target))
                 test_same_words(&test, target, start);
-        test_passes_close(&test);
     }
 }
 
@@ -115,9 +114,9 @@ static void test_tiles_repeat_by_turns(void **state)
         for (int y = 0; y < 4; y++) {
             int repeated = 0;
             for (view.frame = 40; view.frame < 48; view.frame++) {
-                repeated += twin_repeats_ray(&view, x, y);
-                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x + 1, y));
-                assert_true(twin_repeats_ray(&view, x, y) != twin_repeats_ray(&view, x, y + 1));
+                repeated += cpu_repeats_ray(&view, x, y);
+                assert_true(cpu_repeats_ray(&view, x, y) != cpu_repeats_ray(&view, x + 1, y));
+                assert_true(cpu_repeats_ray(&view, x, y) != cpu_repeats_ray(&view, x, y + 1));
             }
             assert_int_equal(repeated, 4);
         }
@@ -228,7 +227,7 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     *changes = (struct changes){.least = 2.0, .gain = {2.0, 0.0}, .resting = device->view->resting};
     for (int t = 0; t < 2; t++) {
         const int target = t ? RT_CHANGE_BEHIND : RT_CHANGE;
-        uint32_t *words = test_words(device, target);
+        OWNED(memory) uint32_t *words = test_words(device, target);
         for (size_t i = 0; i < TILES; i++) {
             float change[4];
             neph_rt_load(&device->view->targets[target], words, i, change);
@@ -243,7 +242,6 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
                 changes->most = fmax(changes->most, change[3]);
             }
         }
-        free(words);
     }
 }
 
@@ -277,7 +275,7 @@ static void test_light_is_told_from_noise(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
-    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
+    OWNED(realtime) struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame == BEFORE)
             dim_the_sun(&test, 0.5);
@@ -295,7 +293,6 @@ static void test_light_is_told_from_noise(void **state)
         if (since >= 0 && since < 7)
             assert_true(changes.behind > TILES / 4); /* the ground, not the sky */
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* A sun that loses a hundredth in each frame is a gain of 0.96 between two looks, which is 0.99 per
@@ -307,6 +304,7 @@ static void test_slow_light_is_a_gain(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
+    OWNED(realtime)
     struct neph_realtime *realtime = open_watched(*state, &test, "relight=0.1", &changes);
     for (int frame = 0; frame < BEFORE + AFTER; frame++) {
         if (frame >= BEFORE)
@@ -321,7 +319,6 @@ static void test_slow_light_is_a_gain(void **state)
     }
     neph_assert_close(changes.gain[0], 1.0 - 0.1 / 4.0, 0.0, 1e-6);
     assert_true(changes.least > 0.4); /* 1 - 0.99^3 0.5 / 0.9 */
-    neph_realtime_destroy(realtime);
 }
 
 /* Half of the light in every other frame: both looks at a ray see the same. With change_strobe all
@@ -333,6 +330,7 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
         struct test_scene test;
         test_scene_fence(&test);
         struct changes changes;
+        OWNED(realtime)
         struct neph_realtime *realtime = open_watched(*state, &test, strobes[on], &changes);
         for (int frame = 0; frame < 14; frame++) {
             dim_the_sun(&test, frame % 2 ? 0.5 : 2.0);
@@ -342,7 +340,6 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
         }
         assert_int_equal(changes.void_tiles, on ? TILES : 0);
         assert_true(changes.behind > TILES / 4); /* seven frames: one look is light, one dark */
-        neph_realtime_destroy(realtime);
     }
 }
 
@@ -353,13 +350,13 @@ static void test_the_override_rests_after_a_jump(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
+    OWNED(realtime)
     struct neph_realtime *realtime = open_watched(*state, &test, "override_wake=16", &changes);
     for (int frame = 0; frame < 32; frame++) {
         dim_the_sun(&test, frame == 10 ? 0.5 : 0.99);
         neph_image_destroy(test_next(realtime, &test.scene, frame, NULL));
         assert_int_equal(changes.resting, frame >= 10 && frame < 26 && frame / 4 % 2 == 1);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
@@ -368,7 +365,7 @@ static void test_what_a_solid_uncovers_has_changed(void **state)
     struct test_scene test;
     test_scene_fence(&test);
     struct changes changes;
-    struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
+    OWNED(realtime) struct neph_realtime *realtime = open_watched(*state, &test, "", &changes);
     for (int frame = 0; frame < 12; frame++) {
         struct neph_solid *box = &test.scene.solids[2];
         if (frame == 10)
@@ -381,7 +378,6 @@ static void test_what_a_solid_uncovers_has_changed(void **state)
         if (frame == 11)
             assert_int_equal(changes.void_tiles, 0);
     }
-    neph_realtime_destroy(realtime);
 }
 
 /* --- the preset ------------------------------------------------------------------------------ */
@@ -405,6 +401,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     struct test_scene test;
     test_scene_fence(&test);
     const struct neph_settings settings = test_preset(preset, "steps=4");
+    OWNED(realtime)
     struct neph_realtime *realtime = test_sequence(vulkan, &test.scene, &settings, WIDTH_PX,
                                                    HEIGHT_PX);
     struct neph_image *before = NULL, *after = NULL;
@@ -428,7 +425,6 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     }
     neph_image_destroy(after);
     neph_image_destroy(before);
-    neph_realtime_destroy(realtime);
 }
 
 /* Calm and quick at once, which a weight of the anti-aliasing alone cannot be. */
@@ -443,10 +439,4 @@ static void test_the_second_generation_rests_and_follows(void **state)
     assert_true(left[1] < 0.1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_gradient.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -24,7 +24,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int w
 static bool found_at(const struct test_passes *test, int x, int y, double place_px[2])
 {
     float value[4];
-    twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
+    cpu_fetch_half(&test->cpu, RT_HISTORY, x, y, value);
     for (int axis = 0; axis < 2; axis++)
         place_px[axis] = 2.0 * value[axis] + 1.0;
     return value[0] > 0.0f && value[0] < (float)test->view.half_size_px[0] - 1.0f &&
@@ -114,7 +114,7 @@ static void test_history_is_where_geometry_says(void **state)
         {WIND, 0.0, "wind=off"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state, cases[i].assignments, 127, 33, &test);
         apply_motion(&test.view, &cases[i]);
         const bool is_radial = test.view.settings[RT_REPROJECT_MEASURE] == RT_MEASURE_RADIAL;
@@ -137,7 +137,6 @@ static void test_history_is_where_geometry_says(void **state)
                 found++;
             }
         assert_true(found > 200);
-        test_passes_close(&test);
     }
 }
 
@@ -152,7 +151,7 @@ static void test_parallel_history_is_where_geometry_says(void **state)
     };
     static const float distances_m[] = {3.0f, 40000.0f, NEPH_GPU_FAR_M};
     for (int i = 0; i < 18; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         const struct motion_case *c = &cases[i / 3];
         open_ramp(*state, c->assignments, 127, 33, &test);
         test_make_parallel(&test.view, 33.0f); /* 1 px is 2 m */
@@ -167,7 +166,6 @@ static void test_parallel_history_is_where_geometry_says(void **state)
                 neph_assert_close(place_px[0], 2 * x + 1 - shift_px, 0, 1e-4);
                 neph_assert_close(place_px[1], 2 * y + 1, 0, 1e-4);
             }
-        test_passes_close(&test);
     }
 }
 
@@ -177,7 +175,7 @@ static void test_what_does_not_move(void **state)
 {
     static const float distances_m[] = {100.0f, INFINITY, NAN, 0.0f, NEPH_GPU_FAR_M};
     for (int i = 0; i < 5; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state, "wind=off", 64, 36, &test);
         if (i == 0)
             test.view.wind_m[0] = 5.0f;
@@ -192,7 +190,6 @@ static void test_what_does_not_move(void **state)
                 neph_assert_close(place_px[0], 2 * x + 1, 0, 1e-4);
                 neph_assert_close(place_px[1], 2 * y + 1, 0, 1e-4);
             }
-        test_passes_close(&test);
     }
 }
 
@@ -203,7 +200,7 @@ static void test_what_does_not_move(void **state)
 static void test_the_filter_is_exact_on_lines(void **state)
 {
     for (int degree = 0; degree <= 1; degree++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state, "", 127, 33, &test);
         for (size_t i = 0; i < test_elements(&test, RT_HISTORY); i++) {
             const double x = (double)(i % 64) / 64, y = (double)(i / 64) / 64;
@@ -228,7 +225,6 @@ static void test_the_filter_is_exact_on_lines(void **state)
                 neph_assert_close(half_value(&test, RT_HISTORY, x, y, 0), expected, 1e-6,
                                   degree * 2e-6);
             }
-        test_passes_close(&test);
     }
 }
 
@@ -236,23 +232,23 @@ static void test_the_filter_is_exact_on_lines(void **state)
 static void test_void_taps_have_no_weight(void **state)
 {
     {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state, "", 64, 36, &test);
         const float shift = 2.0f * 0.5f / 64 * test.view.before.half_width;
         test.view.before.right[2] -= shift; /* a quarter of a texel to the right */
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
-                twin_put_half(&test.twin, RT_HISTORY_STATE_BEFORE, x, y,
-                              (float[4]){x < 16 ? (float)x : 0.0f, 100});
+                cpu_put_half(&test.cpu, RT_HISTORY_STATE_BEFORE, x, y,
+                             (float[4]){x < 16 ? (float)x : 0.0f, 100});
                 if (x == 5 && y == 5) /* unsound for all its age */
-                    twin_put_half(&test.twin, RT_HISTORY_BEFORE, x, y,
-                                  (float[4]){NAN, 1e30f, -1, INFINITY});
+                    cpu_put_half(&test.cpu, RT_HISTORY_BEFORE, x, y,
+                                 (float[4]){NAN, 1e30f, -1, INFINITY});
             }
         reconstruct_run(&test);
         for (int x = 1; x < 30; x++) {
             float value[4], history[4];
-            twin_fetch_half(&test.twin, RT_HISTORY, x, 5, value);
-            twin_fetch_half(&test.twin, RT_HISTORY_STATE, x, 5, history);
+            cpu_fetch_half(&test.cpu, RT_HISTORY, x, 5, value);
+            cpu_fetch_half(&test.cpu, RT_HISTORY_STATE, x, 5, history);
             const double expected = x == 4 ? 4 : x == 5 ? 6 : x == 15 ? 15 : x + 0.25;
             const double age = x == 5 ? 6 : x < 16 ? x : 1;
             if (x < 16)
@@ -262,7 +258,6 @@ static void test_void_taps_have_no_weight(void **state)
             neph_assert_close(history[0], age + (reconstruct_is_marched(&test, x, 5) && x < 16), 0,
                               0);
         }
-        test_passes_close(&test);
     }
 }
 
@@ -276,8 +271,8 @@ static int count_without_history(const struct test_passes *test)
     for (int i = 0; i < (int)reconstruct_threads(test); i++) {
         float value[4], history[4];
         const int x = i % (int)test->view.half_size_px[0], y = i / (int)test->view.half_size_px[0];
-        twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
-        twin_fetch_half(&test->twin, RT_HISTORY_STATE, x, y, history);
+        cpu_fetch_half(&test->cpu, RT_HISTORY, x, y, value);
+        cpu_fetch_half(&test->cpu, RT_HISTORY_STATE, x, y, history);
         count += value[0] == 0.5f;
         assert_true(value[0] == 0.5f ? history[0] == 1.0f : value[0] == 0.25f);
     }
@@ -306,13 +301,12 @@ static void test_cuts_and_first_frames(void **state)
         {"validity=off cut_reset=on", true, false, false},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_two_lights(*state, cases[i].assignments, 21, 10, &test);
         test.view.is_cut = cases[i].is_cut;
         test.view.has_history = cases[i].has_history;
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), cases[i].uses_history ? 0 : 11 * 5);
-        test_passes_close(&test);
     }
 }
 
@@ -320,21 +314,20 @@ static void test_cuts_and_first_frames(void **state)
  * were off the screen. Nor has what was behind the camera. */
 static void test_the_screen_ends(void **state)
 {
-    struct test_passes test;
     for (int columns = 0; columns < 32; columns += 5) {
+        OWNED(passes) struct test_passes test;
         open_two_lights(*state, "", 64, 36, &test);
         /* by 2 px per column less half a pixel, so that no centre is at the side */
         test.view.before.right[2] -= (2.0f * (float)columns - 0.5f) * 2.0f / 64 *
                                      test.view.before.half_width;
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), columns * 18);
-        test_passes_close(&test);
     }
+    OWNED(passes) struct test_passes test;
     open_two_lights(*state, "", 64, 36, &test);
     reconstruct_turn(&test.view.before, 3.14159265, 0, 0);
     reconstruct_run(&test);
     assert_int_equal(count_without_history(&test), 32 * 18);
-    test_passes_close(&test);
 }
 
 /* A post 10 m away, 8 texels wide, before a wall at 100 m, steps aside by 4: the wall appears
@@ -351,18 +344,17 @@ static void test_what_was_hidden_is_rejected(void **state)
         {"reject_depth=10", 0},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_two_lights(*state, cases[i].assignments, 64, 36, &test);
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 const bool is_post = x >= 12 && x < 20, was_post = x >= 8 && x < 16;
-                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, (float[4]){is_post ? 10 : 100});
-                twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, x, y,
-                              (float[4]){was_post ? 10 : 100});
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH, x, y, (float[4]){is_post ? 10 : 100});
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH_BEFORE, x, y,
+                             (float[4]){was_post ? 10 : 100});
             }
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), cases[i].columns * 18);
-        test_passes_close(&test);
     }
 }
 
@@ -372,21 +364,20 @@ static void test_what_was_hidden_is_rejected(void **state)
 static void test_a_steady_scene_is_not_rejected(void **state)
 {
     for (int i = 0; i < 12; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_two_lights(*state, "reject_depth=0.01", 64, 36, &test);
         const float far_m = i / 6 ? NEPH_GPU_FAR_M : 20.0f;
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 32; x++) {
                 const float depth[4] = {x % 2 == y % 2 ? 10.0f : far_m};
-                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, depth);
-                twin_put_half(&test.twin, RT_HALF_DEPTH_BEFORE, x, y, depth);
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH, x, y, depth);
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH_BEFORE, x, y, depth);
             }
         /* by 0 to 5 texels; eye depths of solids stay as they are */
         test.view.before.right[2] -= (float)(i % 6) * 2.0f * 2.0f / 64 *
                                      test.view.before.half_width;
         reconstruct_run(&test);
         assert_int_equal(count_without_history(&test), i % 6 * 18); /* off the screen */
-        test_passes_close(&test);
     }
 }
 
@@ -402,7 +393,7 @@ static void put_own_rays(struct test_passes *test)
             reconstruct_marched(test, x, y, own);
             const float value[4] = {(float)own[0], (float)own[1], (float)((own[0] ^ own[1]) % 8),
                                     (float)(own[0] % 5) / 4.0f};
-            twin_put_tile(&test->twin, RT_RAY, x, y, value);
+            cpu_put_tile(&test->cpu, RT_RAY, x, y, value);
         }
 }
 
@@ -411,7 +402,7 @@ static void assert_own_rays(const struct test_passes *test)
     for (int y = 0; y < (int)test->view.half_size_px[1]; y++)
         for (int x = 0; x < (int)test->view.half_size_px[0]; x++) {
             float value[4];
-            twin_fetch_half(&test->twin, RT_HISTORY, x, y, value);
+            cpu_fetch_half(&test->cpu, RT_HISTORY, x, y, value);
             assert_true(value[0] == (float)x && value[1] == (float)y &&
                         value[2] == (float)((x ^ y) % 8) && value[3] == (float)(x % 5) / 4.0f);
         }
@@ -430,7 +421,7 @@ static void test_four_frames_make_a_whole(void **state)
     };
     static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
     for (int i = 0; i < 4 * 5; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, sizes_px[i % 5][0], sizes_px[i % 5][1], &test, "%s",
                          assignments[i / 5]);
         reconstruct_turn(&test.view.now, 0.4, -0.3, 0.2);
@@ -449,7 +440,6 @@ static void test_four_frames_make_a_whole(void **state)
         }
         test_swap(&test, RT_HISTORY, RT_HISTORY_BEFORE);
         assert_own_rays(&test);
-        test_passes_close(&test);
     }
 }
 
@@ -460,7 +450,7 @@ static void test_no_density_is_exactly_nothing(void **state)
                                               "box_space=ycocg fresh_weight=0.3 history_weight=0.6",
                                               "history_age_max=20 validity=off cut_reset=off"};
     for (int i = 0; i < 5; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 41;
         reconstruct_open(*state, 61, 35, &test, "%s", assignments[i]);
         for (int frame = 0; frame < 8; frame++) {
@@ -477,7 +467,6 @@ static void test_no_density_is_exactly_nothing(void **state)
             }
             reconstruct_next_frame(&test);
         }
-        test_passes_close(&test);
     }
 }
 
@@ -487,7 +476,7 @@ static int count_unsound(const struct test_passes *test)
     for (size_t i = 0; i < test_elements(test, RT_HISTORY); i++) {
         float value[4];
         test_get(test, RT_HISTORY, i, value);
-        count += !twin_is_sound(value);
+        count += !cpu_is_sound(value);
     }
     return count;
 }
@@ -500,19 +489,19 @@ static void test_a_bad_ray_is_not_used(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -1.0f};
     for (int i = 0; i < 6; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 64, 36, &test, "override=none validity=%s", i / 3 ? "off" : "on");
         test_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
         test_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
         test.view.before.right[2] -= 0.6f * 2 / 64 * test.view.before.half_width;
         test.view.before.up[2] -= 0.6f * 2 / 36 * test.view.before.half_height;
-        twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
+        cpu_put_tile(&test.cpu, RT_RAY, 8, 5, (float[4]){0.5f, bad[i % 3], 0.5f, 0.5f});
         int unsound[8];
         for (int frame = 0; frame < 8; frame++) {
             reconstruct_run(&test);
             unsound[frame] = count_unsound(&test);
             reconstruct_next_frame(&test);
-            twin_put_tile(&test.twin, RT_RAY, 8, 5, (float[4]){0.5f, 0.5f, 0.5f, 0.5f});
+            cpu_put_tile(&test.cpu, RT_RAY, 8, 5, (float[4]){0.5f, 0.5f, 0.5f, 0.5f});
         }
         for (int frame = 0; frame < 8 && i < 3; frame++)
             assert_int_equal(unsound[frame], 0);
@@ -520,30 +509,28 @@ static void test_a_bad_ray_is_not_used(void **state)
             assert_true(unsound[0] > 0 && unsound[7] > 2 * unsound[0]);
         if (i > 3)
             assert_true(unsound[0] > 0 && unsound[7] == 0);
-        test_passes_close(&test);
     }
 }
 
 /* No ray around a texel can be used: it is void, and says so. */
 static void test_without_any_ray(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     reconstruct_open(*state, 64, 36, &test, "%s", "");
     for (int i = 0; i < 9; i++)
-        twin_put_tile(&test.twin, RT_RAY, 7 + i % 3, 3 + i / 3, (float[4]){NAN, 0, 0, 1});
+        cpu_put_tile(&test.cpu, RT_RAY, 7 + i % 3, 3 + i / 3, (float[4]){NAN, 0, 0, 1});
     test_fill(&test, RT_HISTORY_BEFORE, 0.5f, 0.5f, 0.5f, 0.5f);
     reconstruct_run(&test);
     int void_count = 0;
     for (int i = 0; i < 32 * 18; i++) {
         float value[4], history[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, i % 32, i / 32, value);
-        twin_fetch_half(&test.twin, RT_HISTORY_STATE, i % 32, i / 32, history);
+        cpu_fetch_half(&test.cpu, RT_HISTORY, i % 32, i / 32, value);
+        cpu_fetch_half(&test.cpu, RT_HISTORY_STATE, i % 32, i / 32, history);
         void_count += history[0] == 0.0f;
         if (history[0] == 0.0f)
             assert_true(value[0] == 0.0f && value[3] == 1.0f && i % 32 / 2 == 8 && i / 64 == 4);
     }
     assert_int_equal(void_count, 4);
-    test_passes_close(&test);
 }
 
 /* The first frame, in memory that holds anything: no trace of it, neither then nor later. */
@@ -551,7 +538,7 @@ static void test_garbage_is_no_history(void **state)
 {
     static const float bad[] = {NAN, INFINITY, 1e30f, -1.0f, 12345.0f};
     for (int i = 0; i < 2; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 51;
         reconstruct_open(*state, 127, 33, &test, "%s", i ? "target_format=float" : "");
         test_fill(&test, RT_RAY, 0.5f, 0.5f, 0.5f, 0.5f);
@@ -575,7 +562,6 @@ static void test_garbage_is_no_history(void **state)
             }
             reconstruct_next_frame(&test);
         }
-        test_passes_close(&test);
     }
 }
 
@@ -594,7 +580,7 @@ static void test_ages_average_rays(void **state)
         {"fresh_weight=1", {1, 1, 1, 1, 1, 1}},
     };
     for (int i = 0; i < 4; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 61;
         reconstruct_open(*state, 12, 12, &test, "override=none box=none target_format=float %s",
                          cases[i].assignments);
@@ -610,21 +596,20 @@ static void test_ages_average_rays(void **state)
                 int own[2];
                 reconstruct_marched(&test, 1, 1, own);
                 float value[4], history[4];
-                twin_fetch_half(&test.twin, RT_HISTORY, own[0], own[1], value);
-                twin_fetch_half(&test.twin, RT_HISTORY_STATE, own[0], own[1], history);
+                cpu_fetch_half(&test.cpu, RT_HISTORY, own[0], own[1], value);
+                cpu_fetch_half(&test.cpu, RT_HISTORY_STATE, own[0], own[1], history);
                 neph_assert_close(value[0], expected, 1e-6, 0);
                 neph_assert_close(history[0], frame / 4 + 1, 0, 0);
             }
             reconstruct_next_frame(&test);
         }
-        test_passes_close(&test);
     }
 }
 
 /* The age ends at 255, a texel without history that borrows a ray is one old. */
 static void test_ages_have_limits(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     reconstruct_open(*state, 12, 12, &test, "override=none");
     test_fill(&test, RT_HISTORY_STATE_BEFORE, 255, 100, 0, 0);
     for (int has_history = 0; has_history < 2; has_history++) {
@@ -636,7 +621,6 @@ static void test_ages_have_limits(void **state)
             assert_true(history[0] == (has_history ? 255.0f : 1.0f) && history[1] == 100.0f);
         }
     }
-    test_passes_close(&test);
 }
 
 /* A view in the corner of a buffer full of bad numbers is what it is alone. */
@@ -649,7 +633,7 @@ static void test_a_view_is_what_it_is_alone(void **state)
         RT_HISTORY_BEFORE, RT_HISTORY_STATE_BEFORE};
     for (int i = 0; i < 3; i++) {
         const struct neph_settings settings = test_settings(assignments[i]);
-        struct test_passes alone, beside;
+        OWNED(passes) struct test_passes alone, beside;
         reconstruct_open(*state, 61, 35, &alone, "%s", assignments[i]);
         test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){64, 36}, 7, &beside);
         beside.view.has_history = 1;
@@ -669,11 +653,11 @@ static void test_a_view_is_what_it_is_alone(void **state)
                     value[0] = (float)(neph_test_random(&seed) % 4);
                 const int x = e % width, y = e / width;
                 if (is_tile) {
-                    twin_put_tile(&alone.twin, inputs[t], x, y, value);
-                    twin_put_tile(&beside.twin, inputs[t], x, y, value);
+                    cpu_put_tile(&alone.cpu, inputs[t], x, y, value);
+                    cpu_put_tile(&beside.cpu, inputs[t], x, y, value);
                 } else {
-                    twin_put_half(&alone.twin, inputs[t], x, y, value);
-                    twin_put_half(&beside.twin, inputs[t], x, y, value);
+                    cpu_put_half(&alone.cpu, inputs[t], x, y, value);
+                    cpu_put_half(&beside.cpu, inputs[t], x, y, value);
                 }
             }
         }
@@ -681,19 +665,11 @@ static void test_a_view_is_what_it_is_alone(void **state)
         reconstruct_run(&beside);
         for (int e = 0; e < 31 * 18; e++) {
             float a[4], b[4];
-            twin_fetch_half(&alone.twin, RT_HISTORY, e % 31, e / 31, a);
-            twin_fetch_half(&beside.twin, RT_HISTORY, e % 31, e / 31, b);
+            cpu_fetch_half(&alone.cpu, RT_HISTORY, e % 31, e / 31, a);
+            cpu_fetch_half(&beside.cpu, RT_HISTORY, e % 31, e / 31, b);
             assert_memory_equal(a, b, sizeof(a));
         }
-        test_passes_close(&alone);
-        test_passes_close(&beside);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_history.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reconstruction against its twin, and what its choice of rays and its box do.
+ * The reconstruction against its CPU reference, and what its choice of rays and its box do.
  * Where history comes from is tested in test_realtime_history.c.
  */
 #include "renderer/realtime/reconstruction/check_reconstruct.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-/* --- against the twin ------------------------------------------------------------------------
+/* --- against the CPU reference --------------------------------------------------------------
  */
 
 static double pick(uint64_t *seed, double a, double b, double c)
@@ -108,7 +108,7 @@ static void fill_at_random(struct test_passes *test, uint64_t *seed)
     const bool may_be_bad = test->view.settings[RT_VALIDITY] != 0.0f;
     float value[4];
     for (size_t i = 0; i < test_elements(test, RT_TILE); i++) {
-        const float units = twin_stored_depth_m(&test->view, random_depth_m(seed)) * 1e-4f;
+        const float units = cpu_stored_depth_m(&test->view, random_depth_m(seed)) * 1e-4f;
         test_set(test, RT_TILE, i, (float[4]){(float)(neph_test_random(seed) % 4), units});
         random_light(seed, may_be_bad, value);
         test_set(test, RT_RAY, i, value);
@@ -163,7 +163,7 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
 static void compare_words(struct test_passes *test, uint64_t seed)
 {
     test_passes_run(test, "reconstruction");
-    twin_reconstruct(&test->twin);
+    cpu_reconstruct(&test->cpu);
     test_same_words(test, RT_HISTORY, seed);
     test_same_words(test, RT_HISTORY_STATE, seed);
 }
@@ -183,7 +183,7 @@ static void choose_single_rays(struct neph_settings *settings)
 }
 
 /* A cut leaves nothing but rays: each half-resolution texel shows which ray it chose. */
-static void test_chosen_rays_are_the_twin_s(void **state)
+static void test_chosen_rays_equal_the_cpu_reference(void **state)
 {
     uint64_t seed = 11;
     for (size_t s = 0; s < COUNT(sizes_px); s++)
@@ -192,17 +192,16 @@ static void test_chosen_rays_are_the_twin_s(void **state)
             settings.values[RT_CUT_RESET] = 1;
             choose_single_rays(&settings);
             const uint64_t start = neph_test_random(&seed);
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_at_random(*state, &settings, sizes_px[s], start, &test);
             test.view.is_cut = 1;
             compare_words(&test, start);
-            test_passes_close(&test);
         }
 }
 
 /* A history that is brighter or darker than every ray comes out as one side of the box: bit by bit
  * a ray's channel, and the same one when both sides accept the same rays. */
-static void test_boxes_hold_the_twin_s_rays(void **state)
+static void test_boxes_hold_the_cpu_reference_s_rays(void **state)
 {
     uint64_t seed = 12;
     for (size_t s = 0; s < COUNT(sizes_px); s++)
@@ -219,11 +218,10 @@ static void test_boxes_hold_the_twin_s_rays(void **state)
             settings.values[RT_GRADIENT] = 0; /* such a history has changed by all of it */
             const uint64_t start = neph_test_random(&seed);
             const float bright = i % 2 ? 10000.0f : 0.0f;
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_at_random(*state, &settings, sizes_px[s], start, &test);
             test_fill(&test, RT_HISTORY_BEFORE, bright, bright, bright, bright);
             compare_words(&test, start);
-            test_passes_close(&test);
         }
 }
 
@@ -254,16 +252,16 @@ static void disturb(struct neph_gpu_view *view, int way)
             axis[k] += (float)(shift * camera->forward[k]);
 }
 
-/* What the twin has for a target, and how much its own result changes when the camera before is
- * disturbed by as much as its places may be off: a slope in smooth places, all of it where a
- * decision is at stake. Places are exact when nothing moves. */
+/* What the CPU reference has for a target, and how much its own result changes when the camera
+ * before is disturbed by as much as its places may be off: a slope in smooth places, all of it
+ * where a decision is at stake. Places are exact when nothing moves. */
 struct expected {
     int target;
     float (*value)[4];
     double (*doubt)[4];
 };
 
-static void ask_twin(struct test_passes *test, struct expected expected[2])
+static void find_expected(struct test_passes *test, struct expected expected[2])
 {
     const size_t count = test_elements(test, RT_HISTORY);
     const struct neph_gpu_view_camera camera = test->view.before;
@@ -273,7 +271,7 @@ static void ask_twin(struct test_passes *test, struct expected expected[2])
     for (int way = -1; way < (is_still ? 0 : 10); way++) {
         if (way >= 0)
             disturb(&test->view, way);
-        twin_reconstruct(&test->twin);
+        cpu_reconstruct(&test->cpu);
         test->view.before = camera;
         for (int t = 0; t < 2; t++)
             for (size_t i = 0; i < count; i++) {
@@ -315,7 +313,7 @@ static void compare_value(struct test_passes *test, const struct expected *expec
                                rounding_error(&test->view, expected->target, c, value);
         if (!(actual[c] == value || fabs(actual[c] - value) <= allowed))
             fail_msg("seed %llu: channel %d of element %zu of target %d is %.9g, %.9g in the "
-                     "twin, allowed %.3g",
+                     "CPU reference, allowed %.3g",
                      (unsigned long long)seed, c, i, expected->target, (double)actual[c], value,
                      allowed);
     }
@@ -330,7 +328,7 @@ static size_t compare_values(struct test_passes *test, uint64_t seed)
         expected[t].value = calloc(count, sizeof(*expected[t].value));
         expected[t].doubt = calloc(count, sizeof(*expected[t].doubt));
     }
-    ask_twin(test, expected);
+    find_expected(test, expected);
     size_t doubtful = 0;
     for (int t = 0; t < 2; t++) {
         test_take(test, expected[t].target);
@@ -360,7 +358,7 @@ static void move_at_random(struct neph_gpu_view *view, double much, uint64_t *se
 }
 
 /* Any camera, any settings. A still one is compared without any doubt. */
-static void test_values_are_the_twin_s(void **state)
+static void test_values_equal_the_cpu_reference(void **state)
 {
     uint64_t seed = 13;
     size_t doubtful = 0, total = 0;
@@ -371,7 +369,7 @@ static void test_values_are_the_twin_s(void **state)
             if (i % 4 == 0)
                 settings.values[RT_SOLID_MOTION] = settings.values[RT_WIND] = 0;
             uint64_t start = neph_test_random(&seed);
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_at_random(*state, &settings, sizes_px[s], start, &test);
             uint64_t random = start;
             if (i % 8 == 4 || i % 8 == 6)
@@ -383,7 +381,6 @@ static void test_values_are_the_twin_s(void **state)
             doubtful += compare_values(&test, start);
             total += reconstruct_threads(&test);
             resting += neph_rt_view_rests(&test.view) && test.device.kind == NEPH_RT_GPU;
-            test_passes_close(&test);
         }
     assert_true(resting >= 4);
     if (doubtful * 1000 > total)
@@ -398,11 +395,11 @@ static void put_ray(struct test_passes *test, int x, int y, double depth_m, doub
                     double transmittance)
 {
     float tile[4];
-    twin_fetch_tile(&test->twin, RT_TILE, x, y, tile);
+    cpu_fetch_tile(&test->cpu, RT_TILE, x, y, tile);
     tile[1] = (float)(depth_m * 1e-4);
-    twin_put_tile(&test->twin, RT_TILE, x, y, tile);
+    cpu_put_tile(&test->cpu, RT_TILE, x, y, tile);
     const float value[4] = {(float)light, (float)light, (float)light, (float)transmittance};
-    twin_put_tile(&test->twin, RT_RAY, x, y, value);
+    cpu_put_tile(&test->cpu, RT_RAY, x, y, value);
 }
 
 static double light_at(const struct test_passes *test, int x, int y)
@@ -427,7 +424,7 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
     static const double ridges_m[] = {9000, 14900, 15100, 39000, 41000};
     static const double unlimited[] = {1, 1, 2, 2, 1};
     for (int limited = 0; limited < 2; limited++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 20, 4, &test,
                          "sky_m=20000 ray_depth_max_m=10000 clamp_pixel_depth=%s",
                          limited ? "on" : "off");
@@ -439,13 +436,12 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
                 put_ray(&test, x, 0, 50, 0, 1);
             put_ray(&test, 1, 0, fmin(ridges_m[i], 10000), 1, 1);
             put_ray(&test, 2, 0, 20000, 2, 1);
-            twin_put_half(&test.twin, RT_HALF_DEPTH, skipped[0], skipped[1],
-                          (float[4]){(float)ridges_m[i]});
+            cpu_put_half(&test.cpu, RT_HALF_DEPTH, skipped[0], skipped[1],
+                         (float[4]){(float)ridges_m[i]});
             reconstruct_run(&test);
             neph_assert_close(light_at(&test, skipped[0], skipped[1]), limited ? 1.0 : unlimited[i],
                               0, 0);
         }
-        test_passes_close(&test);
     }
 }
 
@@ -470,7 +466,7 @@ static void test_a_box_of_one_ray_erases_history(void **state)
         {"history_weight=0.5", 1000, 3.75},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 12, 12, &test, "%s", cases[i].assignments);
         static const int order[9][2] = {{1, 1}, {2, 1}, {0, 1}, {1, 2}, {1, 0},
                                         {2, 2}, {0, 2}, {2, 0}, {0, 0}};
@@ -483,7 +479,6 @@ static void test_a_box_of_one_ray_erases_history(void **state)
         int skipped[2];
         skipped_half_pixel(&test, 1, 1, skipped);
         neph_assert_close(light_at(&test, skipped[0], skipped[1]), cases[i].expected, 0, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -495,7 +490,7 @@ static void test_variance_box(void **state)
         double history, expected;
     } cases[] = {{100, 5.0 + 2.581988897471611}, {6, 6}, {0, 1}};
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 12, 12, &test, "box=variance target_format=float");
         for (int ray = 0; ray < 9; ray++)
             put_ray(&test, ray % 3, ray / 3, 100, ray == 4 ? 1 : ray < 4 ? ray + 2 : ray + 1, 1);
@@ -505,7 +500,6 @@ static void test_variance_box(void **state)
         int skipped[2];
         skipped_half_pixel(&test, 1, 1, skipped);
         neph_assert_close(light_at(&test, skipped[0], skipped[1]), cases[i].expected, 1e-6, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -518,7 +512,7 @@ static void test_spaces_keep_light_sound(void **state)
 {
     uint64_t seed = 21;
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 64, 36, &test, "%s", spaces[i]);
         for (size_t t = 0; t < test_elements(&test, RT_RAY); t++) {
             float value[4] = {0, 0, 0, 0.5f};
@@ -535,9 +529,8 @@ static void test_spaces_keep_light_sound(void **state)
         for (size_t t = 0; t < test_elements(&test, RT_HISTORY); t++) {
             float value[4];
             test_get(&test, RT_HISTORY, t, value);
-            assert_true(twin_is_sound(value));
+            assert_true(cpu_is_sound(value));
         }
-        test_passes_close(&test);
     }
 }
 
@@ -547,7 +540,7 @@ static void test_spaces_keep_light_sound(void **state)
 static void test_no_corner_of_the_box_is_a_firefly(void **state)
 {
     static const float rays[2][4] = {{3.48f, 2.436f, 0, 1}, {3.458f, 0, 23.86f, 1}};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     reconstruct_open(*state, 64, 36, &test,
                      "box_space=reinhard fresh_weight=0 target_format=float");
     for (size_t t = 0; t < test_elements(&test, RT_RAY); t++)
@@ -557,12 +550,11 @@ static void test_no_corner_of_the_box_is_a_firefly(void **state)
     const double brightest = 0.7152 * 70 + 0.0722 * 690;
     for (int x = 2; x < 30; x++) {
         float value[4];
-        twin_fetch_half(&test.twin, RT_HISTORY, x, 9, value);
+        cpu_fetch_half(&test.cpu, RT_HISTORY, x, 9, value);
         const double luminance = 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2];
         assert_true(value[0] > 50.0f);
         assert_true(luminance < 1.3 * (1.0 + brightest));
     }
-    test_passes_close(&test);
 }
 
 /* The way there and back rounds nothing that is in the box of black, white and three colours. */
@@ -571,7 +563,7 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
     static const float corners[5][4] = {
         {0, 0, 0, 0}, {50, 0, 0, 0}, {0, 50, 0, 0}, {0, 0, 50, 0}, {50, 50, 50, 1}};
     for (int i = 0; i < 3; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 64, 36, &test, "%s", spaces[i]);
         for (size_t t = 0; t < test_elements(&test, RT_RAY); t++)
             test_set(&test, RT_RAY, t, corners[t % 5]); /* all five among 3x3 of 16 in a row */
@@ -579,11 +571,10 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
         reconstruct_run(&test);
         for (int x = 2; x < 30; x++) {
             float before[4], value[4];
-            twin_fetch_half(&test.twin, RT_HISTORY_BEFORE, x, 9, before);
-            twin_fetch_half(&test.twin, RT_HISTORY, x, 9, value);
+            cpu_fetch_half(&test.cpu, RT_HISTORY_BEFORE, x, 9, before);
+            cpu_fetch_half(&test.cpu, RT_HISTORY, x, 9, value);
             assert_memory_equal(value, before, sizeof(value));
         }
-        test_passes_close(&test);
     }
 }
 
@@ -592,7 +583,7 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
 static void test_the_last_cut_tiles(void **state)
 {
     for (int dropped = 0; dropped < 2; dropped++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, 41, 23, &test, "edge_tiles=%s", dropped ? "dropped" : "kept");
         test.view.has_history = 0;
         for (int i = 0; i < 11 * 6; i++)
@@ -605,7 +596,6 @@ static void test_the_last_cut_tiles(void **state)
         neph_assert_close(light_at(&test, skipped[0], skipped[1]), 2.5, 0, 0);
         skipped_half_pixel(&test, 4, 4, skipped);
         neph_assert_close(light_at(&test, skipped[0], skipped[1]), dropped ? 4.5 : 5.5, 0, 0);
-        test_passes_close(&test);
     }
 }
 
@@ -628,15 +618,15 @@ static void test_where_gathered_depths_drift(void **state)
         {"gather=normalised target_format=float", 644, 159},
     };
     for (int i = 0; i < 5; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         reconstruct_open(*state, cases[i].width_px, 4, &test, "%s", cases[i].assignments);
         test.view.has_history = 0;
         for (int x = 0; x < 161; x++)
             put_ray(&test, x, 0, 100 + x, x, 1);
         for (int x = 0; x < 160; x++)
             for (int k = 0; k < 4; k++)
-                twin_put_half(&test.twin, RT_HALF_DEPTH, 2 * x + k % 2, k / 2,
-                              (float[4]){101.0f + (float)x});
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH, 2 * x + k % 2, k / 2,
+                             (float[4]){101.0f + (float)x});
         reconstruct_run(&test);
         for (int x = 0; x < 159; x++) {
             int skipped[2];
@@ -644,14 +634,7 @@ static void test_where_gathered_depths_drift(void **state)
             const double expected = x < cases[i].first_wrong ? x + 1 : x;
             neph_assert_close(light_at(&test, skipped[0], skipped[1]), expected, 0, 0);
         }
-        test_passes_close(&test);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_reconstruct.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What the tests of the reconstruction share: a few frames of it on the device, whose results come
- * back into the twin's memory to be looked at.
+ * back into the CPU reference's memory to be looked at.
  */
 #ifndef NEPH_TESTS_RECONSTRUCT_TEST_H
 #define NEPH_TESTS_RECONSTRUCT_TEST_H
@@ -27,7 +27,7 @@ reconstruct_open(struct neph_vulkan *vulkan, int width, int height, struct test_
     test_fill(test, RT_RAY_DISTANCE, 100, 0, 0, 0);
     test_fill(test, RT_HISTORY_BEFORE, 0, 0, 0, 1);
     test_fill(test, RT_HISTORY_STATE_BEFORE, 1, 100, 0, 0);
-    twin_tile_index(&test->twin);
+    cpu_tile_index(&test->cpu);
 }
 
 static inline size_t reconstruct_threads(const struct test_passes *test)
@@ -47,11 +47,11 @@ static inline void reconstruct_next_frame(struct test_passes *test)
 {
     test_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);
     test_swap(test, RT_HISTORY_STATE, RT_HISTORY_STATE_BEFORE);
-    memcpy(test->twin.targets[RT_HALF_DEPTH_BEFORE], test->twin.targets[RT_HALF_DEPTH],
+    memcpy(test->cpu.targets[RT_HALF_DEPTH_BEFORE], test->cpu.targets[RT_HALF_DEPTH],
            neph_rt_device_words(&test->device, RT_HALF_DEPTH) * sizeof(uint32_t));
     test->view.has_history = 1;
     test->view.frame++;
-    twin_tile_index(&test->twin);
+    cpu_tile_index(&test->cpu);
 }
 
 /* The half-resolution texel that a tile marches. */
@@ -59,8 +59,8 @@ static inline void reconstruct_marched(const struct test_passes *test, int tile_
                                        int half_pixel[2])
 {
     float tile[4];
-    twin_fetch_tile(&test->twin, RT_TILE, tile_x, tile_y, tile);
-    const int *place = twin_slot_place(&test->view, (int)tile[0]);
+    cpu_fetch_tile(&test->cpu, RT_TILE, tile_x, tile_y, tile);
+    const int *place = cpu_slot_place(&test->view, (int)tile[0]);
     half_pixel[0] = 2 * tile_x + place[0];
     half_pixel[1] = 2 * tile_y + place[1];
 }
@@ -77,7 +77,7 @@ static inline double half_value(const struct test_passes *test, int target, int 
                                 int channel)
 {
     float value[4];
-    twin_fetch_half(&test->twin, target, x, y, value);
+    cpu_fetch_half(&test->cpu, target, x, y, value);
     return value[channel];
 }
 

@@ -28,14 +28,14 @@ struct history {
     double motion_px;
 };
 
-static float setting(const struct twin *twin, int index)
+static float setting(const struct reference *cpu, int index)
 {
-    return twin->view->settings[index];
+    return cpu->view->settings[index];
 }
 
-static int choice(const struct twin *twin, int index)
+static int choice(const struct reference *cpu, int index)
 {
-    return (int)twin->view->settings[index];
+    return (int)cpu->view->settings[index];
 }
 
 static int held_int(int value, int low, int high)
@@ -102,20 +102,20 @@ static const int around[RAYS][2] = {{0, 0}, {1, 0},  {-1, 0}, {0, 1},  {0, -1},
                                     {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
 
 /* Tile of a neighbour along one axis. */
-static int neighbour(const struct twin *twin, int axis, int tile, int offset)
+static int neighbour(const struct reference *cpu, int axis, int tile, int offset)
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     int last = (int)view->tile_count[axis] - 1;
-    if (choice(twin, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
+    if (choice(cpu, RT_EDGE_TILES) == RT_EDGE_TILES_DROPPED)
         last = view->size_px[axis] < 4 ? 0 : (int)view->size_px[axis] / 4 - 1;
     return held_int(tile + offset, 0, last);
 }
 
 /* Texel along one axis of a 2x2 gather about the tile's upper left corner (0) or lower right one
  * (1). */
-static int gathered(const struct twin *twin, int axis, int tile, int offset, int corner)
+static int gathered(const struct reference *cpu, int axis, int tile, int offset, int corner)
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     const struct neph_gpu_target *full = &view->targets[RT_DEPTH];
     const struct neph_gpu_target *quarter = &view->targets[RT_TILE];
     const uint32_t size = axis == 0 ? full->width : full->height;
@@ -127,52 +127,52 @@ static int gathered(const struct twin *twin, int axis, int tile, int offset, int
     return held_int(beyond - corner + offset, 0, size_quarter - 1);
 }
 
-static float ray_depth_m(const struct twin *twin, int tile_x, int tile_y, int i,
+static float ray_depth_m(const struct reference *cpu, int tile_x, int tile_y, int i,
                          const struct ray *ray)
 {
     const int *offset = around[i];
     float tile[4];
-    if (choice(twin, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
+    if (choice(cpu, RT_GATHER) == RT_GATHER_NORMALISED && offset[0] + offset[1] != 0) {
         const int corner = offset[0] + offset[1] > 0;
-        twin_fetch(twin, RT_TILE, gathered(twin, 0, tile_x, offset[0], corner),
-                   gathered(twin, 1, tile_y, offset[1], corner), tile);
+        cpu_fetch(cpu, RT_TILE, gathered(cpu, 0, tile_x, offset[0], corner),
+                  gathered(cpu, 1, tile_y, offset[1], corner), tile);
     } else {
-        twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
+        cpu_fetch_tile(cpu, RT_TILE, ray->tile_x, ray->tile_y, tile);
     }
-    return TWIN_TILE_UNIT_M * tile[1];
+    return CPU_TILE_UNIT_M * tile[1];
 }
 
 /* The half-resolution texel that a tile's ray goes through, and its depth [m]. */
-static float marched_depth_m(const struct twin *twin, const struct ray *ray, int half_pixel[2])
+static float marched_depth_m(const struct reference *cpu, const struct ray *ray, int half_pixel[2])
 {
     float tile[4], depth[4];
-    twin_fetch_tile(twin, RT_TILE, ray->tile_x, ray->tile_y, tile);
-    const int *offset = twin_slot_place(twin->view, (int)tile[0]);
-    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0, (int)twin->view->half_size_px[0] - 1);
-    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0, (int)twin->view->half_size_px[1] - 1);
-    twin_fetch_half(twin, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
+    cpu_fetch_tile(cpu, RT_TILE, ray->tile_x, ray->tile_y, tile);
+    const int *offset = cpu_slot_place(cpu->view, (int)tile[0]);
+    half_pixel[0] = held_int(2 * ray->tile_x + offset[0], 0, (int)cpu->view->half_size_px[0] - 1);
+    half_pixel[1] = held_int(2 * ray->tile_y + offset[1], 0, (int)cpu->view->half_size_px[1] - 1);
+    cpu_fetch_half(cpu, RT_HALF_DEPTH, half_pixel[0], half_pixel[1], depth);
     return depth[0];
 }
 
-static void load_rays(const struct twin *twin, int tile_x, int tile_y, struct ray rays[RAYS])
+static void load_rays(const struct reference *cpu, int tile_x, int tile_y, struct ray rays[RAYS])
 {
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
-        ray->tile_x = i == 0 ? tile_x : neighbour(twin, 0, tile_x, around[i][0]);
-        ray->tile_y = i == 0 ? tile_y : neighbour(twin, 1, tile_y, around[i][1]);
-        twin_fetch_tile(twin, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
-        ray->depth_m = ray_depth_m(twin, tile_x, tile_y, i, ray);
-        ray->is_usable = choice(twin, RT_VALIDITY) == 0 || twin_is_sound(ray->value);
-        ray->is_sky = is_sky(marched_depth_m(twin, ray, (int[2]){0, 0}));
+        ray->tile_x = i == 0 ? tile_x : neighbour(cpu, 0, tile_x, around[i][0]);
+        ray->tile_y = i == 0 ? tile_y : neighbour(cpu, 1, tile_y, around[i][1]);
+        cpu_fetch_tile(cpu, RT_RAY, ray->tile_x, ray->tile_y, ray->value);
+        ray->depth_m = ray_depth_m(cpu, tile_x, tile_y, i, ray);
+        ray->is_usable = choice(cpu, RT_VALIDITY) == 0 || cpu_is_sound(ray->value);
+        ray->is_sky = is_sky(marched_depth_m(cpu, ray, (int[2]){0, 0}));
     }
 }
 
 /* The ray nearest in depth of those from `asked` on; NULL if none can be used. */
-static const struct ray *nearest_ray(const struct twin *twin, const struct ray rays[RAYS],
+static const struct ray *nearest_ray(const struct reference *cpu, const struct ray rays[RAYS],
                                      int asked, float own_m)
 {
-    const bool is_limited = choice(twin, RT_CLAMP_PIXEL_DEPTH) != 0;
-    float least_m = is_limited ? NEPH_GPU_FAR_M : setting(twin, RT_SKY_M);
+    const bool is_limited = choice(cpu, RT_CLAMP_PIXEL_DEPTH) != 0;
+    float least_m = is_limited ? NEPH_GPU_FAR_M : setting(cpu, RT_SKY_M);
     const struct ray *first = NULL, *nearest = NULL;
     for (int i = asked; i < RAYS; i++) {
         if (!rays[i].is_usable)
@@ -240,24 +240,24 @@ static void from_space(int space, const double seen[4], double brightest, double
     }
 }
 
-static bool is_alike(const struct twin *twin, float transmittance, float other)
+static bool is_alike(const struct reference *cpu, float transmittance, float other)
 {
     const float opacity = 1.0f - fmaxf(transmittance, other);
-    const bool of_opacity = choice(twin, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const bool of_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
     const float unit = of_opacity ? fmaxf(opacity, 1e-6f) : 1.0f;
-    return fabsf(transmittance - other) < setting(twin, RT_BOX_TRANSMITTANCE) * unit;
+    return fabsf(transmittance - other) < setting(cpu, RT_BOX_TRANSMITTANCE) * unit;
 }
 
-static void choose_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
-                        float own_m, bool own_is_sky)
+static void choose_rays(const struct reference *cpu, struct ray rays[RAYS],
+                        const struct ray *nearest, float own_m, bool own_is_sky)
 {
     for (int i = 0; i < RAYS; i++) {
         struct ray *ray = &rays[i];
         const bool belongs = fabsf(own_m - ray->depth_m) <
-                                 setting(twin, RT_BOX_DEPTH) * ray->depth_m ||
-                             is_alike(twin, ray->value[3], nearest->value[3]);
-        const bool is_asked = (i > 0 || choice(twin, RT_BOX_CENTRE) != 0) &&
-                              (!choice(twin, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
+                                 setting(cpu, RT_BOX_DEPTH) * ray->depth_m ||
+                             is_alike(cpu, ray->value[3], nearest->value[3]);
+        const bool is_asked = (i > 0 || choice(cpu, RT_BOX_CENTRE) != 0) &&
+                              (!choice(cpu, RT_BOX_SAME_KIND) || ray->is_sky == own_is_sky);
         ray->is_in_box = ray == nearest || (ray->is_usable && is_asked && belongs);
     }
 }
@@ -303,20 +303,20 @@ static void clip(const struct box *box, const double seen[4], double limited[4])
     }
 }
 
-static void clamp_to_rays(const struct twin *twin, struct ray rays[RAYS], const struct ray *nearest,
-                          float own_m, bool own_is_sky, double value[4])
+static void clamp_to_rays(const struct reference *cpu, struct ray rays[RAYS],
+                          const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
 {
-    if (choice(twin, RT_BOX) == RT_BOX_NONE)
+    if (choice(cpu, RT_BOX) == RT_BOX_NONE)
         return;
-    const int space = choice(twin, RT_BOX_SPACE);
+    const int space = choice(cpu, RT_BOX_SPACE);
     struct box box;
     double seen[4], limited[4];
     ray_in_space(nearest, space, box.low);
     memcpy(box.high, box.low, sizeof(box.high));
-    choose_rays(twin, rays, nearest, own_m, own_is_sky);
-    if (choice(twin, RT_BOX) == RT_BOX_VARIANCE)
+    choose_rays(cpu, rays, nearest, own_m, own_is_sky);
+    if (choice(cpu, RT_BOX) == RT_BOX_VARIANCE)
         extend_by_variance(&box, rays, space);
-    for (int i = 0; i < RAYS && choice(twin, RT_BOX) == RT_BOX_MIN_MAX; i++) {
+    for (int i = 0; i < RAYS && choice(cpu, RT_BOX) == RT_BOX_MIN_MAX; i++) {
         ray_in_space(&rays[i], space, seen);
         if (rays[i].is_in_box)
             extend(&box, seen);
@@ -327,7 +327,7 @@ static void clamp_to_rays(const struct twin *twin, struct ray rays[RAYS], const 
     value[3] = limited[3];
     if (!memcmp(limited, seen, 3 * sizeof(*seen)))
         return;
-    if (choice(twin, RT_BOX_HOLD) == RT_HOLD_CLIP)
+    if (choice(cpu, RT_BOX_HOLD) == RT_HOLD_CLIP)
         clip(&box, seen, limited);
     const double first[3] = {nearest->value[0], nearest->value[1], nearest->value[2]};
     from_space(space, limited, fmax(luminance(value), luminance(first)), value);
@@ -335,20 +335,20 @@ static void clamp_to_rays(const struct twin *twin, struct ray rays[RAYS], const 
 
 /* --- history --------------------------------------------------------------------------------- */
 
-static struct history history_at(const struct twin *twin, int x, int y)
+static struct history history_at(const struct reference *cpu, int x, int y)
 {
     float value[4], state[4];
-    twin_fetch_half(twin, RT_HISTORY_BEFORE, x, y, value);
-    twin_fetch_half(twin, RT_HISTORY_STATE_BEFORE, x, y, state);
+    cpu_fetch_half(cpu, RT_HISTORY_BEFORE, x, y, value);
+    cpu_fetch_half(cpu, RT_HISTORY_STATE_BEFORE, x, y, state);
     const bool has_age = isfinite(state[0]) && state[0] > 0.0f;
     struct history history = {.age = has_age ? state[0] : 0.0f};
-    history.is_invalid = choice(twin, RT_VALIDITY) != 0 && !(has_age && twin_is_sound(value));
+    history.is_invalid = choice(cpu, RT_VALIDITY) != 0 && !(has_age && cpu_is_sound(value));
     for (int c = 0; c < 4; c++)
         history.value[c] = value[c];
     return history;
 }
 
-static struct history history_about(const struct twin *twin, const double place_px[2])
+static struct history history_about(const struct reference *cpu, const double place_px[2])
 {
     const double place[2] = {0.5 * place_px[0] - 0.5, 0.5 * place_px[1] - 0.5};
     const int base[2] = {(int)floor(place[0]), (int)floor(place[1])};
@@ -359,7 +359,7 @@ static struct history history_about(const struct twin *twin, const double place_
     for (int i = 0; i < 4; i++) {
         const double x = place[0] - base[0], y = place[1] - base[1];
         const double weight = (i % 2 ? x : 1.0 - x) * (i / 2 ? y : 1.0 - y);
-        const struct history tap = history_at(twin, base[0] + i % 2, base[1] + i / 2);
+        const struct history tap = history_at(cpu, base[0] + i % 2, base[1] + i / 2);
         if (weight == 0.0 || tap.is_invalid)
             continue;
         history.is_invalid = false;
@@ -376,25 +376,25 @@ static struct history history_about(const struct twin *twin, const double place_
     return history;
 }
 
-static double followed_jitter_px(const struct twin *twin, const float jitter_px[2], int axis)
+static double followed_jitter_px(const struct reference *cpu, const float jitter_px[2], int axis)
 {
-    const bool is_followed = choice(twin, RT_REPROJECT_JITTER) && choice(twin, RT_JITTERED_DEPTH);
+    const bool is_followed = choice(cpu, RT_REPROJECT_JITTER) && choice(cpu, RT_JITTERED_DEPTH);
     return is_followed ? jitter_px[axis] : 0.0;
 }
 
-static bool find_before(const struct twin *twin, const double place_px[2], double distance_m,
+static bool find_before(const struct reference *cpu, const double place_px[2], double distance_m,
                         double before_px[2])
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     double origin_m[3], direction[3], point_m[3], moved_m[3], now_px[2], seen_px[2];
     line_at(view, place_px, origin_m, direction);
-    if (choice(twin, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
+    if (choice(cpu, RT_REPROJECT_MEASURE) == RT_MEASURE_EYE)
         distance_m /= dot(direction, view->now.forward);
     if (view->now.is_parallel) /* all distances move alike */
         distance_m = 0.0;
     for (int i = 0; i < 3; i++) {
         point_m[i] = origin_m[i] + distance_m * direction[i];
-        moved_m[i] = point_m[i] - (choice(twin, RT_WIND) ? view->wind_m[i] : 0.0);
+        moved_m[i] = point_m[i] - (choice(cpu, RT_WIND) ? view->wind_m[i] : 0.0);
     }
     project(view, &view->now, point_m, now_px);
     const double depth_m = project(view, &view->before, moved_m, seen_px);
@@ -402,22 +402,22 @@ static bool find_before(const struct twin *twin, const double place_px[2], doubl
     for (int axis = 0; axis < 2; axis++) {
         /* exactly the place at rest */
         before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
-                          followed_jitter_px(twin, view->jitter_before_px, axis);
+                          followed_jitter_px(cpu, view->jitter_before_px, axis);
         is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
     }
     return is_seen;
 }
 
-static bool is_same_depth(const struct twin *twin, double expected_m, double before_m)
+static bool is_same_depth(const struct reference *cpu, double expected_m, double before_m)
 {
-    return !(fabs(expected_m - before_m) >= setting(twin, RT_REJECT_DEPTH) * expected_m);
+    return !(fabs(expected_m - before_m) >= setting(cpu, RT_REJECT_DEPTH) * expected_m);
 }
 
-static bool is_same_scene(const struct twin *twin, const double place_px[2],
+static bool is_same_scene(const struct reference *cpu, const double place_px[2],
                           const double before_px[2], float depth_m)
 {
-    const struct neph_gpu_view *view = twin->view;
-    double expected_m = setting(twin, RT_SKY_M);
+    const struct neph_gpu_view *view = cpu->view;
+    double expected_m = setting(cpu, RT_SKY_M);
     if (!is_sky(depth_m)) {
         double origin_m[3], direction[3], point_m[3], unused_px[2];
         line_at(view, place_px, origin_m, direction);
@@ -428,38 +428,38 @@ static bool is_same_scene(const struct twin *twin, const double place_px[2],
     }
     const int x = (int)floor(before_px[0] / 2), y = (int)floor(before_px[1] / 2);
     const double way_px = hypot(before_px[0] - place_px[0], before_px[1] - place_px[1]);
-    const bool is_around = choice(twin, RT_REJECT_AROUND) == RT_AROUND_ON ||
-                           (choice(twin, RT_REJECT_AROUND) == RT_AROUND_MOVED && way_px >= 0.125);
+    const bool is_around = choice(cpu, RT_REJECT_AROUND) == RT_AROUND_ON ||
+                           (choice(cpu, RT_REJECT_AROUND) == RT_AROUND_MOVED && way_px >= 0.125);
     bool found = false;
     for (int i = 0; i < 9; i++) {
         if (i != 4 && !is_around)
             continue;
         float before[4];
-        twin_fetch_half(twin, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
-        const double before_m = is_sky(before[0]) ? setting(twin, RT_SKY_M) : before[0];
-        found = found || is_same_depth(twin, expected_m, before_m);
+        cpu_fetch_half(cpu, RT_HALF_DEPTH_BEFORE, x + i % 3 - 1, y + i / 3 - 1, before);
+        const double before_m = is_sky(before[0]) ? setting(cpu, RT_SKY_M) : before[0];
+        found = found || is_same_depth(cpu, expected_m, before_m);
     }
     return found && expected_m > 0.0;
 }
 
-static struct history history_of(const struct twin *twin, int x, int y, float depth_m,
+static struct history history_of(const struct reference *cpu, int x, int y, float depth_m,
                                  float distance_m)
 {
-    const struct neph_gpu_view *view = twin->view;
+    const struct neph_gpu_view *view = cpu->view;
     const struct history none = {.is_invalid = true};
     const double centre_px[2] = {2.0 * x + 1.0, 2.0 * y + 1.0};
     double place_px[2], before_px[2];
     for (int axis = 0; axis < 2; axis++)
-        place_px[axis] = centre_px[axis] + followed_jitter_px(twin, view->jitter_px, axis);
-    if (choice(twin, RT_VALIDITY) && !view->has_history)
+        place_px[axis] = centre_px[axis] + followed_jitter_px(cpu, view->jitter_px, axis);
+    if (choice(cpu, RT_VALIDITY) && !view->has_history)
         return none;
-    if (choice(twin, RT_CUT_RESET) && view->is_cut)
+    if (choice(cpu, RT_CUT_RESET) && view->is_cut)
         return none;
-    if (!find_before(twin, place_px, known_distance_m(distance_m), before_px))
+    if (!find_before(cpu, place_px, known_distance_m(distance_m), before_px))
         return none;
-    if (setting(twin, RT_REJECT_DEPTH) > 0.0f && !is_same_scene(twin, place_px, before_px, depth_m))
+    if (setting(cpu, RT_REJECT_DEPTH) > 0.0f && !is_same_scene(cpu, place_px, before_px, depth_m))
         return (struct history){.is_invalid = true, .is_rejected = true};
-    struct history history = history_about(twin, before_px);
+    struct history history = history_about(cpu, before_px);
     history.motion_px = hypot(before_px[0] - centre_px[0], before_px[1] - centre_px[1]);
     return history;
 }
@@ -477,13 +477,13 @@ static double beyond(double value, double least)
 }
 
 /* What a ray sees now against the history of the texel it went through. */
-static double change_at_ray(const struct twin *twin, const struct ray *ray)
+static double change_at_ray(const struct reference *cpu, const struct ray *ray)
 {
     float distance[4];
     int at[2];
-    twin_fetch_tile(twin, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
-    const float depth_m = marched_depth_m(twin, ray, at);
-    const struct history then = history_of(twin, at[0], at[1], depth_m, distance[0]);
+    cpu_fetch_tile(cpu, RT_RAY_DISTANCE, ray->tile_x, ray->tile_y, distance);
+    const float depth_m = marched_depth_m(cpu, ray, at);
+    const struct history then = history_of(cpu, at[0], at[1], depth_m, distance[0]);
     if (then.is_invalid)
         return 1.0;
     const double now = luminance((double[3]){ray->value[0], ray->value[1], ray->value[2]});
@@ -492,24 +492,24 @@ static double change_at_ray(const struct twin *twin, const struct ray *ray)
 }
 
 /* At the half-resolution texel (x, y). */
-static double clamp_share(const struct twin *twin, int x, int y, double motion_px,
+static double clamp_share(const struct reference *cpu, int x, int y, double motion_px,
                           const struct ray *nearest)
 {
-    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    const double moved = beyond(motion_px, setting(cpu, RT_BOX_MOTION_PX));
     float found[4];
-    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
-    const double change = choice(twin, RT_GRADIENT) ? found[3] : change_at_ray(twin, nearest);
-    return fmax(moved, beyond(change, setting(twin, RT_BOX_CHANGE)));
+    cpu_fetch_tile(cpu, RT_CHANGE, x / 2, y / 2, found);
+    const double change = choice(cpu, RT_GRADIENT) ? found[3] : change_at_ray(cpu, nearest);
+    return fmax(moved, beyond(change, setting(cpu, RT_BOX_CHANGE)));
 }
 
 /* In float32: ages are kept in halves and compared as they are. */
-static float age_after_change(const struct twin *twin, int x, int y, bool is_fresh, float age)
+static float age_after_change(const struct reference *cpu, int x, int y, bool is_fresh, float age)
 {
-    const float least = setting(twin, RT_BOX_CHANGE);
+    const float least = setting(cpu, RT_BOX_CHANGE);
     float found[4];
-    if (!choice(twin, RT_GRADIENT))
+    if (!choice(cpu, RT_GRADIENT))
         return age;
-    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, found);
+    cpu_fetch_tile(cpu, RT_CHANGE, x / 2, y / 2, found);
     const float change = found[3];
     const float changed = least > 0.0f ? fminf(fmaxf(change / least - 1.0f, 0.0f), 1.0f) : 1.0f;
     age *= 1.0f - changed;
@@ -519,33 +519,33 @@ static float age_after_change(const struct twin *twin, int x, int y, bool is_fre
 }
 
 /* What rests has the light of this frame. */
-static void relight(const struct twin *twin, int x, int y, double motion_px, double value[4])
+static void relight(const struct reference *cpu, int x, int y, double motion_px, double value[4])
 {
-    const double moved = beyond(motion_px, setting(twin, RT_BOX_MOTION_PX));
+    const double moved = beyond(motion_px, setting(cpu, RT_BOX_MOTION_PX));
     float change[4];
-    if (!choice(twin, RT_GRADIENT) || setting(twin, RT_RELIGHT) == 0.0f)
+    if (!choice(cpu, RT_GRADIENT) || setting(cpu, RT_RELIGHT) == 0.0f)
         return;
-    twin_fetch_tile(twin, RT_CHANGE, x / 2, y / 2, change);
+    cpu_fetch_tile(cpu, RT_CHANGE, x / 2, y / 2, change);
     for (int c = 0; c < 3; c++)
         value[c] *= (1.0 - moved) * change[c] + moved;
 }
 
-static double kept(const struct twin *twin, double value)
+static double kept(const struct reference *cpu, double value)
 {
-    const bool is_limited = choice(twin, RT_VALIDITY) &&
-                            choice(twin, RT_TARGET_FORMAT) == RT_FORMAT_HALF;
-    return is_limited && value > TWIN_HALF_MAX ? TWIN_HALF_MAX : value;
+    const bool is_limited = choice(cpu, RT_VALIDITY) &&
+                            choice(cpu, RT_TARGET_FORMAT) == RT_FORMAT_HALF;
+    return is_limited && value > CPU_HALF_MAX ? CPU_HALF_MAX : value;
 }
 
-static void put_result(const struct twin *twin, int x, int y, const double value[4], float age,
+static void put_result(const struct reference *cpu, int x, int y, const double value[4], float age,
                        double distance_m)
 {
     float rounded[4];
     for (int c = 0; c < 4; c++)
-        rounded[c] = (float)kept(twin, value[c]);
-    twin_put_half(twin, RT_HISTORY, x, y, rounded);
-    const float state[4] = {age, (float)kept(twin, distance_m)};
-    twin_put_half(twin, RT_HISTORY_STATE, x, y, state);
+        rounded[c] = (float)kept(cpu, value[c]);
+    cpu_put_half(cpu, RT_HISTORY, x, y, rounded);
+    const float state[4] = {age, (float)kept(cpu, distance_m)};
+    cpu_put_half(cpu, RT_HISTORY_STATE, x, y, state);
 }
 
 /* A ray's place from the texel's own, in tiles along one axis. */
@@ -554,20 +554,21 @@ static double way(int half_pixel, int ray_tile_offset)
     return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);
 }
 
-static double ray_weight(const struct twin *twin, int kind, const struct ray *ray,
+static double ray_weight(const struct reference *cpu, int kind, const struct ray *ray,
                          const double ways[2], float own_m)
 {
     if (kind == RT_FALLBACK_BILINEAR)
         return fmax(1.0 - fabs(ways[0]), 0.0) * fmax(1.0 - fabs(ways[1]), 0.0);
     const double difference_m = fabsf(own_m - ray->depth_m);
     return exp(-ways[0] * ways[0] - ways[1] * ways[1]) /
-           (difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M));
+           (difference_m + setting(cpu, RT_UPSCALE_TOLERANCE_M));
 }
 
-static void fallback(const struct twin *twin, int kind, int x, int y, const struct ray rays[RAYS],
-                     const struct ray *nearest, float own_m, bool own_is_sky, double value[4])
+static void fallback(const struct reference *cpu, int kind, int x, int y,
+                     const struct ray rays[RAYS], const struct ray *nearest, float own_m,
+                     bool own_is_sky, double value[4])
 {
-    const struct ray *taken = nearest, *around_it = nearest_ray(twin, rays, 1, own_m);
+    const struct ray *taken = nearest, *around_it = nearest_ray(cpu, rays, 1, own_m);
     if (kind == RT_FALLBACK_AROUND && around_it)
         taken = around_it;
     if (kind == RT_FALLBACK_TILE && rays[0].is_usable)
@@ -576,7 +577,7 @@ static void fallback(const struct twin *twin, int kind, int x, int y, const stru
     const bool is_mean = kind == RT_FALLBACK_BILINEAR || kind == RT_FALLBACK_BILATERAL;
     for (int i = 0; i < RAYS && is_mean; i++) {
         const double ways[2] = {way(x, around[i][0]), way(y, around[i][1])};
-        const double weight = ray_weight(twin, kind, &rays[i], ways, own_m);
+        const double weight = ray_weight(cpu, kind, &rays[i], ways, own_m);
         const bool is_foreign = kind == RT_FALLBACK_BILATERAL && rays[i].is_sky != own_is_sky;
         if (!rays[i].is_usable || is_foreign || weight == 0.0)
             continue;
@@ -589,18 +590,18 @@ static void fallback(const struct twin *twin, int kind, int x, int y, const stru
 }
 
 /* Weight of a fresh ray. */
-static double fresh_weight(const struct twin *twin, double age, double part)
+static double fresh_weight(const struct reference *cpu, double age, double part)
 {
-    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
+    const double age_max = setting(cpu, RT_HISTORY_AGE_MAX);
     const double of_history = 1.0 - 1.0 / fmin(age, age_max);
-    return age_max > 0.0 ? 1.0 - part * setting(twin, RT_HISTORY_FADE) * of_history
-                         : setting(twin, RT_FRESH_WEIGHT);
+    return age_max > 0.0 ? 1.0 - part * setting(cpu, RT_HISTORY_FADE) * of_history
+                         : setting(cpu, RT_FRESH_WEIGHT);
 }
 
-static void blend_fresh(const struct twin *twin, const double history[4], const double ray[4],
+static void blend_fresh(const struct reference *cpu, const double history[4], const double ray[4],
                         double weight, double value[4])
 {
-    const int space = choice(twin, RT_FRESH_SPACE);
+    const int space = choice(cpu, RT_FRESH_SPACE);
     const bool is_direct = space == RT_SPACE_LINEAR || weight == 0.0 || weight == 1.0;
     double seen[2][4], mixed[4];
     to_space(is_direct ? RT_SPACE_LINEAR : space, history, seen[0]);
@@ -611,64 +612,64 @@ static void blend_fresh(const struct twin *twin, const double history[4], const 
                value);
 }
 
-static void reconstruct(const struct twin *twin, int x, int y)
+static void reconstruct(const struct reference *cpu, int x, int y)
 {
     struct ray rays[RAYS];
     float depth[4], tile[4], distance[4];
-    load_rays(twin, x / 2, y / 2, rays);
-    twin_fetch_half(twin, RT_HALF_DEPTH, x, y, depth);
-    float own_m = is_sky(depth[0]) ? setting(twin, RT_SKY_M) : depth[0];
-    if (choice(twin, RT_CLAMP_PIXEL_DEPTH))
-        own_m = twin_stored_depth_m(twin->view, depth[0]);
-    const struct ray *nearest = nearest_ray(twin, rays, 0, own_m);
+    load_rays(cpu, x / 2, y / 2, rays);
+    cpu_fetch_half(cpu, RT_HALF_DEPTH, x, y, depth);
+    float own_m = is_sky(depth[0]) ? setting(cpu, RT_SKY_M) : depth[0];
+    if (choice(cpu, RT_CLAMP_PIXEL_DEPTH))
+        own_m = cpu_stored_depth_m(cpu->view, depth[0]);
+    const struct ray *nearest = nearest_ray(cpu, rays, 0, own_m);
     if (!nearest) {
-        put_result(twin, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_GPU_FAR_M);
+        put_result(cpu, x, y, (double[4]){0, 0, 0, 1}, 0.0f, NEPH_GPU_FAR_M);
         return;
     }
-    const bool of_tile = choice(twin, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
+    const bool of_tile = choice(cpu, RT_REPROJECT_DEPTH) == RT_REPROJECT_TILE && rays[0].is_usable;
     const struct ray *seen = of_tile ? &rays[0] : nearest;
-    twin_fetch_tile(twin, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
-    twin_fetch_tile(twin, RT_TILE, x / 2, y / 2, tile);
-    const bool is_fresh = rays[0].is_usable && (int)tile[0] == twin_slot_of(twin->view, x, y);
-    struct history history = history_of(twin, x, y, depth[0], distance[0]);
+    cpu_fetch_tile(cpu, RT_RAY_DISTANCE, seen->tile_x, seen->tile_y, distance);
+    cpu_fetch_tile(cpu, RT_TILE, x / 2, y / 2, tile);
+    const bool is_fresh = rays[0].is_usable && (int)tile[0] == cpu_slot_of(cpu->view, x, y);
+    struct history history = history_of(cpu, x, y, depth[0], distance[0]);
     double part = 1.0;
     if (!history.is_invalid) {
-        relight(twin, x, y, history.motion_px, history.value);
+        relight(cpu, x, y, history.motion_px, history.value);
         double clamped[4];
         memcpy(clamped, history.value, sizeof(clamped));
-        clamp_to_rays(twin, rays, nearest, own_m, is_sky(depth[0]), clamped);
-        const double share = clamp_share(twin, x, y, history.motion_px, nearest);
+        clamp_to_rays(cpu, rays, nearest, own_m, is_sky(depth[0]), clamped);
+        const double share = clamp_share(cpu, x, y, history.motion_px, nearest);
         if (memcmp(clamped, history.value, 3 * sizeof(*clamped)))
-            part = 1.0 - share * (1.0 - (double)setting(twin, RT_BOX_AGE));
+            part = 1.0 - share * (1.0 - (double)setting(cpu, RT_BOX_AGE));
         for (int c = 0; c < 4; c++)
             history.value[c] = blend(history.value[c], clamped[c], share);
-        history.age = age_after_change(twin, x, y, is_fresh, history.age);
+        history.age = age_after_change(cpu, x, y, is_fresh, history.age);
     }
 
-    const double age_max = setting(twin, RT_HISTORY_AGE_MAX);
+    const double age_max = setting(cpu, RT_HISTORY_AGE_MAX);
     double age = history.is_invalid ? 1.0 : history.age, value[4], own[4];
     for (int c = 0; c < 4; c++)
         own[c] = is_fresh ? rays[0].value[c] : nearest->value[c];
     memcpy(value, own, sizeof(value));
     if (history.is_invalid && !is_fresh) {
-        const int kind = choice(twin, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
-        fallback(twin, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
+        const int kind = choice(cpu, history.is_rejected ? RT_FALLBACK_REJECTED : RT_FALLBACK);
+        fallback(cpu, kind, x, y, rays, nearest, own_m, is_sky(depth[0]), value);
     } else if (is_fresh && !history.is_invalid) {
         age = fmin(age + 1.0, 255.0);
-        blend_fresh(twin, history.value, own, fresh_weight(twin, age, part), value);
+        blend_fresh(cpu, history.value, own, fresh_weight(cpu, age, part), value);
     } else if (!history.is_invalid) {
         if (age_max > 0.0 && part < 1.0)
             age = fmax(part * fmin(age, age_max), 1.0);
         for (int c = 0; c < 4; c++)
             value[c] = blend(history.value[c], own[c],
-                             1.0 - (double)setting(twin, RT_HISTORY_WEIGHT));
+                             1.0 - (double)setting(cpu, RT_HISTORY_WEIGHT));
     }
-    put_result(twin, x, y, value, (float)age, known_distance_m(distance[0]));
+    put_result(cpu, x, y, value, (float)age, known_distance_m(distance[0]));
 }
 
-void twin_reconstruct(const struct twin *twin)
+void cpu_reconstruct(const struct reference *cpu)
 {
-    for (int y = 0; y < (int)twin->view->half_size_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->half_size_px[0]; x++)
-            reconstruct(twin, x, y);
+    for (int y = 0; y < (int)cpu->view->half_size_px[1]; y++)
+        for (int x = 0; x < (int)cpu->view->half_size_px[0]; x++)
+            reconstruct(cpu, x, y);
 }

@@ -40,7 +40,7 @@ void meet(Solid solid, uint s, inout SightLine line)
 // Few solids on a GPU are read once for both rays.
 void meet_solids(inout SightLine picture, inout SightLine steady)
 {
-    if (!ON_CPU && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
+    if (!ARE_KNOWN && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN) {
         [[unroll]] for (uint s = 0; s < KNOWN_SOLIDS; s++) {
             meet(solids[s], s, picture);
             if (choice(RT_JITTERED_DEPTH) == 0)

@@ -27,8 +27,7 @@ static double distance_round_the_circle(double a, double b)
 
 static double interleaved(int x_px, int y_px, uint32_t frame)
 {
-    return (double)twin_dither(&(struct twin_dither){0}, RT_DITHER_INTERLEAVED, x_px, y_px, frame,
-                               0);
+    return (double)cpu_dither(&(struct cpu_dither){0}, RT_DITHER_INTERLEAVED, x_px, y_px, frame, 0);
 }
 
 /* What steps of 2^-32 come to, and the last 8 bits that the value leaves out. */
@@ -86,11 +85,11 @@ static void test_interleaved_is_the_published_formula(void **state)
         const int y = (int)(neph_test_random(&seed) % 8192) - 256;
         const uint32_t frame = (uint32_t)(neph_test_random(&seed) % 1000),
                        channel = (uint32_t)i % 4;
-        const struct twin_dither dither = {0};
+        const struct cpu_dither dither = {0};
         double inner;
         const double expected = published(x, y, frame, channel, &inner);
-        const double value = (double)twin_dither(&dither, RT_DITHER_INTERLEAVED, x, y, frame,
-                                                 channel);
+        const double value = (double)cpu_dither(&dither, RT_DITHER_INTERLEAVED, x, y, frame,
+                                                channel);
         const double error = interleaved_error(x, y);
         if (distance_round_the_circle(inner, 0.0) < error / 53.0)
             left_out++;
@@ -132,9 +131,9 @@ static void test_white_values(void **state)
         {1919, 1079, 100, 7, 0x8954e262u},
     };
     for (size_t i = 0; i < COUNT(known); i++) {
-        const struct twin_dither dither = {.seed = known[i].seed};
-        const double value = (double)twin_dither(&dither, RT_DITHER_WHITE, known[i].x, known[i].y,
-                                                 known[i].frame, 0);
+        const struct cpu_dither dither = {.seed = known[i].seed};
+        const double value = (double)cpu_dither(&dither, RT_DITHER_WHITE, known[i].x, known[i].y,
+                                                known[i].frame, 0);
         assert_true(value == ((known[i].word >> 9) + 0.5) / 8388608.0);
     }
 }
@@ -150,19 +149,19 @@ static void test_white_is_white(void **state)
     } others[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0},
                   {0, 0, 0, 1}, {0, 0, 0, 2}, {0, 0, 0, 3}};
     enum { COUNT = 1 << 16, OTHERS = COUNT(others) };
-    const struct twin_dither dither = {.seed = 3};
+    const struct cpu_dither dither = {.seed = 3};
     double mean = 0.0, square = 0.0, products[OTHERS] = {0.0};
     for (int i = 0; i < COUNT; i++) {
         const int x = i % 64 - 32, y = i / 64 % 64 - 32;
         const uint32_t frame = (uint32_t)(i / 4096);
-        const double value = (double)twin_dither(&dither, RT_DITHER_WHITE, x, y, frame, 0) - 0.5;
+        const double value = (double)cpu_dither(&dither, RT_DITHER_WHITE, x, y, frame, 0) - 0.5;
         mean += value / COUNT;
         square += value * value / COUNT;
         for (size_t k = 0; k < OTHERS; k++)
             products[k] += value / COUNT *
-                           ((double)twin_dither(&dither, RT_DITHER_WHITE, x + others[k].x,
-                                                y + others[k].y, frame + others[k].frame,
-                                                others[k].channel) -
+                           ((double)cpu_dither(&dither, RT_DITHER_WHITE, x + others[k].x,
+                                               y + others[k].y, frame + others[k].frame,
+                                               others[k].channel) -
                             0.5);
     }
     neph_assert_close(mean, 0.0, 0.0, 5 * sqrt(1 / 12.0 / COUNT));
@@ -182,7 +181,7 @@ static void test_blue_goes_on_by_irrationals(void **state)
     const uint32_t frames[] = {0, 1, 2, 3, 1000, UINT32_MAX};
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     fill_ranks(ranks, 5);
-    const struct twin_dither dither = {.noise_ranks = ranks};
+    const struct cpu_dither dither = {.noise_ranks = ranks};
     for (int c = 0; c < CHANNELS; c++) {
         assert_true(steps[c] % 2 == 1); /* 2^32 frames without repetition */
         assert_true(distance_round_the_circle(steps[c] * 0x1p-32, irrationals[c]) < 0x1p-32);
@@ -192,8 +191,8 @@ static void test_blue_goes_on_by_irrationals(void **state)
                     const size_t place = (size_t)(64 * ((y + 37 * c) % 64) + (x + 47 * c) % 64);
                     const uint32_t word = (2u * ranks[place] + 1u) * (1u << 19) +
                                           frames[i] * steps[c];
-                    const float value = twin_dither(&dither, RT_DITHER_BLUE, x, y - 64, frames[i],
-                                                    (uint32_t)c);
+                    const float value = cpu_dither(&dither, RT_DITHER_BLUE, x, y - 64, frames[i],
+                                                   (uint32_t)c);
                     assert_true((double)value == (word >> 8) * 0x1p-24);
                 }
     }
@@ -203,10 +202,10 @@ static void test_spatiotemporal_is_the_full_mask(void **state)
 {
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     fill_ranks(ranks, 6);
-    const struct twin_dither dither = {.noise_ranks = ranks};
+    const struct cpu_dither dither = {.noise_ranks = ranks};
     for (int i = 0; i < 64 * 64 * 32; i++) {
-        const float value = twin_dither(&dither, RT_DITHER_SPATIOTEMPORAL, i % 64 - 64,
-                                        i / 64 % 64 + 64, (uint32_t)(i / 4096) + 32, 0);
+        const float value = cpu_dither(&dither, RT_DITHER_SPATIOTEMPORAL, i % 64 - 64,
+                                       i / 64 % 64 + 64, (uint32_t)(i / 4096) + 32, 0);
         assert_true((double)value == (ranks[4096 + i] + 0.5) / 4096.0);
     }
 }
@@ -219,19 +218,19 @@ static void test_values_stay_within_the_unit_interval(void **state)
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
     uint64_t seed = 17;
     fill_ranks(ranks, seed);
-    const struct twin_dither dither = {1, ranks};
+    const struct cpu_dither dither = {1, ranks};
     for (int kind = 0; kind < KINDS; kind++)
         for (int i = 0; i < 20000; i++) {
             const uint64_t word = neph_test_random(&seed), more = neph_test_random(&seed);
-            const float value = twin_dither(&dither, kind, (int)(uint32_t)word, (int)(word >> 32),
-                                            (uint32_t)more, (uint32_t)(more >> 32));
+            const float value = cpu_dither(&dither, kind, (int)(uint32_t)word, (int)(word >> 32),
+                                           (uint32_t)more, (uint32_t)(more >> 32));
             assert_true(value >= 0.0f && value < 1.0f);
             assert_true(kind != RT_DITHER_NONE || value == 0.5f);
         }
 }
 
 /* In how many of 4x4 cells of the square lie the pairs of 16 frames, on average over all pixels? */
-static double cells_of_pairs(const struct twin_dither *dither, int kind, bool is_mirrored,
+static double cells_of_pairs(const struct cpu_dither *dither, int kind, bool is_mirrored,
                              uint32_t channel, int *most)
 {
     double mean = 0.0;
@@ -240,9 +239,9 @@ static double cells_of_pairs(const struct twin_dither *dither, int kind, bool is
         const int x = pixel % 64, y = pixel / 64;
         uint32_t met = 0;
         for (uint32_t frame = 0; frame < 16; frame++) {
-            const float a = twin_dither(dither, kind, x, y, frame, 0);
-            const float b = is_mirrored ? twin_dither(dither, kind, y, x, frame, 0)
-                                        : twin_dither(dither, kind, x, y, frame, channel);
+            const float a = cpu_dither(dither, kind, x, y, frame, 0);
+            const float b = is_mirrored ? cpu_dither(dither, kind, y, x, frame, 0)
+                                        : cpu_dither(dither, kind, x, y, frame, channel);
             met |= 1u << ((int)(4.0f * a) + 4 * (int)(4.0f * b));
         }
         const int count = __builtin_popcount(met);
@@ -261,7 +260,7 @@ static void test_channels_cover_the_square(void **state)
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_blue_noise_load(NEPH_SOURCE_DIR "/renderer/blue_noise.png", 1, ranks, &diag), &diag);
-    const struct twin_dither dither = {1, ranks};
+    const struct cpu_dither dither = {1, ranks};
     int most;
     assert_true(cells_of_pairs(&dither, RT_DITHER_BLUE, true, 0, &most) < 8.0);
     assert_true(most <= 8);
@@ -292,31 +291,24 @@ static void test_the_shader_is_the_same(void **state)
         char assignment[64];
         snprintf(assignment, sizeof(assignment), "ray_dither=%s", kinds[kind]);
         const struct neph_settings settings = test_settings(assignment);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, size_px, origin_px, 0x123456789u, &test);
-        const struct twin_dither dither = {test.view.seed, test.noise_ranks};
+        const struct cpu_dither dither = {test.view.seed, test.noise_ranks};
         for (size_t f = 0; f < COUNT(frames); f++) {
             test.view.frame = frames[f];
             for (int y = 0; y < size_px[1]; y++)
                 for (int x = 0; x < size_px[0]; x++) {
                     float numbers[CHANNELS];
                     for (uint32_t channel = 0; channel < CHANNELS; channel++)
-                        numbers[channel] = twin_dither(&dither, kind, x - 70, y - 5, frames[f],
-                                                       channel);
-                    twin_put_full(&test.twin, RT_COLOR, x, y, numbers);
+                        numbers[channel] = cpu_dither(&dither, kind, x - 70, y - 5, frames[f],
+                                                      channel);
+                    cpu_put_full(&test.cpu, RT_COLOR, x, y, numbers);
                 }
             *test.device.view = test.view;
             neph_assert_ok(neph_rt_device_run(&test.device, &probe, NULL), NULL);
             test_same_words(&test, RT_COLOR, test.view.seed);
         }
-        test_passes_close(&test);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_dither.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -25,7 +25,7 @@ static void mix(uint32_t v[4])
     v[3] += v[1] * v[2];
 }
 
-void twin_pcg4d(uint32_t v[4])
+void cpu_pcg4d(uint32_t v[4])
 {
     for (int i = 0; i < 4; i++)
         v[i] = v[i] * 1664525u + 1013904223u;
@@ -38,7 +38,7 @@ void twin_pcg4d(uint32_t v[4])
 static uint32_t white_word(uint32_t seed, uint32_t x, uint32_t y, uint32_t frame, uint32_t channel)
 {
     uint32_t v[4] = {x, y, frame, seed + channel * steps[0]};
-    twin_pcg4d(v);
+    cpu_pcg4d(v);
     return v[0] | 0x100u;
 }
 
@@ -57,7 +57,7 @@ static uint32_t mask_word(const uint32_t *ranks, uint32_t x, uint32_t y, uint32_
     return (2u * ranks[row * MASK_SIDE_PX + column] + 1u) << 19;
 }
 
-static uint32_t word(const struct twin_dither *dither, int kind, uint32_t x, uint32_t y,
+static uint32_t word(const struct cpu_dither *dither, int kind, uint32_t x, uint32_t y,
                      uint32_t frame, uint32_t channel)
 {
     const size_t slice = MASK_SIDE_PX * MASK_SIDE_PX;
@@ -78,8 +78,8 @@ static uint32_t word(const struct twin_dither *dither, int kind, uint32_t x, uin
     }
 }
 
-float twin_dither(const struct twin_dither *dither, int kind, int x_px, int y_px, uint32_t frame,
-                  uint32_t channel)
+float cpu_dither(const struct cpu_dither *dither, int kind, int x_px, int y_px, uint32_t frame,
+                 uint32_t channel)
 {
     return (float)(word(dither, kind, (uint32_t)x_px, (uint32_t)y_px, frame, channel) >> 8) *
            0x1p-24f;

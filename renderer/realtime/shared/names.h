@@ -59,9 +59,10 @@
 
 // --- targets: the images that passes hand to each other ---------------------------------------
 //
-// In the order of the words of 32 bits that an element has, since a CPU sees them as texels through
-// three arrays, which are as long as they must be (device.glsl): only the first RT_WORD_TARGET_COUNT
-// targets may have elements of one word, and only the first RT_PAIR_TARGET_COUNT of two.
+// In the order of the words of 32 bits that an element has. A CPU sees targets as texels through
+// three arrays, which are as long as they must be (device.glsl): only the first
+// RT_WORD_TARGET_COUNT targets may have elements of one word, and only the first
+// RT_PAIR_TARGET_COUNT of two.
 
 // One word.
 #define RT_DEPTH 0 // full; R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
@@ -106,12 +107,12 @@
 #define RT_LOOK_THEN 23        // RGB: what it saw; A: 1 where it was marched before, else 0
 #define RT_LOOK_BEHIND_NOW 24  // the same of what is behind, sums of the pixels that were looked at
 #define RT_LOOK_BEHIND_THEN 25 // A: how many there are
-// Quarter; what has changed around a tile (gradient/change.comp). RGB: the light of a frame over that of the
-// frame before; A: the change that this does not explain.
+// Quarter; what has changed around a tile (gradient/change.comp). RGB: the light of a frame over
+// the light of the frame before; A: the change that this does not explain.
 #define RT_CHANGE 26        // of the medium
 #define RT_CHANGE_BEHIND 27 // of what is behind all media
-// Of the frame; with taa=locks. R: what is left of a lock, 0 .. 1; G: four times the luma that it was made
-// with; B: the nearest eye depth of 3x3 rendered pixels [m].
+// With taa=locks. R: the rest of a lock, 0 .. 1; G: four times the luma that it was made with; B:
+// the nearest eye depth of 3x3 rendered pixels [m].
 #define RT_TAA_STATE 28
 #define RT_TAA_STATE_BEFORE 29
 #define RT_TARGET_COUNT 30

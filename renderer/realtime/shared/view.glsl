@@ -4,8 +4,8 @@
 // and how these keep their numbers.
 //
 // Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
-// arithmetic and explicit comparisons, so that the twin in C makes the same ones bit by bit: min,
-// max and clamp are free to do anything with a NaN. Filtering is written out too: a sampler's
+// arithmetic and explicit comparisons, so that the CPU reference makes the same ones bit by bit:
+// min, max and clamp are free to do anything with a NaN. Filtering is written out too: a sampler's
 // weights have 8 bits.
 #ifndef NEPH_REALTIME_GLSL
 #define NEPH_REALTIME_GLSL

@@ -9,7 +9,7 @@ static void get_rgb(const struct test_passes *test, int target, int x, int y, fl
     const int right = (int)test->view.size_px[0] - 1, bottom = (int)test->view.size_px[1] - 1;
     x = x < 0 ? 0 : x > right ? right : x;
     y = y < 0 ? 0 : y > bottom ? bottom : y;
-    twin_fetch_full(&test->twin, target, x, y, rgb);
+    cpu_fetch_full(&test->cpu, target, x, y, rgb);
 }
 
 /* The pixel moves away from the mean of its neighbours, but not beyond any of the five. */
@@ -29,7 +29,7 @@ static void sharpen(struct test_passes *test, int source, int x, int y)
         }
         made[c] = fmaxf(fminf(own[c] + 0.5f * (own[c] - 0.25f * sum), largest), least);
     }
-    twin_put_full(&test->twin, RT_SHARPENED, x, y, made);
+    cpu_put_full(&test->cpu, RT_SHARPENED, x, y, made);
 }
 
 static void test_the_shader_is_its_formula(void **state)
@@ -42,7 +42,7 @@ static void test_the_shader_is_its_formula(void **state)
                  {"sharpen=on target_format=float", RT_TAA_OUT}};
     for (size_t k = 0; k < COUNT(cases); k++) {
         const struct neph_settings settings = test_settings(cases[k].settings);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         uint64_t seed = 20261123 + k;
         test_passes_open(*state, &settings, (int[2]){37, 21}, (int[2]){4, 8}, seed, &test);
         for (size_t i = 0; i < test_elements(&test, cases[k].source); i++) {
@@ -55,7 +55,6 @@ static void test_the_shader_is_its_formula(void **state)
             for (int x = 0; x < 37; x++)
                 sharpen(&test, cases[k].source, x, y);
         test_same_words(&test, RT_SHARPENED, seed);
-        test_passes_close(&test);
     }
 }
 

@@ -1,35 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
- * The twin of slots.glsl: tiles of 2x2 half-resolution texels.
+ * The CPU reference of slots.glsl: tiles of 2x2 half-resolution texels.
  */
-#ifndef NEPH_TESTS_TWINS_SLOTS_H
-#define NEPH_TESTS_TWINS_SLOTS_H
+#ifndef NEPH_CHECK_REFERENCE_SLOTS_H
+#define NEPH_CHECK_REFERENCE_SLOTS_H
 
 #include "renderer/realtime/view.h"
 
 #include <stdbool.h>
 
 /* What RT_TILE's depths are counted in [m]; the largest half, also the largest such count. */
-#define TWIN_TILE_UNIT_M 1e4f
-#define TWIN_HALF_MAX 65504.0f
+#define CPU_TILE_UNIT_M 1e4f
+#define CPU_HALF_MAX 65504.0f
 
 /* Where in its tile a slot 0..3 lies, in half-resolution texels: x, y. */
-const int *twin_slot_place(const struct neph_gpu_view *view, int slot);
+const int *cpu_slot_place(const struct neph_gpu_view *view, int slot);
 
 /* The slot of a half-resolution texel in its tile. */
-int twin_slot_of(const struct neph_gpu_view *view, int half_x, int half_y);
+int cpu_slot_of(const struct neph_gpu_view *view, int half_x, int half_y);
 
 /* The slot whose turn it is. */
-int twin_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y);
+int cpu_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y);
 
 /* With gradient=on: whether a tile's ray has the number of ray_dither that it had four frames
  * before. */
-bool twin_repeats_ray(const struct neph_gpu_view *view, int tile_x, int tile_y);
+bool cpu_repeats_ray(const struct neph_gpu_view *view, int tile_x, int tile_y);
 
 /* A depth with the sky at `sky_m` and solids before ray_depth_max_m [m]. */
-float twin_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m);
+float cpu_limited_depth_m(const struct neph_gpu_view *view, float depth_m, float sky_m);
 
 /* The depth that a ray which ends at `depth_m` is stored with [m]. */
-float twin_stored_depth_m(const struct neph_gpu_view *view, float depth_m);
+float cpu_stored_depth_m(const struct neph_gpu_view *view, float depth_m);
 
 #endif

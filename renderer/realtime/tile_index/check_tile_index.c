@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which slot of a tile has the ray: the shader against the twin, and what the choice does
+ * Which slot of a tile has the ray: the shader against the CPU reference, and what the choice does
  * to the depths that have a ray near by.
  */
 #include "renderer/realtime/tile_index/check_reference_slots.h"
@@ -17,7 +17,7 @@ static void run_tile_index(struct test_passes *test)
 static int slot_at(const struct test_passes *test, int x, int y)
 {
     float tile[4];
-    twin_fetch_tile(&test->twin, RT_TILE, x, y, tile);
+    cpu_fetch_tile(&test->cpu, RT_TILE, x, y, tile);
     return (int)tile[0];
 }
 
@@ -56,25 +56,24 @@ static void fill_depths(struct test_passes *test, uint64_t *seed)
     }
 }
 
-static void compare_with_twin(struct neph_vulkan *vulkan, const struct neph_settings *settings,
-                              const int size_px[2], uint64_t seed)
+static void compare_with_reference(struct neph_vulkan *vulkan, const struct neph_settings *settings,
+                                   const int size_px[2], uint64_t seed)
 {
     uint64_t random = seed;
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     const int origin_px[2] = {seed % 2 ? 8 : 0, seed % 2 ? 4 : 0};
     test_passes_open(vulkan, settings, size_px, origin_px, seed, &test);
     test.view.frame = (uint32_t)neph_test_random(&random);
     test.view.resting = neph_test_random(&random) % 8 == 0;
     fill_depths(&test, &random);
     for (size_t i = 0; i < neph_rt_device_words(&test.device, RT_TILE); i++)
-        test.twin.targets[RT_TILE][i] = (uint32_t)neph_test_random(&random); /* of another frame */
+        test.cpu.targets[RT_TILE][i] = (uint32_t)neph_test_random(&random); /* of another frame */
     test_passes_run(&test, "tile index");
-    twin_tile_index(&test.twin);
+    cpu_tile_index(&test.cpu);
     test_same_words(&test, RT_TILE, seed);
-    test_passes_close(&test);
 }
 
-static void test_tile_index_equals_the_twin(void **state)
+static void test_tile_index_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 1;
     for (size_t s = 0; s < COUNT(sizes_px); s++) {
@@ -83,7 +82,7 @@ static void test_tile_index_equals_the_twin(void **state)
             const struct neph_settings settings = random_settings(&seed, i % 3, i / 3 % 2,
                                                                   i / 6 % 2);
             if (!is_large || i % 5 == 0)
-                compare_with_twin(*state, &settings, sizes_px[s], neph_test_random(&seed));
+                compare_with_reference(*state, &settings, sizes_px[s], neph_test_random(&seed));
         }
     }
 }
@@ -93,7 +92,7 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
 {
     static const char *const orders[] = {"clockwise", "raster", "diagonal", "anticlockwise"};
     for (int i = 0; i < 8; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_open(*state, 21, 10, 1, &test, "override=none slot_order=%s slot_checkerboard=%s",
                   orders[i % 4], i < 4 ? "on" : "off");
         unsigned marched[6 * 3] = {0};
@@ -101,13 +100,12 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
             test.view.frame = 0xffffffffu - 1u + frame; /* over the counter's end */
             run_tile_index(&test);
             for (int t = 0; t < 18; t++) {
-                const int *place = twin_slot_place(&test.view, slot_at(&test, t % 6, t / 6));
+                const int *place = cpu_slot_place(&test.view, slot_at(&test, t % 6, t / 6));
                 marched[t] |= 1u << (place[0] + 2 * place[1]);
             }
         }
         for (int t = 0; t < 18; t++)
             assert_int_equal(marched[t], 15);
-        test_passes_close(&test);
     }
 }
 
@@ -127,7 +125,7 @@ static void test_which_orders_see_near_and_far(void **state)
         {"override=none slot_order=raster slot_checkerboard=off", 0},
     };
     for (size_t c = 0; c < COUNT(cases); c++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_open(*state, 40, 24, 1, &test, "%s", cases[c].assignments);
         int seeing = 0;
         for (test.view.frame = 0; test.view.frame < 4; test.view.frame++) {
@@ -137,7 +135,7 @@ static void test_which_orders_see_near_and_far(void **state)
                 unsigned kinds = 0;
                 for (int i = 0; i < 9; i++) {
                     const int x = t % 10 + i % 3 - 1, y = t / 10 + i / 3 - 1;
-                    const int *place = twin_slot_place(&test.view, slot_at(&test, x, y));
+                    const int *place = cpu_slot_place(&test.view, slot_at(&test, x, y));
                     kinds |= place[0] == place[1] ? 1u : 2u;
                 }
                 both_everywhere = both_everywhere && kinds == 3;
@@ -147,7 +145,6 @@ static void test_which_orders_see_near_and_far(void **state)
             seeing += both_everywhere;
         }
         assert_int_equal(seeing, cases[c].expected);
-        test_passes_close(&test);
     }
 }
 
@@ -156,7 +153,7 @@ static void test_infinite_sky_starves_three_slots(void **state)
 {
     static const char *const overrides[] = {"parallel", "sequential"};
     for (int i = 0; i < 4; i++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_open(*state, 20, 12, 1, &test, "override=%s far=%s", overrides[i % 2],
                   i / 2 ? "infinite" : "finite");
         test_fill(&test, RT_HALF_DEPTH, NEPH_GPU_FAR_M, 0, 0, 0);
@@ -165,34 +162,32 @@ static void test_infinite_sky_starves_three_slots(void **state)
             for (int t = 0; t < 15; t++) {
                 const int x = t % 5, y = t / 5;
                 assert_int_equal(slot_at(&test, x, y),
-                                 i / 2 ? 0 : twin_default_slot(&test.view, x, y));
+                                 i / 2 ? 0 : cpu_default_slot(&test.view, x, y));
                 float tile[4];
-                twin_fetch_tile(&test.twin, RT_TILE, x, y, tile);
+                cpu_fetch_tile(&test.cpu, RT_TILE, x, y, tile);
                 assert_true(tile[1] == 2.0f); /* with sky_m = 20000 */
             }
         }
-        test_passes_close(&test);
     }
 }
 
 /* What a half keeps of a depth is off by its rounding, 2^-11. */
 static void test_stored_depths(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(*state, 4096, 1, 1, &test, "override=none ray_depth_max_m=10000");
     uint64_t seed = 7;
     for (size_t i = 0; i < test_elements(&test, RT_HALF_DEPTH); i++)
         test_set(&test, RT_HALF_DEPTH, i, (float[4]){(float)exp(11.0 * test_uniform(&seed))});
     run_tile_index(&test);
     for (int x = 0; x < 1024; x++) {
-        const int *place = twin_slot_place(&test.view, slot_at(&test, x, 0));
+        const int *place = cpu_slot_place(&test.view, slot_at(&test, x, 0));
         float tile[4], depth[4];
-        twin_fetch_tile(&test.twin, RT_TILE, x, 0, tile);
-        twin_fetch_half(&test.twin, RT_HALF_DEPTH, 2 * x + place[0], place[1], depth);
+        cpu_fetch_tile(&test.cpu, RT_TILE, x, 0, tile);
+        cpu_fetch_half(&test.cpu, RT_HALF_DEPTH, 2 * x + place[0], place[1], depth);
         /* ... and by 2^-24 / 1e-4 of a metre below the normal halves */
         neph_assert_close(tile[1] * 1e4, fmin(depth[0], 1e4), 0x1p-11 + 1e-7, 0x1p-25 * 1e4);
     }
-    test_passes_close(&test);
 }
 
 /* A view in the corner of a larger buffer decides as it would alone; with tile_origin=buffer its
@@ -202,7 +197,7 @@ static void test_a_view_decides_alone(void **state)
     static const char *const origins[] = {"tile_origin=view", "tile_origin=buffer"};
     for (int i = 0; i < 2; i++) {
         const struct neph_settings settings = test_settings(origins[i]);
-        struct test_passes alone, beside;
+        OWNED(passes) struct test_passes alone, beside;
         test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){0, 0}, 3, &alone);
         test_passes_open(*state, &settings, (int[2]){61, 35}, (int[2]){64, 36}, 3, &beside);
         uint64_t seed = 5;
@@ -211,24 +206,22 @@ static void test_a_view_decides_alone(void **state)
         for (int y = 0; y < 18; y++)
             for (int x = 0; x < 31; x++) {
                 float depth[4];
-                twin_fetch_half(&beside.twin, RT_HALF_DEPTH, x, y, depth);
-                twin_put_half(&alone.twin, RT_HALF_DEPTH, x, y, depth);
+                cpu_fetch_half(&beside.cpu, RT_HALF_DEPTH, x, y, depth);
+                cpu_put_half(&alone.cpu, RT_HALF_DEPTH, x, y, depth);
             }
         run_tile_index(&alone);
         run_tile_index(&beside);
         int different = 0;
         for (int t = 0; t < 16 * 9; t++) {
             float a[4], b[4];
-            twin_fetch_tile(&alone.twin, RT_TILE, t % 16, t / 16, a);
-            twin_fetch_tile(&beside.twin, RT_TILE, t % 16, t / 16, b);
+            cpu_fetch_tile(&alone.cpu, RT_TILE, t % 16, t / 16, a);
+            cpu_fetch_tile(&beside.cpu, RT_TILE, t % 16, t / 16, b);
             different += a[0] != b[0] || a[1] != b[1];
         }
         if (i == 0)
             assert_int_equal(different, 0);
         else
             assert_true(different > 16 * 9 / 2);
-        test_passes_close(&alone);
-        test_passes_close(&beside);
     }
 }
 
@@ -236,7 +229,7 @@ static void test_a_view_decides_alone(void **state)
  * they do not stop at its side. */
 static void test_normalised_coordinates_leave_the_view(void **state)
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_open(*state, 61, 4, 4, &test, "override=none gather=normalised");
     assert_int_equal(test.view.targets[RT_HALF_DEPTH].width, 33);
     for (size_t e = 0; e < test_elements(&test, RT_HALF_DEPTH); e++)
@@ -245,13 +238,12 @@ static void test_normalised_coordinates_leave_the_view(void **state)
         run_tile_index(&test);
         for (int x = 0; x < 16; x++) {
             const bool is_outside = x == 15 &&
-                                    twin_slot_place(&test.view, slot_at(&test, x, 0))[0] == 1;
+                                    cpu_slot_place(&test.view, slot_at(&test, x, 0))[0] == 1;
             float tile[4];
-            twin_fetch_tile(&test.twin, RT_TILE, x, 0, tile);
+            cpu_fetch_tile(&test.cpu, RT_TILE, x, 0, tile);
             assert_int_equal(tile[1] > 0.01f, is_outside);
         }
     }
-    test_passes_close(&test);
 }
 
 /* --- what the override is for ------------------------------------------------------------------
@@ -328,7 +320,7 @@ static int python_randrange_3(struct mersenne *twister)
 static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 {
     static const float layers_m[3] = {10.0f, 100.0f, NEPH_GPU_FAR_M};
-    struct mersenne *twister = malloc(sizeof(*twister));
+    OWNED(memory) struct mersenne *twister = malloc(sizeof(*twister));
     int block[MAP_PX * MAP_PX];
     mersenne_seed(twister, 1);
     for (int map = 0; map < MAP_COUNT; map++) {
@@ -360,7 +352,6 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
             maps_m[map][i] = map == 9 ? layers_m[*own_block] : near[map] ? 10.0f : NEPH_GPU_FAR_M;
         }
     }
-    free(twister);
 }
 
 struct coverage {
@@ -377,13 +368,13 @@ static int count_unmatched(const struct test_passes *test)
             const int x = t % MAP_TILES, y = t / MAP_TILES;
             if (slot == slot_at(test, x, y))
                 continue;
-            const int *place = twin_slot_place(&test->view, slot);
+            const int *place = cpu_slot_place(&test->view, slot);
             float depth[4], ray[4];
-            twin_fetch_half(&test->twin, RT_HALF_DEPTH, 2 * x + place[0], 2 * y + place[1], depth);
+            cpu_fetch_half(&test->cpu, RT_HALF_DEPTH, 2 * x + place[0], 2 * y + place[1], depth);
             const double own_m = depth[0] == NEPH_GPU_FAR_M ? 20000.0 : depth[0];
             bool matched = false;
             for (int i = 0; i < 9; i++) {
-                twin_fetch_tile(&test->twin, RT_TILE, x + i % 3 - 1, y + i / 3 - 1, ray);
+                cpu_fetch_tile(&test->cpu, RT_TILE, x + i % 3 - 1, y + i / 3 - 1, ray);
                 const double ray_m = ray[1] * 1e4;
                 matched = matched || fabs(own_m - ray_m) < 0.1 * ray_m;
             }
@@ -435,12 +426,12 @@ static void test_coverage_equals_the_python_program(void **state)
     float(*depths_m)[MAP_PX * MAP_PX] = malloc(MAP_COUNT * sizeof(*depths_m));
     make_maps(depths_m);
     for (int mode = 0; mode < MODE_COUNT; mode++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_open(*state, MAP_PX, MAP_PX, 1, &test, "%s", modes[mode]);
         for (int map = 0; map < MAP_COUNT; map++) {
             for (size_t i = 0; i < MAP_PX * MAP_PX; i++)
-                twin_put_full(&test.twin, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
-                              (float[4]){depths_m[map][i]});
+                cpu_put_full(&test.cpu, RT_STEADY_DEPTH, (int)i % MAP_PX, (int)i / MAP_PX,
+                             (float[4]){depths_m[map][i]});
             test_passes_run(&test, "depth map");
             test_take(&test, RT_HALF_DEPTH);
             const struct coverage actual = measure_coverage(&test);
@@ -451,15 +442,8 @@ static void test_coverage_equals_the_python_program(void **state)
                          actual.starved, expected->unmatched, expected->unmatched_worst,
                          expected->starved);
         }
-        test_passes_close(&test);
     }
     free(depths_m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_tile_index.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

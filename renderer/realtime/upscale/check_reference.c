@@ -17,45 +17,45 @@ struct tap {
     bool is_used, is_foreign;
 };
 
-static float setting(const struct twin *twin, int index)
+static float setting(const struct reference *cpu, int index)
 {
-    return twin->view->settings[index];
+    return cpu->view->settings[index];
 }
 
-static int choice(const struct twin *twin, int index)
+static int choice(const struct reference *cpu, int index)
 {
-    return (int)twin->view->settings[index];
+    return (int)cpu->view->settings[index];
 }
 
 /* From the reconstruction, filtered or not. */
-static int volume_target(const struct twin *twin)
+static int volume_target(const struct reference *cpu)
 {
-    return choice(twin, RT_ATROUS) ? RT_HISTORY_BEFORE : RT_HISTORY;
+    return choice(cpu, RT_ATROUS) ? RT_HISTORY_BEFORE : RT_HISTORY;
 }
 
-static bool is_square(const struct twin *twin)
+static bool is_square(const struct reference *cpu)
 {
-    return choice(twin, RT_UPSCALE) == RT_UPSCALE_SQUARE;
+    return choice(cpu, RT_UPSCALE) == RT_UPSCALE_SQUARE;
 }
 
-static int tap_count(const struct twin *twin)
+static int tap_count(const struct reference *cpu)
 {
-    return is_square(twin) ? 9 : 4;
+    return is_square(cpu) ? 9 : 4;
 }
 
-static bool is_usable(const struct twin *twin, const float volume[4], float age)
+static bool is_usable(const struct reference *cpu, const float volume[4], float age)
 {
-    if (setting(twin, RT_VALIDITY) == 0)
+    if (setting(cpu, RT_VALIDITY) == 0)
         return true;
-    return isfinite(age) && age > 0.0f && twin_is_sound(volume);
+    return isfinite(age) && age > 0.0f && cpu_is_sound(volume);
 }
 
 /* ---- the place ------------------------------------------------------------------------------- */
 
-static float place_of(const struct twin *twin, int axis, int pixel)
+static float place_of(const struct reference *cpu, int axis, int pixel)
 {
-    const bool is_jittered = setting(twin, RT_JITTERED_DEPTH) == 0;
-    const float jitter_px = is_jittered ? twin->view->jitter_px[axis] : 0.0f;
+    const bool is_jittered = setting(cpu, RT_JITTERED_DEPTH) == 0;
+    const float jitter_px = is_jittered ? cpu->view->jitter_px[axis] : 0.0f;
     return 0.5f * (float)pixel - 0.25f + 0.5f * jitter_px;
 }
 
@@ -64,33 +64,33 @@ static float unit(float value)
     return !isfinite(value) || value < 0.0f ? 0.0f : value > 1.0f ? 1.0f : value;
 }
 
-static float shift_amount_px(const struct twin *twin, int x, int y)
+static float shift_amount_px(const struct reference *cpu, int x, int y)
 {
-    const float most_px = setting(twin, RT_UPSCALE_AMOUNT_PX);
-    if (setting(twin, RT_UPSCALE_LAW) == RT_LAW_CONSTANT)
+    const float most_px = setting(cpu, RT_UPSCALE_AMOUNT_PX);
+    if (setting(cpu, RT_UPSCALE_LAW) == RT_LAW_CONSTANT)
         return most_px;
     float volume[4], state[4];
-    twin_fetch_half(twin, volume_target(twin), x / 2, y / 2, volume);
-    twin_fetch_half(twin, RT_HISTORY_STATE, x / 2, y / 2, state);
-    if (!is_usable(twin, volume, state[0]))
+    cpu_fetch_half(cpu, volume_target(cpu), x / 2, y / 2, volume);
+    cpu_fetch_half(cpu, RT_HISTORY_STATE, x / 2, y / 2, state);
+    if (!is_usable(cpu, volume, state[0]))
         return 0.0f;
     return most_px * unit(1.0f - volume[3]) * unit(1.0f - state[1] * law_per_m);
 }
 
-static float number(const struct twin *twin, int x, int y, uint32_t frame, uint32_t channel)
+static float number(const struct reference *cpu, int x, int y, uint32_t frame, uint32_t channel)
 {
-    const struct twin_dither dither = {twin->view->seed, twin->noise_ranks};
-    return twin_dither(&dither, (int)setting(twin, RT_UPSCALE_DITHER), x, y, frame, channel);
+    const struct cpu_dither dither = {cpu->view->seed, cpu->noise_ranks};
+    return cpu_dither(&dither, (int)setting(cpu, RT_UPSCALE_DITHER), x, y, frame, channel);
 }
 
-static void shift_px(const struct twin *twin, int x, int y, float shift[2])
+static void shift_px(const struct reference *cpu, int x, int y, float shift[2])
 {
-    const uint32_t frame = twin->view->frame;
-    const float amount_px = shift_amount_px(twin, x, y);
-    const bool is_shared = setting(twin, RT_UPSCALE_PAIR) == RT_PAIR_SHARED;
+    const uint32_t frame = cpu->view->frame;
+    const float amount_px = shift_amount_px(cpu, x, y);
+    const bool is_shared = setting(cpu, RT_UPSCALE_PAIR) == RT_PAIR_SHARED;
     const float numbers[2] = {
-        number(twin, x, y, is_shared ? frame % SHARED_FRAMES : frame, 0),
-        is_shared ? number(twin, y, x, frame % SHARED_FRAMES, 0) : number(twin, x, y, frame, 1),
+        number(cpu, x, y, is_shared ? frame % SHARED_FRAMES : frame, 0),
+        is_shared ? number(cpu, y, x, frame % SHARED_FRAMES, 0) : number(cpu, x, y, frame, 1),
     };
     for (int axis = 0; axis < 2; axis++)
         shift[axis] = amount_px * (2.0f * numbers[axis] - 1.0f);
@@ -98,43 +98,43 @@ static void shift_px(const struct twin *twin, int x, int y, float shift[2])
 
 /* ---- the taps -------------------------------------------------------------------------------- */
 
-static float compared_depth_m(const struct twin *twin, float eye_m)
+static float compared_depth_m(const struct reference *cpu, float eye_m)
 {
-    if (setting(twin, RT_CLAMP_PIXEL_DEPTH) != 0)
-        return twin_limited_depth_m(twin->view, eye_m, 1e6f);
+    if (setting(cpu, RT_CLAMP_PIXEL_DEPTH) != 0)
+        return cpu_limited_depth_m(cpu->view, eye_m, 1e6f);
     return eye_m >= NEPH_GPU_FAR_M ? 1e6f : eye_m;
 }
 
-static struct tap tap_at(const struct twin *twin, const int corner[2], int i,
+static struct tap tap_at(const struct reference *cpu, const int corner[2], int i,
                          const float fraction[2], float scene_m)
 {
-    const int side = is_square(twin) ? 3 : 2;
+    const int side = is_square(cpu) ? 3 : 2;
     const int x = corner[0] + i % side, y = corner[1] + i / side;
     float state[4], depth[4];
     struct tap tap;
-    twin_fetch_half(twin, volume_target(twin), x, y, tap.volume);
-    twin_fetch_half(twin, RT_HISTORY_STATE, x, y, state);
-    twin_fetch_half(twin, RT_HALF_DEPTH, x, y, depth);
+    cpu_fetch_half(cpu, volume_target(cpu), x, y, tap.volume);
+    cpu_fetch_half(cpu, RT_HISTORY_STATE, x, y, state);
+    cpu_fetch_half(cpu, RT_HALF_DEPTH, x, y, depth);
     tap.distance_m = state[1];
-    tap.difference_m = fabsf(compared_depth_m(twin, scene_m) - compared_depth_m(twin, depth[0]));
+    tap.difference_m = fabsf(compared_depth_m(cpu, scene_m) - compared_depth_m(cpu, depth[0]));
     tap.place = (double)(i % 2 ? fraction[0] : 1.0f - fraction[0]) *
                 (double)(i / 2 ? fraction[1] : 1.0f - fraction[1]);
-    if (is_square(twin))
+    if (is_square(cpu))
         tap.place = exp(-pow(fraction[0] - i % 3, 2.0) - pow(fraction[1] - i / 3, 2.0));
-    tap.is_used = is_usable(twin, tap.volume, state[0]);
-    tap.is_foreign = choice(twin, RT_UPSCALE_SAME_KIND) &&
+    tap.is_used = is_usable(cpu, tap.volume, state[0]);
+    tap.is_foreign = choice(cpu, RT_UPSCALE_SAME_KIND) &&
                      (depth[0] >= NEPH_GPU_FAR_M) != (scene_m >= NEPH_GPU_FAR_M);
     return tap;
 }
 
-static int nearest_tap(const struct twin *twin, const struct tap taps[TAPS_MAX],
+static int nearest_tap(const struct reference *cpu, const struct tap taps[TAPS_MAX],
                        const float fraction[2])
 {
     static const int square_order[9] = {4, 0, 1, 2, 3, 5, 6, 7, 8};
     const int first = (fraction[0] < 0.5f ? 0 : 1) + (fraction[1] < 0.5f ? 0 : 2);
     int nearest = -1;
-    for (int i = 0; i < tap_count(twin); i++) {
-        const int asked = is_square(twin) ? square_order[i] : i ^ first;
+    for (int i = 0; i < tap_count(cpu); i++) {
+        const int asked = is_square(cpu) ? square_order[i] : i ^ first;
         if (taps[asked].is_used &&
             (nearest < 0 || taps[asked].difference_m < taps[nearest].difference_m))
             nearest = asked;
@@ -142,24 +142,24 @@ static int nearest_tap(const struct twin *twin, const struct tap taps[TAPS_MAX],
     return nearest;
 }
 
-static bool depth_matters(const struct twin *twin, const struct tap taps[TAPS_MAX])
+static bool depth_matters(const struct reference *cpu, const struct tap taps[TAPS_MAX])
 {
-    const float contrast = setting(twin, RT_UPSCALE_CONTRAST);
+    const float contrast = setting(cpu, RT_UPSCALE_CONTRAST);
     float least = INFINITY, largest = -INFINITY;
-    for (int i = 0; i < tap_count(twin); i++) {
+    for (int i = 0; i < tap_count(cpu); i++) {
         if (taps[i].is_used && taps[i].volume[3] < least)
             least = taps[i].volume[3];
         if (taps[i].is_used && taps[i].volume[3] > largest)
             largest = taps[i].volume[3];
     }
-    const bool of_opacity = choice(twin, RT_CONTRAST) == RT_CONTRAST_OPACITY;
+    const bool of_opacity = choice(cpu, RT_CONTRAST) == RT_CONTRAST_OPACITY;
     const float unit = of_opacity ? 1.0f - least : largest;
     return contrast == 0.0f || largest - least > contrast * unit;
 }
 
-static bool all_within(const struct twin *twin, const struct tap taps[TAPS_MAX], float limit_m)
+static bool all_within(const struct reference *cpu, const struct tap taps[TAPS_MAX], float limit_m)
 {
-    for (int i = 0; i < tap_count(twin); i++)
+    for (int i = 0; i < tap_count(cpu); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
             return false;
     return true;
@@ -167,14 +167,14 @@ static bool all_within(const struct twin *twin, const struct tap taps[TAPS_MAX],
 
 /* ---- the choice ------------------------------------------------------------------------------ */
 
-static double tap_weight(const struct twin *twin, const struct tap *tap, bool is_nearest,
+static double tap_weight(const struct reference *cpu, const struct tap *tap, bool is_nearest,
                          bool regardless, float limit_m)
 {
     const float margin_m = limit_m - tap->difference_m;
-    const double depth_m = (double)tap->difference_m + setting(twin, RT_UPSCALE_TOLERANCE_M);
+    const double depth_m = (double)tap->difference_m + setting(cpu, RT_UPSCALE_TOLERANCE_M);
     if (!tap->is_used || tap->is_foreign)
         return 0.0;
-    switch (choice(twin, RT_UPSCALE)) {
+    switch (choice(cpu, RT_UPSCALE)) {
     case RT_UPSCALE_BILINEAR:
         return tap->place;
     case RT_UPSCALE_BILATERAL:
@@ -204,45 +204,44 @@ static void blend(const struct tap taps[], const double weights[], int count, in
     }
 }
 
-static void upscale_pixel(const struct twin *twin, int x, int y)
+static void upscale_pixel(const struct reference *cpu, int x, int y)
 {
     float depth[4], shift[2], fraction[2];
     int corner[2];
-    twin_fetch_full(twin, RT_DEPTH, x, y, depth);
-    shift_px(twin, x, y, shift);
+    cpu_fetch_full(cpu, RT_DEPTH, x, y, depth);
+    shift_px(cpu, x, y, shift);
     for (int axis = 0; axis < 2; axis++) {
-        const float place = place_of(twin, axis, axis ? y : x) + shift[axis];
-        const float first = is_square(twin) ? floorf(place + 0.5f) - 1.0f : floorf(place);
+        const float place = place_of(cpu, axis, axis ? y : x) + shift[axis];
+        const float first = is_square(cpu) ? floorf(place + 0.5f) - 1.0f : floorf(place);
         corner[axis] = (int)first;
         fraction[axis] = place - first;
     }
-    const float limit_m = setting(twin, RT_UPSCALE_DEPTH) * compared_depth_m(twin, depth[0]);
+    const float limit_m = setting(cpu, RT_UPSCALE_DEPTH) * compared_depth_m(cpu, depth[0]);
 
     struct tap taps[TAPS_MAX];
-    for (int i = 0; i < tap_count(twin); i++)
-        taps[i] = tap_at(twin, corner, i, fraction, depth[0]);
-    const int nearest = nearest_tap(twin, taps, fraction);
+    for (int i = 0; i < tap_count(cpu); i++)
+        taps[i] = tap_at(cpu, corner, i, fraction, depth[0]);
+    const int nearest = nearest_tap(cpu, taps, fraction);
     if (nearest < 0) {
-        twin_put_full(twin, RT_VOLUME, x, y, (float[4]){0, 0, 0, 1});
-        twin_put_full(twin, RT_VOLUME_DISTANCE, x, y, (float[4]){0});
+        cpu_put_full(cpu, RT_VOLUME, x, y, (float[4]){0, 0, 0, 1});
+        cpu_put_full(cpu, RT_VOLUME_DISTANCE, x, y, (float[4]){0});
         return;
     }
-    const int upscale = choice(twin, RT_UPSCALE);
+    const int upscale = choice(cpu, RT_UPSCALE);
     const bool allows = upscale == RT_UPSCALE_MEAN || upscale == RT_UPSCALE_INVERSE;
-    const bool regardless = !depth_matters(twin, taps) ||
-                            (allows && all_within(twin, taps, limit_m));
+    const bool regardless = !depth_matters(cpu, taps) || (allows && all_within(cpu, taps, limit_m));
     double weights[TAPS_MAX];
-    for (int i = 0; i < tap_count(twin); i++)
-        weights[i] = tap_weight(twin, &taps[i], i == nearest, regardless, limit_m);
+    for (int i = 0; i < tap_count(cpu); i++)
+        weights[i] = tap_weight(cpu, &taps[i], i == nearest, regardless, limit_m);
     float volume[4];
-    blend(taps, weights, tap_count(twin), nearest, volume);
-    twin_put_full(twin, RT_VOLUME, x, y, volume);
-    twin_put_full(twin, RT_VOLUME_DISTANCE, x, y, (float[4]){taps[nearest].distance_m});
+    blend(taps, weights, tap_count(cpu), nearest, volume);
+    cpu_put_full(cpu, RT_VOLUME, x, y, volume);
+    cpu_put_full(cpu, RT_VOLUME_DISTANCE, x, y, (float[4]){taps[nearest].distance_m});
 }
 
-void twin_upscale(const struct twin *twin)
+void cpu_upscale(const struct reference *cpu)
 {
-    for (int y = 0; y < (int)twin->view->size_px[1]; y++)
-        for (int x = 0; x < (int)twin->view->size_px[0]; x++)
-            upscale_pixel(twin, x, y);
+    for (int y = 0; y < (int)cpu->view->size_px[1]; y++)
+        for (int x = 0; x < (int)cpu->view->size_px[0]; x++)
+            upscale_pixel(cpu, x, y);
 }

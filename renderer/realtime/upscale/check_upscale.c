@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The upscale: the shader against the twin, and what it promises of constants, edges,
+ * The upscale: the shader against the CPU reference, and what it promises of constants, edges,
  * ridges, voids and of the place that a pixel looks at.
  */
 #include "tests/renderer/realtime_test.h"
@@ -19,7 +19,7 @@ static void run_upscale(struct test_passes *test)
     test_take(test, RT_VOLUME);
 }
 
-/* ---- against the twin ---------------------------------------------------------------------- */
+/* ---- against the CPU reference ------------------------------------------------------------ */
 
 /* Few depths, so that they often agree, and some to either side of a limit: 25 % of 10 m, sky_m and
  * ray_depth_max_m. */
@@ -66,7 +66,7 @@ static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
 static void assert_same_volumes(struct test_passes *test, const char *assignments, uint64_t seed)
 {
     const bool is_half = test->view.targets[RT_VOLUME].format == RT_RGBA16F;
-    uint32_t *words = test_download(test, RT_VOLUME);
+    OWNED(memory) uint32_t *words = test_download(test, RT_VOLUME);
     const struct neph_gpu_target *shape = &test->view.targets[RT_VOLUME];
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         float made[4], expected[4];
@@ -77,12 +77,11 @@ static void assert_same_volumes(struct test_passes *test, const char *assignment
                                   (is_half ? 0x1p-24f : 0.0f);
             if (!(made[c] == expected[c] || fabsf(made[c] - expected[c]) <= allowed))
                 fail_msg("%s, seed %llu: channel %d of pixel %zu is %a on the device, %a in the "
-                         "twin",
+                         "CPU reference",
                          assignments, (unsigned long long)seed, c, i, (double)made[c],
                          (double)expected[c]);
         }
     }
-    free(words);
 }
 
 static void compare(struct neph_vulkan *vulkan, const char *assignments, const int size_px[2],
@@ -92,17 +91,16 @@ static void compare(struct neph_vulkan *vulkan, const char *assignments, const i
     const struct neph_settings settings = test_settings(assignments);
     const int origin_px[2] = {neph_test_random(seed) % 2 ? 8 : 0,
                               neph_test_random(seed) % 2 ? 4 : 0};
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     test_passes_open(vulkan, &settings, size_px, origin_px, start, &test);
     test.view.frame = (uint32_t)(neph_test_random(seed) % 100);
     for (int axis = 0; axis < 2; axis++)
         test.view.jitter_px[axis] = (float)(test_uniform(seed) - 0.5);
     fill(&test, seed, bad);
     test_passes_run(&test, "upscale");
-    twin_upscale(&test.twin);
+    cpu_upscale(&test.cpu);
     assert_same_volumes(&test, assignments, start);
     test_same_words(&test, RT_VOLUME_DISTANCE, start);
-    test_passes_close(&test);
 }
 
 static const char *const variants[] = {
@@ -138,7 +136,7 @@ static const char *const variants[] = {
 enum { VARIANTS = COUNT(variants) };
 
 /* By day each variant has two of the sizes, one the largest. */
-static void test_upscale_equals_the_twin(void **state)
+static void test_upscale_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 20261127;
     for (int v = 0; v < VARIANTS; v++)
@@ -147,7 +145,7 @@ static void test_upscale_equals_the_twin(void **state)
                 compare(*state, variants[v], sizes_px[s], 0, &seed);
 }
 
-static void test_bad_history_equals_the_twin(void **state)
+static void test_bad_history_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 20261128;
     for (int v = 0; v < VARIANTS; v++)
@@ -164,7 +162,7 @@ static void test_a_constant_stays_what_it_is(void **state)
     for (int v = 0; v < VARIANTS; v++) {
         const uint64_t start = seed;
         const struct neph_settings settings = test_settings(variants[v]);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[4], (int[2]){0, 0}, seed, &test);
         fill(&test, &seed, 0);
         const float volume[4] = {random_radiance(&seed), random_radiance(&seed), 0.0f,
@@ -176,7 +174,6 @@ static void test_a_constant_stays_what_it_is(void **state)
             for (size_t x = 0; x < test.view.size_px[0]; x++)
                 test_set(&test, RT_VOLUME, y * test.view.targets[RT_VOLUME].width + x, volume);
         test_same_words(&test, RT_VOLUME, start);
-        test_passes_close(&test);
     }
 }
 
@@ -188,24 +185,23 @@ static void test_bad_history_is_not_seen(void **state)
         if (strstr(variants[v], "validity=off"))
             continue;
         const struct neph_settings settings = test_settings(variants[v]);
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[3], (int[2]){0, 0}, seed, &test);
         fill(&test, &seed, 2);
         const int sound_columns = 24;
         for (int y = 0; y < (int)test.view.half_size_px[1]; y++)
             for (int x = sound_columns; x < (int)test.view.half_size_px[0]; x++)
-                twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){0, 100});
+                cpu_put_half(&test.cpu, RT_HISTORY_STATE, x, y, (float[4]){0, 100});
         run_upscale(&test);
         for (int y = 0; y < sizes_px[3][1]; y++)
             for (int x = 0; x < sizes_px[3][0]; x++) {
                 float volume[4];
-                twin_fetch_full(&test.twin, RT_VOLUME, x, y, volume);
-                assert_true(twin_is_sound(volume));
+                cpu_fetch_full(&test.cpu, RT_VOLUME, x, y, volume);
+                assert_true(cpu_is_sound(volume));
                 /* The largest shift is 4 texels, and the left taps are up to one away. */
                 if (x >= 2 * (sound_columns + 5))
                     assert_true(volume[0] == 0.0f && volume[3] == 1.0f);
             }
-        test_passes_close(&test);
     }
 }
 
@@ -216,10 +212,10 @@ static void test_validity_keeps_a_nan_out(void **state)
         const struct neph_settings settings = test_settings(validity ? "validity=on"
                                                                      : "validity=off");
         uint64_t seed = 3;
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, sizes_px[3], (int[2]){0, 0}, seed, &test);
         fill(&test, &seed, 0);
-        twin_put_half(&test.twin, RT_HISTORY, 12, 7, (float[4]){NAN, NAN, NAN, NAN});
+        cpu_put_half(&test.cpu, RT_HISTORY, 12, 7, (float[4]){NAN, NAN, NAN, NAN});
         run_upscale(&test);
         int bad = 0;
         for (size_t i = 0; i < test_elements(&test, RT_VOLUME); i++) {
@@ -228,7 +224,6 @@ static void test_validity_keeps_a_nan_out(void **state)
             bad += isnan(volume[0]);
         }
         assert_true(validity ? bad == 0 : bad > 0);
-        test_passes_close(&test);
     }
 }
 
@@ -255,7 +250,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, float
 static void shift_at(const struct test_passes *test, int x, int y, double shift[2])
 {
     float volume[4];
-    twin_fetch_full(&test->twin, RT_VOLUME, x, y, volume);
+    cpu_fetch_full(&test->cpu, RT_VOLUME, x, y, volume);
     shift[0] = (double)volume[0] - (0.5 * x - 0.25);
     shift[1] = (double)volume[1] - (0.5 * y - 0.25);
 }
@@ -276,7 +271,7 @@ static void test_the_place_of_a_pixel(void **state)
         {"upscale_dither=none jittered_depth=on", 0.0},
     };
     for (size_t k = 0; k < 2; k++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state, cases[k].assignments, 0.0f, 10.0f, &test);
         test.view.jitter_px[0] = 0.25f;
         test.view.jitter_px[1] = -0.375f;
@@ -288,7 +283,6 @@ static void test_the_place_of_a_pixel(void **state)
                 neph_assert_close(shift[0], cases[k].shift * 0.25, 0.0, ramp_rounding);
                 neph_assert_close(shift[1], cases[k].shift * -0.375, 0.0, ramp_rounding);
             }
-        test_passes_close(&test);
     }
 }
 
@@ -307,7 +301,7 @@ static void test_the_law_of_the_shift(void **state)
     for (size_t k = 0; k < COUNT(cases); k++)
         for (int is_constant = 0; is_constant < 2; is_constant++) {
             const double amount = is_constant ? 1.0 : cases[k].amount;
-            struct test_passes test;
+            OWNED(passes) struct test_passes test;
             open_ramp(*state,
                       is_constant ? "upscale_dither=white upscale_law=constant"
                                   : "upscale_dither=white upscale_law=opacity",
@@ -323,7 +317,6 @@ static void test_the_law_of_the_shift(void **state)
                 }
             neph_assert_close(most, amount, 0.01, ramp_rounding);
             neph_assert_close(least, -amount, 0.01, ramp_rounding);
-            test_passes_close(&test);
         }
 }
 
@@ -332,7 +325,7 @@ static void test_the_law_of_the_shift(void **state)
 static void test_shared_shifts_stay_on_a_line(void **state)
 {
     for (int is_shared = 0; is_shared < 2; is_shared++) {
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         open_ramp(*state,
                   is_shared ? "upscale_law=constant upscale_dither=blue upscale_pair=shared"
                             : "upscale_law=constant upscale_dither=blue upscale_pair=independent",
@@ -363,7 +356,6 @@ static void test_shared_shifts_stay_on_a_line(void **state)
             assert_true(farthest > 0.9); /* of 1 */
             assert_true(diagonal > 0.9); /* of 2 */
         }
-        test_passes_close(&test);
     }
 }
 
@@ -375,25 +367,24 @@ static void test_a_view_rectangle_is_a_view(void **state)
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 5;
         const struct neph_settings settings = test_settings("upscale_law=constant");
-        struct test_passes test;
+        OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, size_px, origins_px[k], 5, &test);
         fill(&test, &(uint64_t){77}, 0); /* around it */
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++)
-                twin_put_full(&test.twin, RT_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
+                cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
         for (int y = 0; y < (int)test.view.half_size_px[1]; y++)
             for (int x = 0; x < (int)test.view.half_size_px[0]; x++) {
-                twin_put_half(&test.twin, RT_HALF_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
-                twin_put_half(&test.twin, RT_HISTORY, x, y,
-                              (float[4]){random_radiance(&seed), 1, 2, 0.5f});
-                twin_put_half(&test.twin, RT_HISTORY_STATE, x, y, (float[4]){1, 100});
+                cpu_put_half(&test.cpu, RT_HALF_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
+                cpu_put_half(&test.cpu, RT_HISTORY, x, y,
+                             (float[4]){random_radiance(&seed), 1, 2, 0.5f});
+                cpu_put_half(&test.cpu, RT_HISTORY_STATE, x, y, (float[4]){1, 100});
             }
         run_upscale(&test);
         volumes[k] = malloc(pixel_count(&test) * 4 * sizeof(float));
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++)
-                twin_fetch_full(&test.twin, RT_VOLUME, x, y, volumes[k] + 4 * (y * size_px[0] + x));
-        test_passes_close(&test);
+                cpu_fetch_full(&test.cpu, RT_VOLUME, x, y, volumes[k] + 4 * (y * size_px[0] + x));
     }
     assert_memory_equal(volumes[0], volumes[1],
                         (size_t)size_px[0] * (size_t)size_px[1] * 4 * sizeof(float));
@@ -416,10 +407,10 @@ static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const
         for (int x = 0; x < sizes_px[3][0]; x++) {
             const bool is_near = line[0] * x + line[1] * y < line[2];
             const float depth[4] = {depths_m[!is_near]};
-            twin_put_full(&test->twin, RT_DEPTH, x, y, depth);
-            twin_put_full(&test->twin, RT_STEADY_DEPTH, x, y, depth);
+            cpu_put_full(&test->cpu, RT_DEPTH, x, y, depth);
+            cpu_put_full(&test->cpu, RT_STEADY_DEPTH, x, y, depth);
         }
-    twin_min_max(&test->twin);
+    cpu_min_max(&test->cpu);
     for (size_t i = 0; i < test_elements(test, RT_HALF_DEPTH); i++) {
         float depth[4];
         test_get(test, RT_HALF_DEPTH, i, depth);
@@ -434,19 +425,18 @@ static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const
 static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, const int line[3],
                            const float depths_m[2])
 {
-    struct test_passes test;
+    OWNED(passes) struct test_passes test;
     open_edge(vulkan, assignments, line, depths_m, &test);
     run_upscale(&test);
     int leaking = 0;
     for (int y = 0; y < sizes_px[3][1]; y++)
         for (int x = 0; x < sizes_px[3][0]; x++) {
             float depth[4], volume[4];
-            twin_fetch_full(&test.twin, RT_DEPTH, x, y, depth);
-            twin_fetch_full(&test.twin, RT_VOLUME, x, y, volume);
+            cpu_fetch_full(&test.cpu, RT_DEPTH, x, y, depth);
+            cpu_fetch_full(&test.cpu, RT_VOLUME, x, y, volume);
             leaking += volume[0] != (depth[0] == depths_m[0] ? near_value : far_value);
         }
     const double part = leaking / (double)pixel_count(&test);
-    test_passes_close(&test);
     return part;
 }
 
@@ -513,10 +503,4 @@ static void test_depth_matters_with_contrast_alone(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/check_upscale.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+#include "renderer/spirv_split.h"
+
+#include "renderer/spirv.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BOUND = 3, ADDED_WORDS = 8 }; /* two labels and two branches */
+
+/* A header that is divided: labels of its new blocks. */
+struct parts {
+    uint32_t body; /* 0: the header stays as it is */
+    uint32_t back; /* 0: it does not branch to itself */
+};
+
+struct splitter {
+    struct neph_spirv_module module;
+    struct parts *parts; /* owned, by block */
+    uint32_t bound;
+    uint32_t *out; /* for the caller */
+    size_t count;
+};
+
+static size_t skip_phis(const struct neph_spirv_module *module,
+                        const struct neph_spirv_block *block)
+{
+    size_t at = block->at + neph_spirv_length(module, block->at);
+    while (neph_spirv_operation(module, at) == OP_PHI)
+        at += neph_spirv_length(module, at);
+    return at;
+}
+
+/* A conditional branch that leaves the loop or its turn needs no OpSelectionMerge; another one has
+ * to stay at the OpLoopMerge. */
+static bool can_divide(const struct neph_spirv_module *module, const struct neph_spirv_block *block)
+{
+    if (!block->merge || neph_spirv_operation(module, block->merge) != OP_LOOP_MERGE ||
+        skip_phis(module, block) == block->merge)
+        return false;
+    const uint32_t *loop = module->words + block->merge, *end = module->words + block->terminator;
+    const uint32_t operation = neph_spirv_operation(module, block->terminator);
+    return operation == OP_BRANCH ||
+           (operation == OP_BRANCH_CONDITIONAL &&
+            (end[2] == loop[1] || end[2] == loop[2] || end[3] == loop[1] || end[3] == loop[2]));
+}
+
+static void plan(struct splitter *splitter)
+{
+    const struct neph_spirv_module *module = &splitter->module;
+    for (int b = 0; b < module->block_count; b++) {
+        const struct neph_spirv_block *block = &module->blocks[b];
+        if (!can_divide(module, block))
+            continue;
+        splitter->parts[b].body = splitter->bound++;
+        if (module->words[block->merge + 2] == neph_spirv_label_of(module, block))
+            splitter->parts[b].back = splitter->bound++;
+    }
+}
+
+/* --- writing ---------------------------------------------------------------------------------- */
+
+static void put(struct splitter *splitter, uint32_t word)
+{
+    splitter->out[splitter->count++] = word;
+}
+
+static void put_instruction(struct splitter *splitter, uint32_t operation, uint32_t operand)
+{
+    put(splitter, 2u << 16 | operation);
+    put(splitter, operand);
+}
+
+static void copy(struct splitter *splitter, size_t at, size_t end)
+{
+    memcpy(splitter->out + splitter->count, splitter->module.words + at,
+           (end - at) * sizeof(*splitter->out));
+    splitter->count += end - at;
+}
+
+/* The block from which a branch to `block` comes that came from `parent`. */
+static uint32_t parent_of(const struct splitter *splitter, int block, uint32_t parent)
+{
+    const int from = splitter->module.ids[parent].block;
+    const struct parts *parts = &splitter->parts[from];
+    if (from == block && parts->back)
+        return parts->back;
+    return parts->body ? parts->body : parent;
+}
+
+static void copy_phis(struct splitter *splitter, int block, size_t at, size_t end)
+{
+    const struct neph_spirv_module *module = &splitter->module;
+    for (size_t length; at < end; at += length) {
+        uint32_t *words = splitter->out + splitter->count;
+        length = neph_spirv_length(module, at);
+        copy(splitter, at, at + length);
+        for (size_t i = 4; i < length; i += 2)
+            words[i] = parent_of(splitter, block, words[i]);
+    }
+}
+
+/* Copy the OpLoopMerge or the branch of a block, whose operands 1 .. last may be labels: the label
+ * of the block itself becomes that of its new last block. */
+static void copy_redirected(struct splitter *splitter, int block, size_t at, size_t last)
+{
+    const struct neph_spirv_module *module = &splitter->module;
+    const uint32_t label = neph_spirv_label_of(module, &module->blocks[block]);
+    const size_t length = neph_spirv_length(module, at);
+    uint32_t *words = splitter->out + splitter->count;
+    copy(splitter, at, at + length);
+    for (size_t i = 1; i <= last && i < length && splitter->parts[block].back; i++)
+        if (words[i] == label)
+            words[i] = splitter->parts[block].back;
+}
+
+static void write_block(struct splitter *splitter, int b)
+{
+    const struct neph_spirv_module *module = &splitter->module;
+    const struct neph_spirv_block *block = &module->blocks[b];
+    const struct parts *parts = &splitter->parts[b];
+    const size_t phis = block->at + neph_spirv_length(module, block->at);
+    const size_t body = skip_phis(module, block);
+    copy(splitter, block->at, phis);
+    copy_phis(splitter, b, phis, body);
+    if (!parts->body) {
+        copy(splitter, body, block->end);
+        return;
+    }
+    copy_redirected(splitter, b, block->merge, 2);
+    put_instruction(splitter, OP_BRANCH, parts->body);
+    put_instruction(splitter, OP_LABEL, parts->body);
+    copy(splitter, body, block->merge);
+    copy_redirected(splitter, b, block->terminator, 3);
+    if (!parts->back)
+        return;
+    put_instruction(splitter, OP_LABEL, parts->back);
+    put_instruction(splitter, OP_BRANCH, neph_spirv_label_of(module, block));
+}
+
+static void write_module(struct splitter *splitter)
+{
+    const struct neph_spirv_module *module = &splitter->module;
+    size_t at = 0;
+    for (int b = 0; b < module->block_count; b++) {
+        copy(splitter, at, module->blocks[b].at);
+        write_block(splitter, b);
+        at = module->blocks[b].end;
+    }
+    copy(splitter, at, module->word_count);
+    splitter->out[BOUND] = splitter->bound;
+}
+
+bool neph_spirv_split_loops(const uint32_t *words, size_t size_bytes, uint32_t **split,
+                            size_t *split_bytes)
+{
+    struct splitter splitter = {.bound = words[BOUND]};
+    bool fits = neph_spirv_read(words, size_bytes, &splitter.module);
+    if (fits) {
+        const size_t blocks = (size_t)splitter.module.block_count;
+        splitter.parts = calloc(blocks + 1, sizeof(*splitter.parts));
+        splitter.out = calloc(splitter.module.word_count + ADDED_WORDS * blocks,
+                              sizeof(*splitter.out));
+        fits = splitter.parts && splitter.out;
+    }
+    if (fits) {
+        plan(&splitter);
+        write_module(&splitter);
+        *split = splitter.out;
+        *split_bytes = splitter.count * sizeof(*splitter.out);
+    } else {
+        free(splitter.out);
+    }
+    free(splitter.parts);
+    neph_spirv_free(&splitter.module);
+    return fits;
+}

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The main() of a test on a Vulkan device: all cases of its file, as the build lists them
+ * (tests/CMakeLists.txt). Included at the end of the file.
+ */
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+#include NEPH_TEST_CASES
+    };
+    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
+}
