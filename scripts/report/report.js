@@ -759,10 +759,14 @@
 
   const notMeasured = () => el("span", { class: "soft" }, "not measured");
 
+  const warmFrame = ({ speed: found }) => (typeof found?.render_s === "number"
+    ? number(found, "render_s", { unit: "s" }) : notMeasured());
+
   /** A frame of an engine that is already running: the same definition for all engines. */
-  function speed({ speed: found }) {
+  function speed(frame) {
+    const found = frame.speed;
     if (typeof found?.render_s !== "number") return notMeasured();
-    return [number(found, "render_s", { unit: "s" }), small(
+    return [warmFrame(frame), small(
       typeof found.low_s === "number" && ["[", number(found, "low_s"), ", ",
         number(found, "high_s"), "]", unitText("s")],
       typeof found.repeats === "number" && [" of ", number(found, "repeats")])];
@@ -1476,7 +1480,8 @@
 
   const sequencePictures = (sequence) => fit(el("div", { class: "pictures small-pictures" },
     sequence.rows.filter((row) => row.pictures.length > 0).map((row) => pictureCard(row.preset,
-      [`${row.engine} · all frames, rendered once: `, number(row, "render_s", { unit: "s" })],
+      [`${row.engine} · warm frame: `, warmFrame(row), " · all frames, rendered once: ",
+        number(row, "render_s", { unit: "s" })],
       flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map,
         `${sequence.scene}: amplitude of the flicker of ${row.preset}`, sequence.size_px),
       el("figcaption", {}, "visible flicker, in multiples of the threshold of visibility",
