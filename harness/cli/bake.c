@@ -30,7 +30,7 @@ static const struct neph_cli_option options[] = {
      .minimum = NEPH_BAKE_RESOLUTION_MIN, .maximum = NEPH_GRID_SIDE_MAX},
     {.name = "output", .help = "Folder of SCENE.vdb, without FILE", .otherwise = "out/bake"},
     {.name = "json"},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Accepted; this verb prints only results"},
     {.name = NULL},
 };
 

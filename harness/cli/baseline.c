@@ -30,7 +30,7 @@ static const struct neph_cli_option options[] = {
      .at = offsetof(struct request, night), .minimum = 1, .maximum = 1e9},
     {.name = "output", .help = "Folder of the store", .otherwise = "out/nightly"},
     {.name = "json"},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Accepted; this verb prints only results"},
     {.name = NULL},
 };
 

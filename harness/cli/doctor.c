@@ -20,7 +20,7 @@
 static const struct neph_cli_option options[] = {
     {.name = "blender"},
     {.name = "json"},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Accepted; this verb prints only results"},
     {.name = NULL},
 };
 

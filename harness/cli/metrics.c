@@ -20,7 +20,7 @@ static const struct neph_cli_option options[] = {
     {.name = "json"},
     {"masks", 0, NULL, "List the masks instead", NEPH_CLI_FLAG,
      .at = offsetof(struct request, masks)},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Accepted; this verb prints only results"},
     {.name = NULL},
 };
 

@@ -30,7 +30,7 @@ static const struct neph_cli_option options[] = {
     {"spare-hours", 0, "H", "gc: frames that were used within so many hours stay", NEPH_CLI_REAL,
      .at = offsetof(struct request, spare_hours), .otherwise = "1", .minimum = 0, .maximum = 1e6},
     {.name = "json"},
-    {.name = "quiet", .help = "Accepted; this verb prints results alone"},
+    {.name = "quiet", .help = "Accepted; this verb prints only results"},
     {.name = NULL},
 };
 

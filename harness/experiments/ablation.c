@@ -40,6 +40,8 @@ static const struct neph_cli_option options[] = {
      AT(only), .maximum = NEPH_ABLATION_PARTS_MAX},
     {"list", 0, NULL, "What the parts are, who claims them, and their settings; renders nothing",
      NEPH_CLI_FLAG, AT(list)},
+    {"seed", 0, NULL, "The first seed of the dithers", NEPH_CLI_INTEGER, AT(flicker.first_seed),
+     "1", 1, 1000000},
     {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      AT(flicker.seed_count), "2", 1, NEPH_STUDY_SEEDS_MAX},
     {"frames", 0, NULL,

@@ -31,6 +31,8 @@ static const struct neph_cli_option options[] = {
      "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
      "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
      NEPH_CLI_WORD, AT(flicker.suite)},
+    {"seed", 0, NULL, "The first seed of the dithers", NEPH_CLI_INTEGER, AT(flicker.first_seed),
+     "1", 1, 1000000},
     {"seeds", 0, NULL, "Seeds of the dithers, for each scene", NEPH_CLI_INTEGER,
      AT(flicker.seed_count), "3", 1, NEPH_STUDY_SEEDS_MAX},
     {"frames", 0, NULL,
@@ -133,6 +135,7 @@ struct neph_flicker_study_params neph_flicker_params(const struct neph_flicker_r
         .scenes = shared->operands,
         .scene_count = shared->operand_count,
         .seed_count = request->seed_count,
+        .seeds_before = request->first_seed - 1,
         .frame_count = request->frame_count,
         .steps = request->steps,
         .width_px = shared->size.width_px,
@@ -514,7 +517,7 @@ static void add_result(const struct neph_flicker_study *study, int scene, int pr
         neph_json_add(&displays, neph_json_number(cell->displays[d]));
     neph_table_word(table, study->scenes[scene].name);
     neph_table_word(table, study->params->presets[preset]);
-    neph_table_count(table, seed + 1);
+    neph_table_count(table, study->params->seeds_before + seed + 1);
     neph_table_word(table, neph_study_metrics[metric].metric);
     neph_table_word(table, neph_study_metrics[metric].mask);
     neph_table_numbers(table, 2, (const double[]){cell->value, cell->centre});

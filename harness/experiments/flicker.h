@@ -14,7 +14,7 @@ struct neph_flicker_request {
     struct neph_cli_shared shared; /* operands: the scenes, those of the suite once prepared */
     struct neph_cli_list takes;
     const char *suite;
-    int seed_count, frame_count, steps;
+    int first_seed, seed_count, frame_count, steps;
     struct neph_arena arena; /* of the suite's scenes */
     bool is_part;            /* for --jobs: of one scene, and of .. */
     int part_preset;         /* .. one preset */

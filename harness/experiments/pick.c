@@ -48,7 +48,7 @@ static const struct neph_cli_option options[] = {
      "octaves",
      NEPH_CLI_NAMES, AT(only), .maximum = NEPH_CLI_LIST_MAX},
     {.name = "size", .otherwise = "192x108"},
-    {"seed", 0, NULL, "Seed of all that is random (default: 1); --preset has --seeds",
+    {"seed", 0, NULL, "Seed of all that is random; with --preset the first of --seeds (default: 1)",
      NEPH_CLI_INTEGER, AT(seed), .minimum = 1, .maximum = 1000000},
     {.name = "output", .help = "Folder of the store and of pick.json", .otherwise = "out/pick"},
     {.name = "time-limit", .otherwise = "3600"},
@@ -119,8 +119,6 @@ static void check(const void *request_, const struct argp_state *state)
         if (request->engines.count || request->only.count)
             argp_error(state, "--engine and --only choose among the configurations of one scene, "
                               "--preset among presets");
-        if (request->seed >= 0)
-            argp_error(state, "--seed is of one scene; --preset has --seeds");
         if (request->suite && scenes > 0)
             argp_error(state, "a suite or scenes by name, not both");
         if (request->suite && strcmp(request->suite, "test") == 0)
@@ -400,6 +398,7 @@ static enum neph_status pick_preset(struct request *request, const struct neph_e
         .scenes = request->scenes,
         .scene_count = request->scene_count,
         .seed_count = given_or(request->seeds, 1),
+        .seeds_before = given_or(request->seed, 1) - 1,
         .frame_count = given_or(request->frames, 32),
         .steps = given_or(request->steps, 8),
         .width_px = shared->size.width_px,

@@ -72,7 +72,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
                                       .layers = NEPH_LAYERS_ALL,
                                       .time_limit_s = NEPH_GUEST_LIMIT_S,
                                       .device = params->device,
-                                      .seed = scene ? neph_seed_of(scene, seed + 1) : 1}};
+                                      .seed = scene ? neph_seed_of(scene, seed) : 1}};
     char steps[32];
     snprintf(steps, sizeof(steps), "steps=%d", params->steps);
     const enum neph_status status = neph_engine_words(words, steps, &job->engine,
@@ -248,7 +248,7 @@ static enum neph_status have_reference(struct work *work, const struct neph_job 
     char key[NEPH_HASH_HEX_SIZE];
     struct neph_reference *reference = &work->reference;
     struct neph_job march;
-    enum neph_status status = make_job(work, asked->shot.scene, "off", 0, &march, diag);
+    enum neph_status status = make_job(work, asked->shot.scene, "off", 1, &march, diag);
     const struct neph_job *job = asked->engine->is_guest ? &march : asked;
     if (!status)
         status = neph_reference_key(job, count, key, diag);
@@ -313,10 +313,11 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
     const struct neph_flicker_study_params *params = work->params;
     snprintf(what, sizeof(what), "%s, %s, %s%s, seed %d", work->study->scenes[spot->scene].name,
              neph_study_takes[spot->take].name, params->labels ? "" : "preset ",
-             (params->labels ? params->labels : params->presets)[spot->preset], spot->seed + 1);
+             (params->labels ? params->labels : params->presets)[spot->preset],
+             params->seeds_before + spot->seed + 1);
     neph_progress_begin(&work->progress, what);
-    enum neph_status status = make_job(work, scene, params->presets[spot->preset], spot->seed, &job,
-                                       &why);
+    enum neph_status status = make_job(work, scene, params->presets[spot->preset],
+                                       params->seeds_before + spot->seed + 1, &job, &why);
     const double start_s = neph_wall_s();
     if (!status)
         status = run_take(work, &job, spot, &why);
@@ -375,7 +376,7 @@ static bool can_render(struct work *work, const struct neph_scene *scene, char *
 {
     for (int preset = 0; preset < work->params->preset_count; preset++) {
         struct neph_job job;
-        if (make_job(work, scene, work->params->presets[preset], 0, &job, NULL) == NEPH_OK &&
+        if (make_job(work, scene, work->params->presets[preset], 1, &job, NULL) == NEPH_OK &&
             !job.engine->can_render(scene, &job.shot.settings, why, size))
             return false;
     }
@@ -435,7 +436,7 @@ static enum neph_status describe_presets(struct work *work, struct neph_diag *di
     enum neph_status status = NEPH_OK;
     for (int preset = 0; preset < work->params->preset_count && !status; preset++) {
         struct neph_job job;
-        status = make_job(work, NULL, work->params->presets[preset], 0, &job, diag);
+        status = make_job(work, NULL, work->params->presets[preset], 1, &job, diag);
         char *text = status ? NULL : neph_settings_text(job.engine, &job.shot.settings);
         study->settings[preset] = neph_arena_text(&study->arena, text);
         if (!status && !text)

@@ -20,7 +20,8 @@ struct neph_flicker_study_params {
     const char *const *scenes;  /* names or paths */
     int scene_count;
     int seed_count;
-    int frame_count; /* a multiple of 4; of a scene that moves, as many as it has */
+    int seeds_before; /* the first seed is one more */
+    int frame_count;  /* a multiple of 4; of a scene that moves, as many as it has */
     int steps;
     int width_px, height_px;
     bool takes[NEPH_STUDY_TAKES];

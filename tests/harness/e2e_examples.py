@@ -89,7 +89,7 @@ colorspaces:
 """
 FOG = """name: my_fog
 title: Fog to a horizon
-physics: One layer, which both looks of fog have.
+description: One layer, which both looks of fog have.
 camera: {position_m: [0, 20, 0], look_at_m: [0, 20, -100], vertical_fov_deg: 60}
 sun: {direction: [0.2, 0.3, -1], irradiance_w_per_m2: [5.5, 5, 4.5]}
 background_w_per_m2_sr: [0.6, 0.7, 0.8]
@@ -109,7 +109,7 @@ width_px: 16
 height_px: 9
 frames: 16
 warm_up: 4
-truth_samples: 2
+truth_samples: 4
 rounds: 1
 seeds: 1
 series:
@@ -155,9 +155,8 @@ def make_frames(folder):
         frames.grey_exr(folder / f"{name}.exr", WIDTH, HEIGHT, values(i), Z=depths)
     for i, name in enumerate(("old", "new", "ref", "before", "after")):
         picture(folder / f"{name}.png", i)
-    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b", "half",
-                                 "walk", "before", "after", "reference",
-                                 "test")):
+    for seed, name in enumerate(("night", "taa", "full", "fast", "lights", "sines", "a", "b",
+                                 "half", "walk", "before", "after", "reference", "test")):
         (folder / name).mkdir()
         stem = "f" if name == "test" else "frame"
         for frame in range(LENGTH):

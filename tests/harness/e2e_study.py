@@ -120,6 +120,13 @@ class Study(StudyCase):
                            for folder, jobs in (("out/study", 1), ("two", 2)))
         self.assertEqual(without_times(by_two), without_times(by_one))
 
+    def test_seeds_begin_with_the_first(self):
+        words = (self.rest, "--preset", "fixed", "--takes", "flicker")
+        both, second = (self.json(*self.command(*words), *seeds)["results"]
+                        for seeds in (("--seeds", 2), ("--seed", 2)))
+        self.assertEqual([row for row in both if row["seed"] == 2], second)
+        self.assertEqual({row["seed"] for row in both}, {1, 2})
+
     def test_steps_do_not_depend_on_how_many_processes_render_them(self):
         found = []
         for jobs in "12":

@@ -169,8 +169,9 @@ static void test_the_plans_that_come_with_neph(void **state)
     static const struct {
         const char *name;
         int least_points;
-    } plans[] = {{"sweep", 30},   {"sweep_gpu", 30}, {"textures", 20}, {"shadows", 13},
-                 {"froxels", 20}, {"sky", 20},       {"fog_look", 12}, {"shortcuts", 27}};
+    } plans[] = {{"steps", 12},    {"sweep", 30},    {"sweep_gpu", 30},
+                 {"textures", 20}, {"shadows", 13},  {"froxels", 20},
+                 {"sky", 20},      {"fog_look", 12}, {"shortcuts", 27}};
     for (size_t n = 0; n < sizeof(plans) / sizeof(plans[0]); n++) {
         int points = 0;
         neph_assert_ok(neph_sweep_plan_load(plans[n].name, &plan, &diag), &diag);
