@@ -32,6 +32,8 @@ RULES = [
     (r"study steps .*--renew", "absorbing_slab", {0}, False),
     (r"study steps .*cycles", f"{SIZE} -s samples=1", {0, 2, 69}, False),
     (r"study steps", SIZE, {0, 2, 69}, False),
+    (r"study flicker .*--suite", f"{STUDY} --frames 16 --seeds 1 -q -p fixed --takes flicker", {0},
+     False),
     (r"study flicker", f"{STUDY} --frames 16 --seeds 1 -q", {0}, False),
     (r"study light", "--size 8x5 --samples 2 --steps 8 -q", {0}, False),
     (r"study sky", "--size 8x8 --samples 2 --steps 4 -q", {0}, False),
