@@ -29,7 +29,8 @@ enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scen
                                       struct neph_diag *diag);
 
 /* Whether the scenes of a run, paths or names of the catalogue, are there and have names of their
- * own: frames are stored by them. NEPH_ERR_NOT_FOUND; NEPH_ERR_USAGE names the two that share one. */
+ * own: frames are stored by them. NEPH_ERR_NOT_FOUND; NEPH_ERR_USAGE names the two that share
+ * one. */
 enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
                                         struct neph_diag *diag);
 

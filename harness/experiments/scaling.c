@@ -10,6 +10,9 @@
 #include <math.h>
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_EXPONENT_VERDICTS == 4, "a new kind");
+
 struct request {
     struct neph_cli_shared shared;
     struct neph_scaling_params params;

@@ -153,7 +153,8 @@ class Sweep(NephCase):
 
     def answer(self, *arguments):
         """The lines of the answer, without progress."""
-        return self.neph("sweep", "voxel_grid", "--plan", "plan.yaml", *arguments).stdout.splitlines()
+        done = self.neph("sweep", "voxel_grid", "--plan", "plan.yaml", *arguments)
+        return done.stdout.splitlines()
 
     def test_the_answer_is_the_cheapest_series_at_an_error(self):
         """The verdict by its definition, from the numbers of JSON."""
