@@ -344,8 +344,8 @@ static void answer(const struct neph_ablation *ablation, struct neph_answer *ans
     char text[800] = "";
     for (int advice = 0; advice < NEPH_ABLATION_ADVICES; advice++)
         append_advice(ablation, (enum neph_ablation_advice)advice, text, sizeof(text));
-    neph_answer_add(answer, "%s%s (%d scenes, %d seed%s, 95 %% intervals)", ablation->preset,
-                    text[0] ? text : "; no part was measured", params->scene_count,
+    neph_answer_add(answer, "%s:%s (%d scenes, %d seed%s, 95 %% intervals)", ablation->preset,
+                    text[0] ? text + 1 : " no part was measured", params->scene_count,
                     params->seed_count, params->seed_count == 1 ? "" : "s");
     for (int i = 0; neph_ablation_parts[i].name; i++) {
         const struct neph_ablation_comparison *of = neph_ablation_find(ablation, i,

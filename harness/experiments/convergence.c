@@ -90,7 +90,7 @@ static enum neph_status read_errors(const json_t *document, int count, double *e
     return NEPH_OK;
 }
 
-/* The row of a preset over its scenes. */
+/* A preset over its scenes. */
 struct settled {
     double frames, error; /* sums over the scenes, the first over those that settle */
     int scene_count, settled_count;

@@ -177,8 +177,8 @@ class Pick(NephCase):
                              if option[0] == "-e" else {engine}, {engine})
             lines = self.neph("pick", "voxel_grid", "--size", "32x18", *words, *option).stdout
             self.assertLessEqual(lines.count("\n"), 10)
-            start = f"{found['name']}: error {100 * found['error']:.3g} %"
-            self.assertTrue(lines.startswith(start), lines)
+            verdict = f"{found['name']}: error {100 * found['error']:.3g} %"
+            self.assertEqual(lines[:len(verdict)], verdict)
             self.assertIn("\nneph render voxel_grid --config few/pick.json\n", lines)
         [verdict] = self.neph("pick", "voxel_grid", "--size", "32x18", "--error", "1e-6", "-e",
                               "march", "-o", "few", "-q", code=1).stdout.splitlines()
