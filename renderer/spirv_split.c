@@ -100,8 +100,8 @@ static void copy_phis(struct splitter *splitter, int block, size_t at, size_t en
     }
 }
 
-/* Copy the OpLoopMerge or the branch of a block, whose operands 1 .. last may be labels: the label of
- * the block itself becomes that of its new last block. */
+/* Copy the OpLoopMerge or the branch of a block, whose operands 1 .. last may be labels: the label
+ * of the block itself becomes that of its new last block. */
 static void copy_redirected(struct splitter *splitter, int block, size_t at, size_t last)
 {
     const struct neph_spirv_module *module = &splitter->module;

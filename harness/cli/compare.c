@@ -266,7 +266,6 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .reference = sides->reference,
         .without_reference = sides->without_reference,
         .test = sides->test,
-        .with_movement = request->temporal,
         .viewing = viewing_of(request),
         .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,

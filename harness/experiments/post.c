@@ -533,6 +533,22 @@ static enum neph_status write_results(const struct study *study,
     return neph_json_check(publication->json, diag);
 }
 
+static enum neph_status prepare(void *request, struct neph_diag *diag)
+{
+    const struct request *post = request;
+    const struct neph_cli_shared *shared = &post->shared;
+    const struct neph_cli_size *size = &shared->size;
+    if (!neph_take_fits(size->width_px, size->height_px, post->warm_up + post->frames)) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  "%d frames of %d x %d pixels are more than 1 GiB, which is "
+                  "what is kept in memory",
+                  post->warm_up + post->frames, size->width_px, size->height_px);
+        neph_hint(diag, "give fewer --frames, a shorter --warm-up, or a smaller --size");
+        return NEPH_ERR_USAGE;
+    }
+    return neph_data_check_scenes(shared->operands, shared->operand_count, diag);
+}
+
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -554,5 +570,6 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
 const struct neph_experiment neph_experiment_post = {.syntax = &syntax,
                                                      .request_size = sizeof(struct request),
                                                      .chart = "post.svg",
+                                                     .prepare = prepare,
                                                      .part = neph_experiment_operand,
                                                      .run = run};

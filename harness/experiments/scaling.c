@@ -4,6 +4,7 @@
  */
 #include "harness/experiments/experiments.h"
 
+#include "harness/engines/engines.h"
 #include "harness/sweep/scaling.h"
 
 #include <math.h>
@@ -76,7 +77,10 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     params->height_px = shared->size.height_px;
     params->quiet = shared->quiet || shared->json;
     params->jobs = shared->jobs;
-    return request->against ? neph_scaling_load(request->against, &request->there, diag) : NEPH_OK;
+    const enum neph_status status = neph_engine_check_size(
+        neph_engine_find("march"), params->width_px, params->height_px, diag);
+    return status || !request->against ? status
+                                       : neph_scaling_load(request->against, &request->there, diag);
 }
 
 /* ---- the table ------------------------------------------------------------------------------- */

@@ -11,6 +11,8 @@ from neph_case import ROOT, NephCase
 
 SCENES = ROOT / "scenes/catalog"
 
+MARCHERS = ("march", "march_octaves", "march_horizon", "march_traced", "march_slab")
+
 
 class Benchmark(NephCase):
     def benchmark(self, *arguments, **expected):
@@ -303,11 +305,10 @@ class Benchmark(NephCase):
                 (("slab_multiple_thin", "-e", "realtime", "-p", "magic"), 64, "magic"),
                 (("slab_multiple_thin", "-e", "march,tracer", "-p", "ours"), 64,
                  "none of the engines has presets"),
-                (("slab_multiple_thin", "-e", "march,march_octaves,march_horizon,march_traced",
-                  "-e", "march_diffused"), 64,
+                (("slab_multiple_thin", "-e", ",".join(MARCHERS)), 64,
                  "more than 4 engines whose pictures"),
-                (("slab_multiple_thin", "-e", "march,tracer", "-s", "steps"), 64,
-                 "ENGINE:KEY=VALUE"),
+                (("slab_multiple_thin", "-e", ",".join((*MARCHERS[:4], "tracer")), "-s", "steps"),
+                 64, "ENGINE:KEY=VALUE"),
                 (("voxel_grid", "-e", "march", "-s", "march:rays_per_px=4", "--size", "16x9"), 2,
                  "rays_per_px=1"),
                 (("slab_multiple_thin", "-e", "march"), 2, "multiple scattering"),

@@ -91,7 +91,7 @@ colorspaces:
 """
 FOG = """name: my_fog
 title: Fog to a horizon
-physics: One layer, which both looks of fog have.
+description: One layer, which both looks of fog have.
 camera: {position_m: [0, 20, 0], look_at_m: [0, 20, -100], vertical_fov_deg: 60}
 sun: {direction: [0.2, 0.3, -1], irradiance_w_per_m2: [5.5, 5, 4.5]}
 background_w_per_m2_sr: [0.6, 0.7, 0.8]
