@@ -640,8 +640,8 @@
       physics && physicsHelp(),
       (scenes.length > 0 || !physics) && sceneHelp(),
       entry("Difference maps", "Engine minus reference on a fixed scale, which stands below each "
-        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the lower "
-        + "end of the scale, yellow is above its upper end, magenta is not a number."),
+        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the "
+        + "lower end of the scale, yellow is above its upper end, magenta is not a number."),
       entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all "
         + "errors count. Bias is the difference of the means: errors of both signs cancel, so a "
         + "bias near 0 does not mean that an engine is right. The page ranks by RMSE."),
@@ -1430,7 +1430,8 @@
               below()],
           el("figure", {}, map ? pixels(map,
               `${title}: signed difference of ${row.participant} from the truth`, size)
-            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth, radiance`,
+            : hole("no difference map"),
+          el("figcaption", {}, `${row.participant} − truth, radiance`,
             map && differenceKey(view, "difference_scale", "W m⁻² sr⁻¹"))));
       }));
     return [
