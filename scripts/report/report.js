@@ -1430,8 +1430,8 @@
               below()],
           el("figure", {}, map ? pixels(map,
               `${title}: signed difference of ${row.participant} from the truth`, size)
-            : hole("no difference map"), el("figcaption", {},
-              `${row.participant} − truth, radiance`,
+            : hole("no difference map"),
+          el("figcaption", {}, `${row.participant} − truth, radiance`,
             map && differenceKey(view, "difference_scale", "W m⁻² sr⁻¹"))));
       }));
     return [
