@@ -3,6 +3,7 @@
 
 #include "base/exr_header.h"
 #include "base/files.h"
+#include "base/interrupt.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,8 @@ enum neph_status neph_frame_sizes_check(const struct neph_sequence *const *seque
         for (int i = 0; i < sequences[s]->count; i++) {
             const char *path = sequences[s]->paths[i];
             int w, h;
+            if (neph_interrupted())
+                return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
             if (!neph_frame_size(path, &w, &h))
                 continue;
             if (first && (w != width_px || h != height_px)) {

@@ -14,7 +14,7 @@
 bool neph_frame_size(const char *path, int *width_px, int *height_px);
 
 /* Check that all frames of several sequences have one size. NEPH_ERR_INPUT names two files whose
- * sizes differ, and both sizes. */
+ * sizes differ, and both sizes. NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_frame_sizes_check(const struct neph_sequence *const *sequences, int count,
                                         struct neph_diag *diag);
 

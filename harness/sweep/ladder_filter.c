@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* A new kind does not compile before this file was looked through for it. */
+_Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
+
 /* "march" of march and of march_octaves. */
 static bool is_engine(const char *engine, const char *name)
 {

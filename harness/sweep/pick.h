@@ -61,8 +61,8 @@ struct neph_pick {
     char device[128];
 };
 
-/* Errors as of neph_sweep_run() and of neph_ladder_filter_check(), before anything is rendered.
- * Where nothing is good enough that is no error here. */
+/* Errors as of neph_sweep_run() and, before anything is rendered, of neph_ladder_filter_check() and
+ * neph_engine_check_size(). Where nothing is good enough that is no error here. */
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);
 

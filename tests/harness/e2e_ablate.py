@@ -34,7 +34,7 @@ class Ablate(StudyCase):
         self.scenes = [self.put("rest.yaml", REST), self.put("backlit.yaml", BACKLIT)]
 
     def ablate(self, *arguments):
-        done = self.neph("ablate", *arguments, "--only", "split", *SIZE)
+        done = self.neph("ablate", *arguments, "--only", "split", "--all", *SIZE)
         return done.stdout, json.loads((self.folder / "out/ablate/ablation.json").read_text())
 
     def stored(self):
@@ -48,7 +48,7 @@ class Ablate(StudyCase):
 
     def test_the_split_saves_15_rays_of_16_and_is_the_pair_of_the_study(self):
         arguments = (*self.scenes, "--takes", "flicker")
-        text, found = self.ablate(*arguments)
+        text, found = self.ablate(*arguments, "--all")
         for word in ("preset ours, 32x16, 3 steps", "Scenes: rest backlit.", "\n| split | ",
                      "\n- split: lowers density evaluations a pixel (-94 %)",
                      "not in this preset: upscale_dither"):
@@ -64,8 +64,10 @@ class Ablate(StudyCase):
                          ("neph-ablation-1", 1))
         self.check_files()
         entries = self.stored()
-        again, _ = self.ablate(*arguments)
+        again, _ = self.ablate(*arguments, "--all")
         self.assertEqual((again, self.stored()), (text, entries))
+        verdict, _ = self.ablate(*arguments)  # -q
+        self.assertEqual(verdict, "ours: keep: split (2 scenes, 1 seed, 95 % intervals)\n")
         study = self.json("study", "flicker", self.scenes[0], "--preset", "ours,ours+split=none",
                           "--takes", "flicker", *SIZE)
         for measure, metric, mask in (("error", "rel_rmse", "all"),

@@ -126,7 +126,7 @@ class Matrix(unittest.TestCase):
                   "scenes": [{"frames": [{"engine": "cycles", "status": "rendered"},
                                          {"engine": "povray", "status": "missing"}]},
                              {"frames": [{"engine": "cycles", "status": "rendered"}]}]}
-        data = self.folder / matrix.CLONE / "out/report/data.json"
+        data = self.folder / matrix.CLONE / "out/validate/report/data.json"
         data.parent.mkdir(parents=True)
         data.write_text(json.dumps(report))
         row = {"report": matrix.read_report(self.folder)}

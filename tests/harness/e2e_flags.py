@@ -144,7 +144,7 @@ class Flags(unittest.TestCase):
         table = re.findall(r'^    \{"([\w ]+)", "([\w-]+)", "([\w-]+)"\},$',
                            (ROOT / "harness/old_options.c").read_text(), re.MULTILINE)
         page = [tuple(cell.strip("`").removeprefix("--") for cell in row)
-                for row in rows("## Names of")]
+                for row in rows("## Old names")]
         self.assertEqual(page, table)
         for verb, old, new in table:
             self.assertIn(new, self.verbs[verb], verb)
@@ -200,6 +200,10 @@ class Commands(neph_case.NephCase):
                 (("bake", "gaussian_blob", "--resolution", "2"), 0, "out/bake/gaussian_blob.vdb"),
                 (("view", "-r", frame, frame), 0, "out/view/index.html"),
                 (("post", frame, "-r", frame, "-p", "unreal"), 0, "out/post"),
+                (("pick", "height_fog_level", "--error", "0.01", *little), 0, "out/pick/pick.json"),
+                (("study", "steps", "march", "height_fog_up", "--size", "4x4"), 0, "out/study"),
+                (("sweep", "height_fog_level", "--untimed", "--only", "march", *little), 0,
+                 "out/sweep"),
                 (("conform", "--only", "height_fog_level", "-e", "march", *little), 0,
                  "out/conform"),
                 (("validate", "absorbing_slab", "-e", "exact,oracle", "--no-charts", *little), None,

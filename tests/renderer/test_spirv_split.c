@@ -120,10 +120,4 @@ static void test_the_layer_can_add_its_checks(void **state)
     assert_int_equal(neph_vulkan_destroy(vulkan), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-#include "cases/test_spirv_split.inc"
-    };
-    return cmocka_run_group_tests(tests, test_vulkan_setup, test_vulkan_teardown);
-}
+#include "tests/renderer/main.h"

@@ -260,7 +260,8 @@ static char *only_file(const char *folder)
 /* It begins with the hash of the rest, as `b2sum -l 256` has it. */
 static bool is_sound(const char *path)
 {
-    OWNED(memory) char *data = NULL, hash[NEPH_HASH_HEX_SIZE];
+    OWNED(memory) char *data = NULL;
+    char hash[NEPH_HASH_HEX_SIZE];
     size_t size_bytes = 0;
     struct neph_diag diag = {0};
     neph_assert_ok(neph_file_read(path, 1 << 20, &data, &size_bytes, &diag), &diag);
