@@ -110,7 +110,7 @@
   ];
   // The least errors of the heat map's classes after the first.
   const HEAT = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3];
-  const MANY_ENGINES = 8; // a heat map of more takes the whole width
+  const MANY_ENGINES = 6; // a heat map of more takes the whole width
   const WORST_SHOWN = 3; // frames on the first screen
   const CAUSES_SHOWN = 3; // frames beside a scene's text
   const WORTH_A_LOOK = 0.01; // a relative RMSE that no gate limits and that the list names
