@@ -86,27 +86,55 @@ static enum neph_status load(const char *path, struct neph_scene **scene, struct
     return status;
 }
 
-enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
-                                      struct neph_diag *diag)
+/* The file of a scene, to free. NEPH_ERR_NOT_FOUND: no scene of the catalogue has that name; a path
+ * is not looked at. */
+static enum neph_status find_scene(const char *path_or_name, char **path, struct neph_diag *diag)
 {
-    if (!is_plain_name(path_or_name) || neph_path_exists(path_or_name))
-        return load(path_or_name, scene, diag);
+    const bool is_path = !is_plain_name(path_or_name) || neph_path_exists(path_or_name);
+    if (is_path && !(*path = strdup(path_or_name)))
+        return neph_fail_memory(diag);
+    if (is_path)
+        return NEPH_OK;
     for (int folder = 0; folder < NEPH_DATA_SCENES_COUNT; folder++) {
         char *within = folder_of((enum neph_data_scenes)folder);
-        char *path = within ? neph_format("%s/%s.yaml", within, path_or_name) : NULL;
+        char *found = within ? neph_format("%s/%s.yaml", within, path_or_name) : NULL;
         free(within);
-        if (!path)
+        if (!found)
             return neph_fail_memory(diag);
-        const bool is_here = neph_path_exists(path);
-        const enum neph_status status = is_here ? load(path, scene, diag) : NEPH_OK;
-        free(path);
-        if (is_here)
-            return status;
+        *path = found;
+        if (neph_path_exists(found))
+            return NEPH_OK;
+        free(found);
     }
     neph_fail(diag, NEPH_ERR_NOT_FOUND, "no file and no scene of the catalogue is called '%s'",
               path_or_name);
     neph_hint(diag, "`neph scenes` lists the catalogue");
     return NEPH_ERR_NOT_FOUND;
+}
+
+enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
+                                      struct neph_diag *diag)
+{
+    char *path;
+    enum neph_status status = find_scene(path_or_name, &path, diag);
+    if (status)
+        return status;
+    status = load(path, scene, diag);
+    free(path);
+    return status;
+}
+
+static enum neph_status check_is_there(const char *path_or_name, struct neph_diag *diag)
+{
+    char *path;
+    enum neph_status status = find_scene(path_or_name, &path, diag);
+    if (status)
+        return status;
+    if (!neph_path_exists(path))
+        status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read '%s': %s", path,
+                           strerror(ENOENT));
+    free(path);
+    return status;
 }
 
 static enum neph_status compare_names(const char *first, const char *second, struct neph_diag *diag)
@@ -129,6 +157,8 @@ enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
                                         struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
+    for (int i = 0; i < count && !status; i++)
+        status = check_is_there(scenes[i], diag);
     for (int i = 0; i < count && !status; i++)
         for (int j = 0; j < i && !status; j++)
             status = compare_names(scenes[j], scenes[i], diag);

@@ -28,8 +28,9 @@ char *neph_cache_path(void);
 enum neph_status neph_data_load_scene(const char *path_or_name, struct neph_scene **scene,
                                       struct neph_diag *diag);
 
-/* Whether the scenes of a run, paths or names of the catalogue, have names of their own: pictures
- * and frames are filed by them. NEPH_ERR_USAGE names the two that share one. */
+/* Whether the scenes of a run, paths or names of the catalogue, are there and have names of their
+ * own: frames are stored by them. NEPH_ERR_NOT_FOUND; NEPH_ERR_USAGE names the two that share
+ * one. */
 enum neph_status neph_data_check_scenes(const char *const *scenes, int count,
                                         struct neph_diag *diag);
 

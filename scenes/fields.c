@@ -627,7 +627,7 @@ enum neph_status neph_check_direction(const struct neph_reader *reader, const ch
                                       struct neph_vec3 direction)
 {
     return neph_vec3_length(direction) < DIRECTION_MIN
-               ? neph_refuse(reader, path, "a direction of length 0")
+               ? neph_refuse(reader, path, "a direction of length 0; give one such as [0, 1, 0]")
                : NEPH_OK;
 }
 

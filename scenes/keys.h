@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The keys of a scene, of its camera, sun, wind and solids: which frame of them a picture shows, and
- * what is between them.
+ * The keys of a scene, of its camera, sun, wind and solids: which frame of them a picture shows,
+ * and what is between them.
  */
 #ifndef NEPH_SCENES_KEYS_H
 #define NEPH_SCENES_KEYS_H

@@ -69,7 +69,7 @@ static double through(double source, double depth)
     return light > 0.0 ? source * light : 0.0; /* 0 * inf: opaque, however dense */
 }
 
-/* Radiance per unit of what the zone counts by, lit. */
+/* Radiance of the lit zone, per unit of its variable of integration. */
 static void source(double x, void *context, double value[3])
 {
     const struct airlight *a = context;
@@ -94,7 +94,7 @@ static void source(double x, void *context, double value[3])
     value[2] = through(scattered.b, depth.b);
 }
 
-/* The pieces within a zone, by what it counts by. */
+/* The pieces within a zone, in its variable of integration. */
 static int pieces_of_zone(const struct airlight *a, struct neph_interval *places)
 {
     const double low_m[ZONE_COUNT] = {-INFINITY, a->foot_m - a->height_m, a->foot_m + a->height_m};

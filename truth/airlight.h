@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The airlight of point lights: what media scatter once into a ray,
+ * The airlight of point lights: light that media scatter once into a ray,
  *   L = integral of sum_m sigma_s,m(t) p_m(cos) I(direction) / d^2 e^(-tau_view - tau_light) V dt,
  * d being the distance from the light. The peak of 1 / d^2, as sharp as the ray passes close to the
  * light, is taken out by the substitution t = foot + h tan(theta) (B. Sun, R. Ramamoorthi, S. G.
  * Narasimhan, S. K. Nayar, "A Practical Analytic Single Scattering Model for Real Time Rendering",
- * SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, draw distances by it): dt / d^2 = dtheta / h.
- * What is left is smooth between the edges of shadows, cones and media, which are cut at exactly.
+ * SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, draw distances by it): dt / d^2 = dtheta / h. The
+ * new integrand is smooth between the edges of shadows, cones and media, which are cut at exactly.
  */
 #ifndef NEPH_TRUTH_AIRLIGHT_H
 #define NEPH_TRUTH_AIRLIGHT_H
@@ -16,7 +16,7 @@
 /* The light of all lights along origin + t direction (unit), t in [t0_m, t1_m], both finite, added
  * to `radiance`. All media have closed forms. Adaptive quadrature as in truth/transport.h; the
  * relative accuracy is better than 1e-10. Returns the estimated absolute error. A ray straight
- * through a light has no bound, and what comes is infinite. */
+ * through a light has no bound, and its radiance is infinite. */
 double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                      struct neph_vec3 direction, double t0_m, double t1_m,
                      struct neph_rgb *radiance);

@@ -4,8 +4,8 @@
  *   ln H(mu) = -(mu / pi) int_0^{pi/2} ln(1 - w x cot x) / (cos^2 x + mu^2 sin^2 x) dx,
  * tan x = tan(a) / mu takes the peak of small mu away:
  *   ln H(mu) = -(1 / pi) int_0^{pi/2} ln(1 - w x cot x) da.
- * What is left is a logarithm at a = 0 when w = 1; the double exponential rule (Takahasi and Mori
- * 1974) takes no notice of it.
+ * The new integrand has a logarithm at a = 0 when w = 1; the double exponential rule (Takahasi and
+ * Mori 1974) takes no notice of it.
  */
 #include "truth/slab.h"
 

@@ -355,8 +355,8 @@ static void negate(const struct solver *solver, const double *kernel, double *ou
         out[at] = -kernel[at];
 }
 
-/* A layer on its like: DOWN falls on the lower one, after any number of reflections between the
- * two; UP is what that one reflects of it. With AGAIN = (1 - R R)^-1,
+/* Two equal layers: DOWN falls on the lower one, after any number of reflections between the two;
+ * UP is its reflection there. With AGAIN = (1 - R R)^-1,
  *   DOWN = AGAIN T,  UP = R DOWN,  R' = R + T UP,  T' = T DOWN. */
 static void double_layer(struct solver *solver)
 {

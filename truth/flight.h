@@ -52,9 +52,9 @@ struct neph_collision neph_flight_collide(const struct neph_flight *flight, int 
                                           struct neph_random *random);
 
 /* Draw a collision by the light that comes from there, when `flight->lit.is_known`. `value`
- * receives what the collision brings per channel, divided by the probability density of this
- * collision: extinction by the medium times the transmittance from the camera. Medium -1: nothing
- * would come. */
+ * receives the weight of the collision per channel: extinction by the medium times the
+ * transmittance from the camera, divided by the probability density of this collision. Medium -1:
+ * nothing would come. */
 struct neph_collision neph_flight_collide_lit(const struct neph_flight *flight,
                                               struct neph_random *random, double value[3]);
 

@@ -84,7 +84,7 @@ static double lost(double depth, double log_base)
     return -expm1(-log_base * fmax(depth, 0.0));
 }
 
-/* The depth, and what it does to light; `begun` is the part of it that glows. */
+/* The optical depth and its effect on light; `begun` is the part of it that glows. */
 static struct neph_fog_look_light light_of(const struct neph_scene *scene,
                                            const struct neph_fog_look *look, const struct way *way,
                                            double depth, double begun, double log_base)
@@ -149,7 +149,7 @@ static struct neph_fog_look_light filament(const struct neph_scene *scene,
     return light_of(scene, look, way, whole * part, part > 0.0 ? glowing / part : 0.0, 1.0);
 }
 
-/* What a model has no such control for is as if it were off. */
+/* A control that a model does not have is off. */
 static struct neph_fog_look known_of(const struct neph_fog_look *look, enum neph_fog_model model)
 {
     unsigned known = 0;

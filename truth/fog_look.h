@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The fog of game engines as their formulas have it, in double precision: what the shader
- * fog_look.glsl is held against, and what a study holds against transport.h. No samples: every
+ * The fog of game engines by their formulas, in double precision: the reference of the shader
+ * fog_look.glsl, and the subject of a study that compares it with transport.h. No samples: every
  * pixel is a closed form of camera, direction and distance.
  *
  * Unreal (HeightFogCommon.ush; density and falloff per metre, base 2):
@@ -16,7 +16,7 @@
  * 2 has one more: the extinction is (ln 2)^2 d (scenes/media.h).
  *
  * Filament (surface_fog.fs; natural): one layer, the mean of the whole way from the camera,
- *   I = sigma(y0) (1 - e^-F) / F max(l - start, 0), F = b dy; sigma(y0) alone for |F| <= 0.00125
+ *   I = sigma(y0) (1 - e^-F) / F max(l - start, 0), F = b dy; sigma(y0) for |F| <= 0.00125
  *   opacity = min(1 - e^-I, max_opacity)
  * and light as above, with e^-, from the camera on.
  */

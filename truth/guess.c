@@ -97,7 +97,7 @@ static struct neph_vec3 place_m(const struct neph_guess *guess, double stretches
                            guess->t0_m + stretches * guess->stretch_m);
 }
 
-/* None the same: what the places have missed is looked for as if there were a little everywhere. */
+/* Never 0: the places may have missed some light, so a little is assumed everywhere. */
 static void guess_depths(struct neph_guess *guess, const struct neph_scene *scene)
 {
     double own[NEPH_GUESS_STRETCHES], sum = 0.0;

@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Nearer than this part of its distance a ray cannot be told from one through the light: its
- * rounding in double. A bound for divisions, which leaves the density what it says. */
+ * rounding in double. A bound for divisions; the density stays exact. */
 static const double nearest = 1e-15;
 static const double nearest_m = 1e-150;
 
@@ -172,8 +172,8 @@ static double draw_by_octaves_m(double height_m, double s0_m, double s1_m, doubl
     return 0.5 * (far_m * exp(more) - height_m * height_m / far_m * exp(-more));
 }
 
-/* One of several by their weights, whose sum is given; -1: none weighs anything. `u` is uniform in
- * 0..1 before and after. */
+/* One of several by their weights, with their sum `total`; -1: none weighs anything. `u` is uniform
+ * in 0..1 before and after. */
 static int pick(const double *weights, int count, double sum, double *u)
 {
     int picked = -1;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
  * How paths sample point lights, so that the variance stays finite. A light next to a collision
- * brings 1 / d^2, whose square has no mean in space. So a place is drawn on each straight segment
- * of a path, and collisions themselves sample no light. Places are drawn by a mixture:
+ * brings 1 / d^2. The square of that has no mean in space. So a place is drawn on each straight
+ * segment of a path, and collisions themselves sample no light. Places are drawn by a mixture:
  *
  *   1 / d^2  (equiangular: C. Kulla, M. Fajardo, "Importance Sampling Techniques for Path Tracing
- *            in Participating Media", EGSR 2012), for what a light brings through clear air;
+ *            in Participating Media", EGSR 2012), for light through clear air;
  *   1 / d    which has as many places in every octave of the distance d from the light. It finds
  *            the medium where the first misses it: a light in an empty part of a grid, or one
- *            behind a solid, whose peak of 1 / d^2 brings nothing.
+ *            behind a solid, where the peak of 1 / d^2 brings nothing.
  *
  * Both have limits without cancellation where the segment passes the light at a distance of 0, as
  * long as no medium is there; with a medium at the light the radiance is infinite (lamp_peak.h).

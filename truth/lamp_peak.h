@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Pixels whose radiance is infinite: their ray goes through a point light in a medium that scatters
- * there. What the medium scatters into the ray goes with 1 / d^2 of the distance d from the light,
- * whose integral along the ray has no bound where d goes to 0. No number is right for such a pixel;
- * its neighbours have finite ones.
+ * there. The light that the medium scatters into the ray goes with 1 / d^2 of the distance d from
+ * the light, and the integral of that along the ray has no bound where d goes to 0. No number is
+ * right for such a pixel; its neighbours have finite ones.
  */
 #ifndef NEPH_TRUTH_LAMP_PEAK_H
 #define NEPH_TRUTH_LAMP_PEAK_H

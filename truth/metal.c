@@ -37,7 +37,7 @@ struct neph_vec3 neph_mirrored(struct neph_vec3 direction, struct neph_vec3 norm
                            2.0 * neph_vec3_dot(direction, normal));
 }
 
-/* A facet that is seen from a direction, both in the frame whose z is the normal (Heitz 2018,
+/* A facet that is seen from a direction, both in the frame with the normal as z (Heitz 2018,
  * listing 1: a point of the half disc that the stretched hemisphere shows). */
 static struct neph_vec3 draw_facet(double alpha, struct neph_vec3 from, struct neph_random *random)
 {

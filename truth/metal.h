@@ -15,8 +15,8 @@
 double neph_metal_per_sr(double roughness, struct neph_vec3 normal, struct neph_vec3 from,
                          struct neph_vec3 to);
 
-/* A direction `*to` into which a white metal reflects what comes from `from`, and what that is
- * worth; 0: it ends among the facets, or comes from below. Roughness 0: a mirror, worth 1. */
+/* A direction `*to` into which a white metal reflects light from `from`, and the weight of that
+ * direction; 0: it ends among the facets, or comes from below. Roughness 0: a mirror, weight 1. */
 double neph_metal_sample(double roughness, struct neph_vec3 normal, struct neph_vec3 from,
                          struct neph_random *random, struct neph_vec3 *to);
 

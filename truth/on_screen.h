@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a picture shows: a method that knows no more than a screen can find light and what hides it
- * nowhere else.
+ * The part of a scene that a frame shows: a screen-space method finds light and occluders nowhere
+ * else.
  */
 #ifndef NEPH_TRUTH_ON_SCREEN_H
 #define NEPH_TRUTH_ON_SCREEN_H

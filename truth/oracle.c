@@ -24,7 +24,7 @@
 static const int estimator_version = 4;
 
 enum {
-    ROUND_SAMPLES = 64,  /* what a row knows of its pixels' rays is made anew for every round */
+    ROUND_SAMPLES = 64,  /* the rays of a row's pixels are set up again in every round */
     TARGET_SAMPLES = 16, /* fewer cannot tell their own error */
     SAMPLES_MAX = 1 << 30,
     ROW_NUMBERS = 3, /* per row in a checkpoint: samples, collisions, lookups */
@@ -51,9 +51,9 @@ struct render {
     const struct neph_oracle_params *params;
     struct neph_camera camera;
     struct neph_tracker *tracker; /* owned */
-    double *numbers;  /* owned: what a checkpoint holds, ROW_NUMBERS per row, then the sums */
-    char *identity;   /* owned: whose checkpoint it is */
-    bool has_flights; /* first collisions are drawn from tables */
+    double *numbers;              /* owned: the checkpoint, ROW_NUMBERS per row, then the sums */
+    char *identity;               /* owned: the identity of the checkpoint's job */
+    bool has_flights;             /* first collisions are drawn from tables */
     /* Owned: the views of all pixels where optical depths are slow, known when `is_known`; NULL:
      * made anew for every round. */
     struct kept_view *views;
@@ -87,7 +87,7 @@ static void save_sums(struct render *render, size_t pixel, const struct sums *su
            sums, sizeof(*sums));
 }
 
-/* ---- what can be rendered ---- */
+/* ---- scenes that can be rendered ---- */
 
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
@@ -270,7 +270,7 @@ static enum neph_status leave_checkpoint(struct render *render, struct neph_diag
 
 /* ---- the whole ---- */
 
-/* Whether another round is wanted; `round_s` is what the last sample of all pixels took. */
+/* Whether another round is wanted; `round_s` is the time of the last sample of all pixels. */
 static bool goes_on(const struct render *render, int done, double sample_s)
 {
     const struct neph_oracle_params *params = render->params;

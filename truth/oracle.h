@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The oracle: an unbiased path tracer of participating media in double precision on the CPU. No
- * clamp, no limit on bounces, roulette only at low throughput. It judges everything that has no
- * closed form, and is itself judged by those (truth/transport.h, truth/slab.h).
+ * clamp, no limit on bounces, roulette only at low throughput. It is the reference of every scene
+ * without a closed form, and is tested against closed forms (truth/transport.h, truth/slab.h).
  *
  * Estimator. Per pixel: the unscattered light (background or surface seen through the media) is
  * exact, by closed-form transmittance; in-scattered light is sampled. The first collision is drawn
@@ -21,8 +21,8 @@
  *
  * The scene's switches: `none` and `single` know one event, the surface in view or (in `single`) a
  * medium; the sun, and with environment light the background, reach it unscattered. `multiple`
- * knows all. What media emit (scenes/emission.h) is added at every collision, so that in `none` and
- * `single` it is seen and lights nothing.
+ * knows all. Emission of media (scenes/emission.h) is added at every collision, so that in `none`
+ * and `single` it is seen and lights nothing.
  *
  * Samples are independent, so that the variance of a pixel is unbiased: the sum of squared
  * deviations over n (n - 1).
@@ -42,7 +42,7 @@ struct neph_oracle_params {
     int samples;         /* paths per pixel, >= 2; the most when there is a target */
     double target_error; /* stop when the rms over pixels of the standard error of the mean divided
                             by the rms radiance of volume light is below this; 0: all samples */
-    double time_limit_s; /* stop in time, with what there is; +inf: none */
+    double time_limit_s; /* stop in time, with the samples done; +inf: none */
     const char *checkpoint; /* file to resume from, when it is there, and to leave the sums in;
                                NULL: none. More samples than asked for are all used. */
 };
@@ -54,8 +54,8 @@ struct neph_oracle_stats {
     uint64_t collisions, lookups;
 };
 
-/* False, with the reason in words, for what the estimator cannot do: metal, and all orders of
- * scattering without absorption in a fog that has no end, whose paths are of infinite mean
+/* False, with the reason in words, for scenes that the estimator cannot do: metal, and all orders
+ * of scattering without absorption in a fog that has no end, where paths have an infinite mean
  * length. */
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 

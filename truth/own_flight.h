@@ -49,7 +49,7 @@ struct neph_own_flight {
 void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scene *scene,
                           const struct neph_ray *ray);
 
-/* Draw a collision, when `is_known`. `value` is what it brings per channel over its probability
+/* Draw a collision, when `is_known`. `value` is its weight per channel over its probability
  * density: extinction by the medium, times the transmittance from the camera when `is_exact`.
  * Medium -1: nothing would come. */
 struct neph_guessed neph_own_flight_draw(const struct neph_own_flight *flight,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Colour. A path is made as light of one channel, chosen at random, meets the media. Its value in
- * channel j is f_j / mean_k p_k: f_j is what the path brings in channel j, p_k the probability that
- * channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so that
- * neither leaves the range of a double. In a grey scene all p are 1.
+ * channel j is f_j / mean_k p_k: f_j is the light of the path in channel j, p_k the probability
+ * that channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so
+ * that neither leaves the range of a double. In a grey scene all p are 1.
  */
 #include "truth/path.h"
 
@@ -118,7 +118,7 @@ static double scaled(double part, double per_m)
     return part > 0.0 ? part * per_m : 0.0; /* 0 * inf */
 }
 
-/* What media scatter from one direction into another, per metre of the way [1/(m sr)]. */
+/* Scattering of media from one direction into another, per metre of the way [1/(m sr)]. */
 static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
                                           double cosine)
 {
@@ -211,7 +211,7 @@ static struct neph_rgb surroundings(const struct path *path)
 /* ---- events ---- */
 
 /* Turn the path, into a direction of density `per_sr()`: by `own`, or some of them towards lights,
- * where these are. The value takes the rest of what scattering would have it. */
+ * where these are. The value takes the rest of the weight of scattering. */
 static void turn(struct path *path, struct neph_vec3 own,
                  double (*per_sr)(const void *context, struct neph_vec3 direction),
                  const void *context)
@@ -247,7 +247,7 @@ static double reflected_per_sr(const void *context, struct neph_vec3 direction)
     return fmax(0.0, neph_vec3_dot(*normal, direction)) / M_PI;
 }
 
-/* To a collision; adds what is emitted there. */
+/* To a collision; adds the emission there. */
 static void reach_medium(struct path *path, const struct neph_collision *collision,
                          struct neph_rgb *emitted)
 {
@@ -298,8 +298,8 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
     return most_of(path) > 0.0;
 }
 
-/* From an event to the end of the path. `*direct` receives what comes from the surroundings without
- * a further event, `*light` the rest. */
+/* From an event to the end of the path. `*direct` receives light from the surroundings without a
+ * further event, `*light` all other light. */
 static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
 {
     /* Relative to the value now, which is small after a first collision in something thin. */
@@ -517,7 +517,7 @@ static struct neph_rgb sunlit_surface(const struct neph_scene *scene, const stru
         cosine / M_PI);
 }
 
-/* What a surface reflects of lights. */
+/* Light of point lights that a surface reflects. */
 static struct neph_rgb lamplit_surface(const struct neph_scene *scene, const struct neph_view *view)
 {
     if (scene->light_count == 0)

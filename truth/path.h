@@ -9,7 +9,7 @@
 #include "truth/flight.h"
 #include "truth/tracking.h"
 
-/* What of a view needs no random numbers. */
+/* The part of a view that needs no random numbers. */
 struct neph_view {
     struct neph_vec3 origin_m, direction;
     struct neph_hit hit;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The pieces of a ray over which light is integrated, and what lies before each. Private to truth/.
+ * The pieces of a ray over which light is integrated, and the media before each. Private to truth/.
  */
 #ifndef NEPH_TRUTH_PIECES_H
 #define NEPH_TRUTH_PIECES_H

@@ -208,7 +208,7 @@ static bool survives(struct neph_rgb *value, struct neph_random *random)
     return true;
 }
 
-/* Into one of the two ways that a surface reflects; what that is worth beside its colour. */
+/* Into one of the two ways that a surface reflects; the weight of that beside its colour. */
 static double leave(const struct place *place, struct neph_random *random,
                     struct neph_vec3 *direction)
 {
@@ -232,7 +232,7 @@ static struct neph_rgb lit_surface(const struct neph_scene *scene, const struct 
                                                    neph_rgb_scale(glossy, metalness)));
 }
 
-/* What comes along a direction to a point: straight from the surroundings, or off surfaces. */
+/* Light along a direction to a point: straight from the surroundings, or off surfaces. */
 static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3 point_m,
                    struct neph_vec3 direction, double worth, struct neph_random *random,
                    struct neph_rgb *direct, struct neph_rgb *indirect)
@@ -253,7 +253,7 @@ static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3
     }
 }
 
-/* Whether what a direction leads to is in the picture. */
+/* Whether a direction leads to a point in the frame. */
 static bool leads_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
                             struct neph_vec3 point_m, struct neph_vec3 direction)
 {
@@ -335,7 +335,7 @@ struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
                                                                   part[NEPH_GLOSSY_INDIRECT])));
 }
 
-/* ---- what can be rendered -------------------------------------------------------------------- */
+/* ---- scenes that can be rendered --------------------------------------------------------- */
 
 static const char *find_obstacle(const struct neph_scene *scene)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light between solids in clear air, along single paths: what the surface in view reflects, parted
- * as screen-space methods and Cycles' passes part it. No clamp, roulette only at low throughput, so
- * that the mean of the samples is the truth.
+ * Light between solids in clear air, along single paths: light that the surface in view reflects,
+ * split as screen-space methods and Cycles' passes part it. No clamp, roulette only at low
+ * throughput, so that the mean of the samples is the truth.
  *
  * Sun and lights are points: a path looks for them at every surface. A mirror throws their light on
  * others, and no path finds that by chance. So a surface also looks for them in each face of the
@@ -25,15 +25,15 @@ enum neph_reflected_part {
     NEPH_GLOSSY_DIRECT,    /* the same two of the metal */
     NEPH_GLOSSY_INDIRECT,
     NEPH_AMBIENT, /* visibility, 0..1: see neph_reflected_limits.ao_distance_m */
-    /* What of the indirect ones comes from places that the screen shows; visibility where nothing
-     * else hides. */
+    /* The part of indirect light from places that the screen shows; visibility where only these
+     * places hide. */
     NEPH_DIFFUSE_ON_SCREEN,
     NEPH_GLOSSY_ON_SCREEN,
     NEPH_AMBIENT_ON_SCREEN,
     NEPH_REFLECTED_PARTS,
 };
 
-/* The surface in view, and what of its light needs no random numbers. */
+/* The surface in view, and the part of its light that needs no random numbers. */
 struct neph_reflected_view {
     struct neph_hit hit;       /* no solid: the sky */
     struct neph_vec3 point_m;  /* just outside of it */
@@ -44,7 +44,7 @@ struct neph_reflected_view {
 
 struct neph_reflected_limits {
     int bounces;          /* surfaces that light meets before the one in view, at most */
-    double ao_distance_m; /* what is farther hides nothing; +inf: no limit */
+    double ao_distance_m; /* farther solids hide nothing; +inf: no limit */
     const struct neph_screen *screen; /* NULL: it shows nothing */
 };
 
@@ -68,7 +68,7 @@ struct neph_reflected neph_reflected_sample(const struct neph_scene *scene,
                                             const struct neph_reflected_limits *limits,
                                             struct neph_random *random);
 
-/* What the eye sees of it [W m^-2 sr^-1]: parts times colours. */
+/* Its radiance [W m^-2 sr^-1]: parts times colours. */
 struct neph_rgb neph_reflected_radiance(const struct neph_reflected_view *view,
                                         const struct neph_reflected *light);
 

@@ -17,7 +17,7 @@
 /* Modes are solved so many at a time, whatever the number of processors: same bits everywhere. */
 enum { BATCH = 4, NODES_MIN = 32, NODES_MAX = 512 };
 
-/* What is left of the phase function's series beyond the nodes, for radiances. */
+/* The part of the phase function's series beyond the nodes, for radiances. */
 static const double series_rest = 1e-9;
 /* Modes below this part of the largest are not there. */
 static const double mode_rest = 1e-11;
@@ -27,7 +27,7 @@ struct neph_slab {
     struct neph_phase phase;
     struct neph_slab_fluxes fluxes;
     int view_count, mode_count;
-    struct neph_arena arena; /* of what follows */
+    struct neph_arena arena; /* of the next members */
     double *view_cosines;
     double *up, *down; /* scattered twice or more; [mode][view] */
 };
@@ -180,14 +180,14 @@ static void take_fluxes(const struct neph_doubling *layer, const struct neph_dou
         up += layer->node_weights[i] * layer->row_cosines[i] * light->up[i];
         down += layer->node_weights[i] * layer->row_cosines[i] * light->down[i];
     }
-    /* What delta-M left unturned was scattered all the same. */
+    /* Light that delta-M left in its direction was scattered all the same. */
     const double unturned = exp(-layer->optical_depth / slab->sun_cosine);
     slab->fluxes.direct = exp(-slab->optical_depth / slab->sun_cosine);
     slab->fluxes.reflected = up / slab->sun_cosine;
     slab->fluxes.transmitted = down / slab->sun_cosine + (unturned - slab->fluxes.direct);
 }
 
-/* Keep what was scattered twice or more; its largest size over the views. */
+/* Keep light scattered twice or more; its largest value over the views. */
 static double take_mode(const struct neph_doubling *layer, const struct neph_doubling_light *light,
                         struct neph_slab *slab, int mode)
 {

@@ -43,7 +43,7 @@ enum neph_status neph_slab_create(const struct neph_slab_params *params, struct 
 /* NULL is fine. */
 void neph_slab_destroy(struct neph_slab *slab);
 
-/* Diffuse fluxes / (sun_cosine * E): what goes up at the top, down at the bottom, and the part of
+/* Diffuse fluxes / (sun_cosine * E): upwards at the top, downwards at the bottom, and the part of
  * the sun that comes straight through. Absorbed: 1 - R - T - direct. */
 struct neph_slab_fluxes {
     double reflected, transmitted, direct;

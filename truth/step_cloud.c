@@ -59,7 +59,7 @@ static bool fly(const struct neph_step_cloud_params *params, struct photon *phot
     }
 }
 
-/* What a scattering sends straight up to the eye: density over the column's share of the level. */
+/* Light of one scattering straight up to the eye: density over the column's share of the level. */
 static double nadir_share(const struct neph_step_cloud_params *params, const struct photon *photon)
 {
     const double above = extinction_per_m(params, photon->column) *

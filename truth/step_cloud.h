@@ -28,15 +28,15 @@ struct neph_step_cloud_params {
     int64_t photons; /* >= NEPH_STEP_CLOUD_BATCHES */
 };
 
-/* Photons go in so many batches, whose scatter is the standard error. */
+/* Photons go in so many batches; the standard error comes from their scatter. */
 #define NEPH_STEP_CLOUD_BATCHES 64
 
 struct neph_estimate {
     double mean, standard_error;
 };
 
-/* Means over the period. Fluxes / (sun_cosine * E); transmitted includes what comes straight
- * through. Absorbed is counted on its own: the sum is 1 but for roulette. */
+/* Means over the period. Fluxes / (sun_cosine * E); transmitted includes light that comes
+ * straight through. Absorbed is counted on its own: the sum is 1 but for roulette. */
 struct neph_step_cloud_fluxes {
     struct neph_estimate reflected, transmitted, absorbed;
 };

@@ -21,10 +21,10 @@ struct neph_surfaces_params {
 
 /* Render R G B, volume.* (0), transmittance.* (1), Z and, as layers of R G B,
  *   diffuse_direct, diffuse_indirect, glossy_direct, glossy_indirect: per unit of colour
- *   diffuse_color, glossy_color: what these count by
+ *   diffuse_color, glossy_color: their units
  *   ao: visibility, all channels
- *   diffuse_on_screen, glossy_on_screen, ao_on_screen: what a screen can know of them
- * so that R G B = diffuse_color * (diffuse_direct + diffuse_indirect) + the same of glossy. Of the
+ *   diffuse_on_screen, glossy_on_screen, ao_on_screen: their parts that a screen can know
+ * so that R G B = diffuse_color * (diffuse_direct + diffuse_indirect) + the same for glossy. Of the
  * sky R G B is the background, ao and ao_on_screen are 1 and the others are 0. variance.* is the
  * square of the standard error of R G B, variance.LAYER.* of a layer. normal.x, .y, .z: unit, in
  * the world's axes; of the sky 0. Where the scene does not scatter all orders, light meets no

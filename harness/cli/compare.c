@@ -266,7 +266,6 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
         .reference = sides->reference,
         .without_reference = sides->without_reference,
         .test = sides->test,
-        .with_movement = request->temporal,
         .viewing = viewing_of(request),
         .own_frame_rate = isnan(request->frame_rate_hz),
         .warm_up_frames = request->warm_up_frames,
@@ -434,7 +433,7 @@ static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
     *other = work->asked[NEPH_PAGE_TEST];
     other->test = work->sides->other;
     other->maps_directory = NULL;
-    if (work->request->temporal)
+    if (other->with_movement)
         neph_cli_page_take(&work->page, NEPH_PAGE_OTHER, other);
     const enum neph_status judged = neph_comparison_run(other, true, beside, diag);
     enum neph_status status = beside->asked && judged == NEPH_ERR_GATE ? NEPH_OK : judged;
@@ -574,7 +573,7 @@ static enum neph_status measure(const struct request *request,
     enum neph_status status = neph_sides_check(sides, comparison, diag);
     if (!status)
         status = neph_cli_page_begin(request->page, &work.page, diag);
-    if (!status && request->temporal)
+    if (!status && asked->with_movement)
         neph_cli_page_take(&work.page, NEPH_PAGE_TEST, asked);
     if (!status)
         status = neph_comparison_run(asked, sides->other.count > 0, compared, diag);

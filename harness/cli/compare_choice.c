@@ -28,9 +28,11 @@ static struct neph_meter_choice *find_choice(struct neph_comparison *comparison,
 
 void neph_choose(struct neph_comparison *comparison, const struct neph_extractor *extractor)
 {
-    if (!find_choice(comparison, extractor) && comparison->choice_count < NEPH_CHOICES_MAX)
-        comparison->choices[comparison->choice_count++] = (struct neph_meter_choice){
-            extractor, neph_options_default(extractor->options)};
+    if (find_choice(comparison, extractor) || comparison->choice_count == NEPH_CHOICES_MAX)
+        return;
+    comparison->choices[comparison->choice_count++] = (struct neph_meter_choice){
+        extractor, neph_options_default(extractor->options)};
+    comparison->with_movement |= extractor->temporal;
 }
 
 enum neph_status neph_choose_word(struct neph_comparison *comparison, const char *word,
@@ -77,7 +79,7 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
-    neph_choose(comparison, extractor); /* who sets something wants it */
+    neph_choose(comparison, extractor); /* a setting takes its extractor, too */
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);

@@ -21,6 +21,7 @@ static const struct direction {
     {"p2p_", NEPH_SMALLER_IS_BETTER},       {"pop_", NEPH_SMALLER_IS_BETTER},
     {"seen_p", NEPH_SMALLER_IS_BETTER},     {"worst_tile_c", NEPH_SMALLER_IS_BETTER},
     {"coherent_c", NEPH_SMALLER_IS_BETTER}, {"flip40_", NEPH_SMALLER_IS_BETTER},
+    {"cycle_share", NEPH_NO_DIRECTION},     {"cycle_", NEPH_SMALLER_IS_BETTER},
     {"cyclic_", NEPH_SMALLER_IS_BETTER},    {"restless_", NEPH_SMALLER_IS_BETTER},
     {"half_life_", NEPH_SMALLER_IS_BETTER}, {"residual_change_rms", NEPH_SMALLER_IS_BETTER},
     {"pu_psnr", NEPH_LARGER_IS_BETTER},     {"residual_change_psnr", NEPH_LARGER_IS_BETTER},

@@ -254,11 +254,12 @@ static int print_left_out(const struct neph_compared *compared, FILE *out)
 static bool print_answer(const struct neph_compared *compared, const struct neph_verdict_form *form,
                          const char *mask, struct telling *telling, FILE *out)
 {
-    if (compared->has_versus)
-        return neph_verdict_pair(compared, mask, form->test, form->other, out);
-    if (print_findings(compared, mask, NULL, telling, 1, out) > 0)
+    const char *label = compared->has_versus ? form->test : NULL;
+    if (label && neph_verdict_pair(compared, mask, form->test, form->other, out))
         return true;
-    return !form->shows_metrics && print_error(compared, mask, out) > 0;
+    if (print_findings(compared, mask, label, telling, 1, out) > 0)
+        return true;
+    return !label && !form->shows_metrics && print_error(compared, mask, out) > 0;
 }
 
 static void print_ways(const struct neph_compared *compared, bool is_on_page, FILE *out)
@@ -273,9 +274,9 @@ static void print_ways(const struct neph_compared *compared, bool is_on_page, FI
     if (is_on_page)
         return;
     fprintf(out,
-            "%d numbers in all: --all, --csv FILE or --json; a page with charts and maps: --page "
+            "%d number%s in all: --all, --csv FILE or --json; a page with charts and maps: --page "
             "DIR\n",
-            compared->numbers.count);
+            compared->numbers.count, compared->numbers.count == 1 ? "" : "s");
 }
 
 void neph_verdict(const struct neph_compared *compared, const struct neph_verdict_form *form,

@@ -17,6 +17,7 @@ static const double level = 0.05;
 /* Six whole cycles: with fewer the sign test never comes below the level (2 / 2^5 = 0.0625). */
 enum { FRAMES_MIN = 6 * NEPH_MOVEMENT_CYCLE };
 
+const char *const neph_not_told_apart = "not told apart";
 static const char too_few[] = "p-values of flicker need 24 frames after the warm-up";
 static const char opposite[] = "over time the frames as a whole say the opposite";
 
@@ -77,7 +78,7 @@ struct neph_judged_difference neph_judge_difference(const struct neph_difference
 {
     const struct neph_time_difference *time = find_time(versus, difference->number);
     const int frame_count = versus->frames.count;
-    struct neph_judged_difference judged = {.word = "not told apart", .p = difference->p};
+    struct neph_judged_difference judged = {.word = neph_not_told_apart, .p = difference->p};
     if (!time || strcmp(difference->number->mask, "all") == 0)
         take_series(difference, time, time == &versus->cycles, &judged);
     if (difference->value == 0.0) {
@@ -108,13 +109,12 @@ static void write_p(const struct neph_judged_difference *judged, FILE *out)
         fprintf(out, judged->p < 0.001 ? ", p < 0.001" : ", p = %.2g", judged->p);
 }
 
-/* "in 63 of 64 frames" counts those that agree with the word; a metric without a direction, or one
- * that has both signs, is "lower in 63 of 64 frames". */
+/* "in 63 of 64 frames" counts those that agree with the word; a metric that has both signs, or that
+ * is not told apart, is "lower in 63 of 64 frames". */
 static void write_count(const struct neph_difference *difference,
                         const struct neph_judged_difference *judged, FILE *out)
 {
-    const bool is_judged = strcmp(judged->word, "better") == 0 ||
-                           strcmp(judged->word, "worse") == 0;
+    const bool is_judged = strcmp(judged->word, neph_not_told_apart) != 0;
     const bool is_positive = difference->first >= 0.0 && difference->second >= 0.0;
     if (judged->count == 0 || strcmp(judged->word, "equal") == 0)
         return;

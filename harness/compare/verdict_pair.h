@@ -19,6 +19,8 @@ struct neph_judged_difference {
     const char *what;    /* they are: "frames" or "cycles" */
 };
 
+extern const char *const neph_not_told_apart;
+
 /* Better and worse need both: a 95 % interval without 0 over the picture's tiles, or over batches
  * of frames where each frame has the number; and of flicker p < 0.05 over time, too, for what moves
  * all tiles at once is one event, not one for each tile. */

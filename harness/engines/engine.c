@@ -62,6 +62,18 @@ bool neph_engine_can_render(const struct neph_engine *engine, const struct neph_
            !(engine->lacks && engine->lacks(engine, scene, settings, reason, reason_size));
 }
 
+enum neph_status neph_engine_check_size(const struct neph_engine *engine, int width_px,
+                                        int height_px, struct neph_diag *diag)
+{
+    const int most = engine->side_max_px > 0 ? engine->side_max_px : NEPH_IMAGE_SIDE_MAX_PX;
+    if (width_px <= most && height_px <= most)
+        return NEPH_OK;
+    neph_fail(diag, NEPH_ERR_USAGE, "%s renders sides of 1..%d pixels, not %d x %d", engine->name,
+              most, width_px, height_px);
+    neph_hint(diag, "give a smaller --size");
+    return NEPH_ERR_USAGE;
+}
+
 bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_engine_info *info,
                            const struct neph_settings *settings)
 {

@@ -174,6 +174,7 @@ struct neph_engine {
     bool is_guest;  /* a program of the user's: takes part where it is named, and nobody lacks it */
     double typical_s; /* about how long a picture of the catalogue takes on two cores: for the time
                          left, before anything is measured */
+    int side_max_px;  /* the largest side of a frame; 0: as large as images are */
     bool stochastic;  /* another seed gives another frame of the same mean */
     const struct neph_engine
         *first;  /* of several programs of a kind, the engine of the first; NULL:
@@ -223,6 +224,10 @@ void neph_engine_probe(const struct neph_engine *engine, struct neph_shared_devi
  * takes; else `reason` says what is missing. */
 bool neph_engine_can_render(const struct neph_engine *engine, const struct neph_scene *scene,
                             const struct neph_settings *settings, char *reason, size_t reason_size);
+
+/* NEPH_ERR_USAGE: a side of the frame is larger than the engine renders. */
+enum neph_status neph_engine_check_size(const struct neph_engine *engine, int width_px,
+                                        int height_px, struct neph_diag *diag);
 
 /* Whether media are marched in steps with these settings. */
 bool neph_engine_has_steps(const struct neph_engine *engine, const struct neph_engine_info *info,

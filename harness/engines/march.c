@@ -143,7 +143,7 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
     .rung = NEPH_RUNG_MODEL, .lighting = lighting_,                                                \
     .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
     .probe = neph_vulkan_probe, .can_render = can_render_##name_, .sequence = &neph_gpu_sequence,  \
-    .gpu = &gpu
+    .side_max_px = NEPH_MARCH_SIDE_MAX_PX, .gpu = &gpu
 
 FUNCTION_OF(single, NEPH_MARCH_SINGLE)
 FUNCTION_OF(octaves, NEPH_MARCH_OCTAVES)

@@ -95,6 +95,7 @@ const struct neph_engine neph_engine_tracer = {
     .summary = "our Vulkan path tracer: all orders of scattering, without bias, with its variance",
     .rung = NEPH_RUNG_TRACER,
     .typical_s = 8.0,
+    .side_max_px = NEPH_TRACER_SIDE_MAX_PX,
     .rests = true,
     .stochastic = true,
     .bias =

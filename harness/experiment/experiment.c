@@ -226,6 +226,18 @@ enum neph_status neph_experiment_main(const struct neph_experiment *experiment, 
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
+/* The reference of a real-time method has its size. */
+static enum neph_status check_size(const struct neph_job *job, struct neph_diag *diag)
+{
+    const struct neph_engine *engine = job->engine;
+    enum neph_status status = neph_engine_check_size(engine, job->shot.width_px,
+                                                     job->shot.height_px, diag);
+    if (!status && engine->shortcut_of)
+        status = neph_engine_check_size(neph_engine_find(engine->shortcut_of), job->shot.width_px,
+                                        job->shot.height_px, diag);
+    return status;
+}
+
 enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
                                      const struct neph_scene *scene,
                                      const struct neph_experiment_frames *frames,
@@ -245,6 +257,9 @@ enum neph_status neph_experiment_job(const struct neph_experiment_run *run,
                                                       &job->shot.settings, diag);
     if (status)
         return status;
+    const enum neph_status fits = check_size(job, diag);
+    if (fits)
+        return fits;
     neph_engine_probe(job->engine, run->device, info);
     if (!info->available)
         return neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%s: %s", job->engine->name, info->missing);

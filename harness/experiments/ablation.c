@@ -83,27 +83,24 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "What each part of the real-time renderer buys: switch each off in a preset, and on alone "
-        "in a pipeline that has none of them, and measure error, flicker, half-life and cost of "
-        "both, with 95 % intervals over scenes.\v"
-        "A change is that of the number with the part over that without it: -12 % says that the "
-        "part lowers it. `in the preset` says what leaving it out would cost, with all others "
-        "there; `alone` what it does by itself, with those it needs: where the two differ, parts "
-        "do each other's work. Seeds of a scene are averaged, scenes are what is counted, and p "
-        "is corrected for all numbers that are judged (S. Holm). A part of which nothing can be "
-        "told could be left out, in scenes like these.\n\n"
-        "Every configuration is held against one reference, the march of the same moment with 16 "
-        "rays a pixel (neph study flicker --help). Evaluations and bytes are counted and exact; "
-        "milliseconds are of NEPH_VULKAN_DEVICE, and of a machine at work if it is a processor. "
-        "Small pictures have more edges than large ones. What is finished stays in DIR/store, and "
-        "the same command goes on from there; runs may share DIR. Use --jobs on a "
-        "machine with many cores.\n\n"
-        "Examples:\n"
-        "  neph ablate --list\n"
-        "  neph ablate fence_backlit foliage --only override,box,gradients\n"
-        "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
-        "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
+    .doc = "Switch off each part of the real-time renderer in a preset, and switch it on by "
+           "itself in a pipeline without any parts; print how error, flicker, half-life and cost "
+           "change, with 95 % intervals over scenes.\vA change compares the number with the part "
+           "to the number without it: -12 % means that the part lowers the number. `in the "
+           "preset` is the change with all other parts; `alone` is the change with only the "
+           "parts that it needs. Where the two differ, other parts do the same work. Seeds of a "
+           "scene are averaged; scenes are the sample of the statistics, and p is corrected for "
+           "all numbers that are judged (S. Holm).\n\nEvery configuration is compared with one "
+           "reference, the ray marcher at the same time with 16 rays a pixel (neph study flicker "
+           "--help). Evaluations and bytes are counted and exact. Milliseconds are measured on "
+           "NEPH_VULKAN_DEVICE while the machine renders. Small frames have more edges than "
+           "large ones. Finished frames stay in DIR/store, and the same command continues from "
+           "there. Runs may share DIR. Use --jobs on a machine with many cores.\n\n"
+           "Examples:\n"
+           "  neph ablate --list\n"
+           "  neph ablate fence_backlit foliage --only override,box,gradients\n"
+           "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
+           "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
 };
 
 static bool has_part(const struct neph_ablation *ablation, int part)

@@ -50,15 +50,15 @@ static const struct neph_cli_operands operands = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
-    .doc =
-        "Render scenes from a cold start with presets of the real-time renderer, and say after how "
-        "many frames the error against the reference stays within a tenth of its final value.\v"
-        "The error is the relative RMSE of radiance against the march of the same frame, averaged "
-        "over 16 rays a pixel; the final error is the mean of the last quarter of the frames. What "
-        "is finished stays in DIR/store, and the same command goes on from there.\n\n"
-        "Examples:\n"
-        "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
-        "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
+    .doc = "Render scenes from a cold start with presets of the real-time renderer, and print "
+           "after how many frames the error against the reference stays within a tenth of its "
+           "final value.\vThe error is the relative RMSE of radiance against the ray marcher in "
+           "the same frame, averaged over 16 rays a pixel. The final error is the mean of the "
+           "last quarter of the frames. Finished frames stay in DIR/store, and the same command "
+           "continues from there.\n\n"
+           "Examples:\n"
+           "  neph study convergence fence_sky cloud_gaps --size 96x54\n"
+           "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
 };
 
 /* Errors that the table shows, as far as there are so many frames. */
@@ -90,7 +90,7 @@ static enum neph_status read_errors(const json_t *document, int count, double *e
     return NEPH_OK;
 }
 
-/* Of a preset over its scenes. */
+/* The row of a preset over its scenes. */
 struct settled {
     double frames, error; /* sums over the scenes, the first over those that settle */
     int scene_count, settled_count;
@@ -225,13 +225,39 @@ static void answer(const struct request *request, const struct settled *sums,
     }
 }
 
+static enum neph_status prepare(void *request_, struct neph_diag *diag)
+{
+    const struct neph_cli_shared *shared = &((struct request *)request_)->shared;
+    return neph_data_check_scenes(shared->operands, shared->operand_count, diag);
+}
+
+/* Every preset in every scene, before the first is rendered. */
+static enum neph_status check_jobs(const struct request *request,
+                                   const struct neph_experiment_run *run, struct neph_diag *diag)
+{
+    enum neph_status status = NEPH_OK;
+    for (int i = 0; i < request->shared.operand_count && !status; i++) {
+        struct neph_scene *scene = NULL;
+        status = neph_data_load_scene(request->shared.operands[i], &scene, diag);
+        for (int p = 0; p < request->presets.count && !status; p++) {
+            const struct neph_experiment_frames frames = {request->presets.words[p], request->steps,
+                                                          request->shared.size, request->seed};
+            struct neph_engine_info info;
+            struct neph_job job;
+            status = neph_experiment_job(run, scene, &frames, &info, &job, diag);
+        }
+        neph_scene_destroy(scene);
+    }
+    return status;
+}
+
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
     const struct request *request = request_;
     struct neph_table table = {.cells = NULL};
     struct settled sums[PRESETS_MAX] = {{0}};
-    enum neph_status status = NEPH_OK;
+    enum neph_status status = check_jobs(request, run, diag);
     struct neph_progress progress = neph_progress_start(run->quiet, request->shared.operand_count *
                                                                         request->presets.count);
     begin_table(&table);
@@ -259,5 +285,6 @@ static enum neph_status run(void *request_, const struct neph_experiment_run *ru
 
 const struct neph_experiment neph_experiment_convergence = {.syntax = &syntax,
                                                             .request_size = sizeof(struct request),
+                                                            .prepare = prepare,
                                                             .part = neph_experiment_operand,
                                                             .run = run};

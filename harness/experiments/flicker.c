@@ -73,20 +73,19 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Render scenes with presets of the real-time renderer, measure flicker, lag and error of "
-        "each against one reference, and say which differ, with 95 % intervals over scenes.\v"
-        "The reference is the march of the same moment with the same steps and lighting, 16 rays "
-        "a pixel, without dither and without history, at rest and moving; the number against "
-        "centre rays stands beside each. Seeds of a scene are averaged, scenes are what is "
-        "counted. A ranking holds when it is the same at 24, 30 and 60 Hz and at 30 and 60 "
-        "pixels a degree. NEPH_VULKAN_DEVICE names the device. What is finished stays in "
-        "DIR/store, and the same command goes on from there. Use --jobs on a machine with "
-        "many cores. Runs may share DIR.\n\n"
-        "Examples:\n"
-        "  neph study flicker --suite test --markdown study.md\n"
-        "  neph study flicker fence_pitch4 foliage --preset fixed,ours --seeds 1 --frames 64\n"
-        "  neph study flicker --preset ours,ours+taa_jitter_length=8 --takes flicker",
+    .doc = "Render scenes with presets of the real-time renderer, measure flicker, lag and error "
+           "of each against one reference, and print which presets differ, with 95 % intervals "
+           "over scenes.\vThe reference is the ray marcher at the same time with the same steps "
+           "and lighting, 16 rays a pixel, without dither and without history. Each number "
+           "against a reference with one centre ray a pixel follows in brackets. Seeds of a "
+           "scene are averaged; scenes are the sample of the statistics. A ranking holds when it "
+           "is the same at 24, 30 and 60 Hz and at 30 and 60 pixels a degree. NEPH_VULKAN_DEVICE "
+           "names the device. Finished frames stay in DIR/store, and the same command continues "
+           "from there. Use --jobs on a machine with many cores. Runs may share DIR.\n\n"
+           "Examples:\n"
+           "  neph study flicker --suite test --markdown study.md\n"
+           "  neph study flicker fence_pitch4 foliage --preset fixed,ours --seeds 1 --frames 64\n"
+           "  neph study flicker --preset ours,ours+taa_jitter_length=8 --takes flicker",
 };
 
 /* ---- requests of flicker studies ------------------------------------------------------------- */

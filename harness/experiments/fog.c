@@ -38,16 +38,15 @@ static const struct neph_cli_option options[] = {
 static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
-    .doc =
-        "Switch each control of a scene's fog_look on alone, in the formulas of Unreal Engine and "
-        "of Filament, and say what it is off by against engine exact: transmittance and radiance "
-        "of the picture, light that it gives or takes over the sphere of directions around the "
-        "camera, and the steps that it makes as things come nearer.\v"
-        "Row `none` has all controls off; `of physics` is the look that the medium and the sun "
-        "would have where the fog is thin. All in double precision, on the CPU.\n\n"
-        "Examples:\n"
-        "  neph study fog fog_look_evening\n"
-        "  neph study fog my_fog.yaml --model filament --markdown fog.md --csv fog.csv",
+    .doc = "Switch on each control of a scene's fog_look by itself, in the formulas of Unreal "
+           "Engine and of Filament, and print its error against engine exact: transmittance and "
+           "radiance of the frame, light that the control adds or removes over the sphere of "
+           "directions around the camera, and the discontinuities over distance.\vRow `none` has "
+           "all controls off. Row `of physics` has the look that matches the medium and the sun "
+           "where the fog is thin. All numbers are computed in double precision on the CPU.\n\n"
+           "Examples:\n"
+           "  neph study fog fog_look_evening\n"
+           "  neph study fog my_fog.yaml --model filament --markdown fog.md --csv fog.csv",
 };
 
 /* One model, or all of them. */

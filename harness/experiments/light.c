@@ -17,7 +17,7 @@
 #define AT(member) .at = offsetof(struct neph_light_request, member)
 static const struct neph_cli_option options[] = {
     {"model", 0, NULL,
-     "Lighting models to hold against the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
+     "Lighting models to compare with the tracer, by their engines; ENGINE+KEY=VALUE changes one, "
      "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
      NEPH_CLI_LIST, AT(models), .maximum = NEPH_LIGHT_MODELS_MAX},
     {"suite", 0, NULL,
@@ -53,7 +53,7 @@ static const struct neph_cli_option options[] = {
     {.name = "csv", .help = "A line for each cell and model"},
     {.name = "markdown"},
     {"laws", 0, NULL,
-     "Also hold the models to what they owe whatever the cloud: a white furnace, the balance of "
+     "Also test the models by laws that hold in every cloud: a white furnace, the balance of "
      "energy and reciprocity, against closed forms",
      NEPH_CLI_FLAG, AT(laws)},
     {"fit", 0, "FILE",
@@ -87,21 +87,20 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Render clouds with the lighting models of the ray marcher and with the tracer, and say "
-        "how far each model is from all orders of scattering: by optical depth towards the eye and "
-        "the sun, by the angle to the sun, and in the dense parts of every cell, which is a cloud "
-        "with a sun, g and albedo.\v"
-        "The light is a sun of 1 W/m2 alone: solids are black, and the sky is dark. The optical "
-        "depth towards the sun is that of the first place before which half of the light is lost "
-        "that the medium takes from the ray. Dense parts are pixels that less than a tenth comes "
-        "through. The tracer renders twice, with two seeds, so that its noise can be taken out. "
-        "NEPH_VULKAN_DEVICE names the device. What is finished stays in DIR/store, and the same "
-        "command goes on from there.\n\n"
-        "Examples:\n"
-        "  neph study light --suite test --markdown light.md\n"
-        "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85 --albedo 1,0.9\n"
-        "  neph study light gaussian_blob --density 10 --model march_octaves",
+    .doc = "Render clouds with the lighting models of the ray marcher and with the tracer, and "
+           "print how far each model is from all orders of scattering: by optical depth towards "
+           "the camera and the sun, by the angle to the sun, and in the dense parts of every "
+           "cell. A cell is a cloud with a sun, g and albedo.\vThe only light is a sun of 1 "
+           "W/m2: solids are black, and the sky is dark. The optical depth towards the sun is "
+           "measured at the first place before which the medium takes half of what it takes from "
+           "the whole ray. Dense parts are pixels with a transmittance below a tenth. The tracer "
+           "renders twice, with two seeds, so that its noise can be removed. NEPH_VULKAN_DEVICE "
+           "names the device. Finished frames stay in DIR/store, and the same command continues "
+           "from there.\n\n"
+           "Examples:\n"
+           "  neph study light --suite test --markdown light.md\n"
+           "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85 --albedo 1,0.9\n"
+           "  neph study light gaussian_blob --density 10 --model march_octaves",
 };
 
 /* ---- cells ----------------------------------------------------------------------------------- */

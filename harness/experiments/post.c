@@ -75,18 +75,18 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Put frames of the real-time renderer and their reference through the same picture chains, "
-        "each stage alone and each taken out of the whole, and say what that makes of error and "
-        "flicker: before the tone curve, and as a display shows it.\v"
-        "The reference is the march of the same model, averaged over 16 rays a pixel. It gets no "
-        "grain, which is noise and counts as such; chains without automatic exposure have the one "
-        "that it would find for the reference. What is rendered of it stays in DIR/store; "
-        "DIR/post.svg is the chart.\n\n"
-        "Examples:\n"
-        "  neph study post fence_backlit voxel_grid --markdown post.md\n"
-        "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
-        "  neph study post railings --only whole,fxaa,sharpening --seed 2 --size 96x54",
+    .doc = "Put frames of the real-time renderer and their reference through the same picture "
+           "chains, each stage by itself and each removed from the whole chain, and print how "
+           "error and flicker change: before the tone curve, and as a display shows the "
+           "frames.\vThe reference is the ray marcher with the same lighting, averaged over 16 "
+           "rays a pixel. The reference gets no grain, which is noise and counts as noise. "
+           "Chains without automatic exposure have the exposure that automatic exposure would "
+           "find for the reference. Finished frames stay in DIR/store; DIR/post.svg is the "
+           "chart.\n\n"
+           "Examples:\n"
+           "  neph study post fence_backlit voxel_grid --markdown post.md\n"
+           "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
+           "  neph study post railings --only whole,fxaa,sharpening --seed 2 --size 96x54",
 };
 
 /* ---- chains ---------------------------------------------------------------------------------- */
@@ -533,6 +533,22 @@ static enum neph_status write_results(const struct study *study,
     return neph_json_check(publication->json, diag);
 }
 
+static enum neph_status prepare(void *request, struct neph_diag *diag)
+{
+    const struct request *post = request;
+    const struct neph_cli_shared *shared = &post->shared;
+    const struct neph_cli_size *size = &shared->size;
+    if (!neph_take_fits(size->width_px, size->height_px, post->warm_up + post->frames)) {
+        neph_fail(diag, NEPH_ERR_USAGE,
+                  "%d frames of %d x %d pixels are more than 1 GiB, which is "
+                  "what is kept in memory",
+                  post->warm_up + post->frames, size->width_px, size->height_px);
+        neph_hint(diag, "give fewer --frames, a shorter --warm-up, or a smaller --size");
+        return NEPH_ERR_USAGE;
+    }
+    return neph_data_check_scenes(shared->operands, shared->operand_count, diag);
+}
+
 static enum neph_status run(void *request, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)
 {
@@ -554,5 +570,6 @@ static enum neph_status run(void *request, const struct neph_experiment_run *run
 const struct neph_experiment neph_experiment_post = {.syntax = &syntax,
                                                      .request_size = sizeof(struct request),
                                                      .chart = "post.svg",
+                                                     .prepare = prepare,
                                                      .part = neph_experiment_operand,
                                                      .run = run};

@@ -4,6 +4,7 @@
  */
 #include "harness/experiments/experiments.h"
 
+#include "harness/engines/engines.h"
 #include "harness/sweep/scaling.h"
 
 #include <math.h>
@@ -51,19 +52,17 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .check = check,
     .operands = &neph_cli_one_scene,
-    .doc =
-        "How cost grows with pixels, steps, voxels, density and pictures in a row, and whether it "
-        "grows as it ought to.\v"
-        "Each is changed by itself, for the march and a preset of realtime at 32 steps. Density "
-        "evaluations are counted and the same everywhere; milliseconds are of the device that "
-        "NEPH_VULKAN_DEVICE names, in rounds that take turns: keep the machine quiet. The exponent "
-        "of each cost has a 95 % interval, stands beside that which it ought to have, and the "
-        "reason.\n\n"
-        "Examples:\n"
-        "  neph scaling cloud_below --untimed\n"
-        "  neph scaling voxel_grid -o here\n"
-        "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --other-device "
-        "here/scaling.json",
+    .doc = "Measure how cost grows with pixels, steps, voxels, density and the number of frames, "
+           "and whether it grows as expected.\vEach is changed by itself, for the ray marcher "
+           "and a preset of realtime at 32 steps. Density evaluations are counted and the same "
+           "on every device. Milliseconds are measured on the device that NEPH_VULKAN_DEVICE "
+           "names, in rounds over all points: keep the machine quiet. The exponent of each cost "
+           "has a 95 % interval; --all prints the expected exponent and the reason.\n\n"
+           "Examples:\n"
+           "  neph scaling cloud_below --untimed\n"
+           "  neph scaling voxel_grid -o here\n"
+           "  NEPH_VULKAN_DEVICE=nvidia neph scaling voxel_grid -o there --other-device "
+           "here/scaling.json",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -76,7 +75,10 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     params->height_px = shared->size.height_px;
     params->quiet = shared->quiet || shared->json;
     params->jobs = shared->jobs;
-    return request->against ? neph_scaling_load(request->against, &request->there, diag) : NEPH_OK;
+    const enum neph_status status = neph_engine_check_size(
+        neph_engine_find("march"), params->width_px, params->height_px, diag);
+    return status || !request->against ? status
+                                       : neph_scaling_load(request->against, &request->there, diag);
 }
 
 /* ---- the table ------------------------------------------------------------------------------- */

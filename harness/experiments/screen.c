@@ -28,8 +28,7 @@ static const struct neph_cli_option options[] = {
      1 << 24},
     {"rays", 0, "N", "Rays a pixel, to say why it is lost", NEPH_CLI_INTEGER, AT(rays), "64", 1,
      1 << 16},
-    {"cycles", 0, "N",
-     "Hold them against Cycles' passes, too, with N samples a pixel; 0: it is not asked",
+    {"cycles", 0, "N", "Compare with the passes of Cycles, too, with N samples a pixel; 0: do not",
      NEPH_CLI_INTEGER, AT(cycles_samples), "0", 0, 1 << 16},
     {"frames", 0, NULL,
      "Pictures, over which error and flicker of the whole are measured, at least 16; a scene that "
@@ -60,20 +59,20 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Render solids with passes on a G-buffer, and say how far ambient occlusion, indirect "
-        "light and reflections are from the truth (engine surfaces): what is the method's own, and "
-        "what no screen can know, being off the picture or behind what it shows. Without a SCENE: "
-        "the surface_ scenes of the catalogue.\v"
-        "What is finished stays in DIR/store, and the same command goes on from there. "
-        "DIR/screen/index.html shows which pixels no screen can know, and why.\n\n"
-        "Examples:\n"
-        "  neph study screen --markdown screen.md\n"
-        "  neph study screen surface_corner --model screen,screen+preset=ours --radius 2\n"
-        "  neph study screen surface_room --model screen+preset=ours,screen+preset=fast\n"
-        "  neph study screen --cycles 256\n"
-        "  neph study screen surface_ground --frames 32 --model "
-        "screen,screen+gi=off,screen+ssr=off",
+    .doc = "Render solids with screen-space passes on a G-buffer, and print how far ambient "
+           "occlusion, indirect light and reflections are from the truth (engine surfaces): the "
+           "error of the method, and the part that no screen-space method can know because it is "
+           "outside the frame or hidden. Without a SCENE: the surface_ scenes of the "
+           "catalogue.\vFinished frames stay in DIR/store, and the same command continues from "
+           "there. DIR/screen/index.html shows the pixels that no screen-space method can know, "
+           "and the reason.\n\n"
+           "Examples:\n"
+           "  neph study screen --markdown screen.md\n"
+           "  neph study screen surface_corner --model screen,screen+preset=ours --radius 2\n"
+           "  neph study screen surface_room --model screen+preset=ours,screen+preset=fast\n"
+           "  neph study screen --cycles 256\n"
+           "  neph study screen surface_ground --frames 32 --model "
+           "screen,screen+gi=off,screen+ssr=off",
 };
 
 static const char *const usual_scenes[] = {"surface_step",   "surface_corner", "surface_room",

@@ -46,7 +46,7 @@ struct request {
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
-    {"model", 0, NULL, "Models to hold against the truth; ENGINE+KEY=VALUE changes one",
+    {"model", 0, NULL, "Models to compare with the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
      "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
@@ -80,12 +80,11 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .doc =
-        "Render the sky of a planet (default: sky_earth) with models and with a tracer, and say "
-        "how far each model is from all orders of scattering: by elevation of the sun, altitude "
-        "of the camera, and direction.\v"
-        "Each cell is two wide pictures, towards the sun and away from it. The truth is rendered "
-        "twice, with two seeds, for its noise. What is finished stays in DIR/store, and the same "
-        "command goes on from there.\n\n"
+        "Render the sky of a planet (default: sky_earth) with models and with a tracer, and "
+        "print how far each model is from all orders of scattering: by elevation of the sun, "
+        "altitude of the camera, and direction.\vEach cell is two wide frames, towards the "
+        "sun and away from it. The truth is rendered twice, with two seeds, to measure its "
+        "noise. Finished frames stay in DIR/store, and the same command continues from there.\n\n"
         "Examples:\n"
         "  neph study sky --markdown sky.md\n"
         "  neph study sky --elevations 10,5 --truth oracle --samples 1024\n"

@@ -61,15 +61,12 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Halve the step of an engine that marches through uneven media until its bias is known: "
-           "the mean radiance at each step, the bias against the extrapolated limit of infinitely "
-           "small steps, and the coarsest setting that is good enough. Engines: cycles, povray, "
-           "march.\v"
-           "Step bias is not noise: more samples per pixel do not remove it. The limit is "
-           "Richardson's "
-           "extrapolation of the last two steps by the engine's known order; the observed order, "
-           "where "
-           "noise lets it be seen, says whether that was right.\n\n"
+    .doc = "Halve the step of an engine that marches through uneven media until its bias is "
+           "known, and print the coarsest setting that is good enough. Engines: cycles, povray, "
+           "march.\vStep bias is not noise: more samples per pixel do not remove it. The limit "
+           "of small steps is Richardson's extrapolation of the last two steps with the known "
+           "order of the engine. The observed order shows whether that order was right, where "
+           "noise allows to see it.\n\n"
            "Examples:\n"
            "  neph study steps povray height_fog_up\n"
            "  neph study steps --renew\n"

@@ -37,8 +37,8 @@ struct request {
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"plan", 0, "FILE",
-     "The series to render: a YAML file, or the name of a plan of scenes/studies; steps has four "
-     "series, sweep all engines, presets and lights",
+     "The series to render: a YAML file, or the name of a plan of scenes/studies; steps has march, "
+     "ours and tracer, sweep all engines, presets and lights",
      NEPH_CLI_WORD, AT(plan_name), "steps"},
     {"only", 0, NULL, "Only these series of the plan", NEPH_CLI_NAMES, AT(only),
      .maximum = NEPH_SWEEP_SERIES_MAX},

@@ -25,11 +25,13 @@ static const char *const cloud_light_only[] = {"cycles", NULL};
 static const char *const fog_engines[] = {"exact",  "tracer", "march", "realtime",
                                           "cycles", "povray", NULL};
 
+static const char *const shaft_settings[] = {"tracer:samples=128", NULL};
+
 /* What a report shows best, large: a cloud of all orders and shafts in fog. Small, since they only
  * have numbers to show: a fog and a slab with closed forms. */
 static const struct neph_scene_plan quick_scenes[] = {
     {"cumulus", 320, 180, cloud_engines, cloud_settings, cloud_light_only},
-    {"colonnade", 320, 180, fog_engines, NULL, NULL},
+    {"colonnade", 320, 180, fog_engines, shaft_settings, NULL},
     {"height_fog_down", 96, 54, fog_engines, NULL, NULL},
     {"scattering_slab_above", 96, 54, fog_engines, NULL, NULL},
     {.name = NULL},

@@ -19,8 +19,7 @@
  * random). */
 struct neph_peer {
     const char *name, *path, *second_path;
-    bool
-        is_shortcut; /* it renders the model of another engine: its pairs are a family of their own */
+    bool is_shortcut; /* it renders the model of another engine; its pairs are a family */
 };
 
 struct neph_peer_pair {

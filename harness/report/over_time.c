@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 24, PRESETS = NEPH_OVER_TIME_PRESETS };
+enum { FRAMES = 16, PRESETS = NEPH_OVER_TIME_PRESETS };
 
 /* Clouds that move behind bars, at the size at which both are two pixels: where such methods fail.
  */
@@ -28,7 +28,7 @@ static const double timed_s = 2.0;            /* of frames, to time a preset */
 
 /* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
  * the default steps leaves time for the frames and for the rays of the reference. */
-static const char shared_setting[] = "steps=12";
+static const char shared_setting[] = "steps=8";
 
 /* What a person sees, over the threshold. */
 static const char map_file[] = "seen_contrast_radiance.exr";

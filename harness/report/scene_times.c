@@ -5,7 +5,7 @@
 
 /* A default run has minutes for all of it: a frame that takes longer than this to be rendered again
  * is not measured. */
-static const double flight_s = 2.0, renders_s = 6.0;
+static const double flight_s = 1.5, renders_s = 6.0;
 
 /* Whether warm frames of this engine would take too long, by the render that made the frame. Frames
  * of an engine that remembers take less than its first one. */

@@ -165,6 +165,10 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
 static enum neph_status check_possible(const struct neph_job *job, struct neph_diag *diag)
 {
     char reason[512];
+    const enum neph_status status = neph_engine_check_size(job->engine, job->shot.width_px,
+                                                           job->shot.height_px, diag);
+    if (status)
+        return status;
     if (job->info->broken)
         return neph_fail(diag, NEPH_ERR_ENGINE, "%s is installed and does not work: %s",
                          job->engine->name, job->info->missing);

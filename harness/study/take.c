@@ -92,6 +92,12 @@ static void add_counts(struct frames *frames, int number, const struct neph_imag
     json_decref(stats);
 }
 
+bool neph_take_fits(int width_px, int height_px, int frame_count)
+{
+    const size_t frame_bytes = 3 * sizeof(float) * (size_t)width_px * (size_t)height_px;
+    return frame_bytes <= frames_limit_bytes / (size_t)frame_count;
+}
+
 /* Take a frame over into memory, or into a file when there is no room. */
 static enum neph_status keep_frame(struct frames *frames, int number, struct neph_image *frame,
                                    struct neph_diag *diag)

@@ -87,4 +87,7 @@ enum neph_status neph_take_document(const char *folder, const char *reading, jso
  * not there; borrowed. */
 const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask);
 
+/* Whether all frames of a take are kept in memory, so that neph_take_see() shows each of them. */
+bool neph_take_fits(int width_px, int height_px, int frame_count);
+
 #endif

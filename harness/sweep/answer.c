@@ -49,7 +49,7 @@ const struct neph_sweep_point *neph_sweep_cheapest(const struct neph_sweep *swee
     return best;
 }
 
-/* Of one series; where its cost is not known, the first. */
+/* The point of one series; where its cost is not known, the first. */
 static const struct neph_sweep_point *cheapest_of(const struct neph_sweep *sweep, double error,
                                                   enum neph_sweep_cost cost,
                                                   const struct neph_sweep_series *series)

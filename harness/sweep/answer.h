@@ -21,7 +21,7 @@ enum neph_sweep_cost neph_sweep_cost_measured(const struct neph_sweep *sweep);
 /* "`march`: 8 steps for 1 % of error ...", and what it is based on. */
 void neph_sweep_answer(const struct neph_sweep *sweep, double error, struct neph_answer *answer);
 
-/* Of several sweeps with other seeds (stability.h): whether the fronts are the same. */
+/* The answer of several sweeps with other seeds (stability.h): whether the fronts are the same. */
 void neph_stability_answer(const json_t *stability, struct neph_answer *answer);
 
 #endif

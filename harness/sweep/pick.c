@@ -3,6 +3,7 @@
 
 #include "base/files.h"
 #include "harness/data.h"
+#include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
 #include "harness/sweep/ladder.h"
 #include "harness/sweep/output.h"
@@ -493,6 +494,11 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
                                            : neph_fail_memory(diag);
     if (!status)
         status = neph_ladder_filter_check(&params->filter, work.scene, diag);
+    const bool marches = neph_ladder_wants_engine(&params->filter, "march") ||
+                         neph_ladder_wants_engine(&params->filter, "realtime");
+    if (!status && marches) /* any configuration may be measured at full size */
+        status = neph_engine_check_size(neph_engine_find("march"), params->width_px,
+                                        params->height_px, diag);
     if (!status) {
         pick->is_still = neph_scene_is_static(work.scene);
         status = choose(&work, diag);

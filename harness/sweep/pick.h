@@ -10,9 +10,9 @@
 
 #include "harness/run/configuration.h"
 #include "harness/run/store.h"
+#include "harness/run/times.h"
 #include "harness/sweep/ladder_filter.h"
 #include "harness/sweep/results.h"
-#include "harness/run/times.h"
 
 struct neph_pick_params {
     const char *scene;     /* a name of the catalogue, or a path */
@@ -61,7 +61,8 @@ struct neph_pick {
     char device[128];
 };
 
-/* Errors as of neph_sweep_run() and of neph_ladder_filter_check(), before anything is rendered. Where nothing is good enough that is no error here. */
+/* Errors as of neph_sweep_run() and of neph_ladder_filter_check(), before anything is rendered.
+ * Where nothing is good enough that is no error here. */
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);
 

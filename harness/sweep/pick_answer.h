@@ -9,11 +9,11 @@
 #include "harness/sweep/choice.h"
 #include "harness/sweep/pick.h"
 
-/* Of a configuration; `config` is the path of pick.json. */
+/* The answer for a configuration; `config` is the path of pick.json. */
 void neph_pick_answer(const struct neph_pick_params *params, const struct neph_pick *pick,
                       const char *config, struct neph_answer *answer);
 
-/* Of a preset over scenes. Errors: NEPH_ERR_MEMORY. */
+/* The answer for a preset over scenes. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_choice_answer(const struct neph_choice *choice,
                                     const struct neph_flicker_study *study, const char *config,
                                     struct neph_answer *answer, struct neph_diag *diag);

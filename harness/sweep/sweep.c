@@ -116,8 +116,14 @@ static enum neph_status fill_point(const struct neph_sweep_params *params, struc
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         point->numbers[n] = (struct neph_sweep_value){NAN, NAN, NAN};
     neph_sweep_value(series, place, point->label);
+    const char *shortcut_of = neph_sweep_is_sequence(point) ? engine->shortcut_of : NULL;
     struct neph_shot *shot = &point->job.shot;
     enum neph_status status = have_scene(sweep, scattering, &shot->scene, diag);
+    if (!status)
+        status = neph_engine_check_size(engine, plan->width_px, plan->height_px, diag);
+    if (!status && shortcut_of) /* its reference has the same size */
+        status = neph_engine_check_size(neph_engine_find(shortcut_of), plan->width_px,
+                                        plan->height_px, diag);
     if (!status)
         status = neph_sweep_settings(plan, series, place, scattering, &shot->settings, diag);
     if (!status)

@@ -108,7 +108,7 @@ export async function conclude(what, most, check) {
   exit(findings.length === 0 ? 0 : 1);
 }
 
-/** The rules of axe-core (npm) that a page breaks; without axe-core that is said, and no finding. */
+/** The rules of axe-core (npm) that a page breaks; without axe-core it says so, and finds none. */
 export async function checkAccess(page, where) {
   let source;
   try {

@@ -13,7 +13,7 @@
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { address, browse, conclude, faintTexts, find, readArguments, readJson }
+import { address, browse, checkAccess, conclude, faintTexts, find, readArguments, readJson }
   from "./check_page.mjs";
 
 const STATUSES = ["rendered", "cannot", "missing", "failed", "timeout", "interrupted",
@@ -25,6 +25,8 @@ const FINDINGS = ["agrees", "off", "not_measured"];
 const PAIRS = ["agree", "differ", "cannot tell: noise"];
 const BROKEN = ["failed", "timeout", "interrupted"];
 const COSTS = ["render_s", "wall_s", "cpu_s", "peak_memory_bytes"];
+const RANKING = [["radiance", "rel_rmse"], ["transmittance", "rmse"], ["depth", "rel_rmse"]];
+const WORST_SHOWN = 3;
 const SHOWN_MOST = 80; // findings; one mistake often repeats in every scene
 
 // ------------------------------------------------------------------------------------------ data
@@ -130,6 +132,7 @@ function checkForm(data, folder) {
         `is ${data.verdict} though ${at.slice(0, -1)} fails`);
     });
   });
+  checkRanking(data, { need, text, list });
   checkSequences(data, { need, text, numeric, list, file });
   if (data.physics) checkPhysics(data, names, { need, text, numeric, list, file });
   list(data.absent ?? [],
@@ -139,6 +142,40 @@ function checkForm(data, folder) {
     file(chart.svg, `charts/${c}/svg`);
     need(chart.svg !== null || typeof chart.missing === "string", `charts/${c}/missing`,
       "does not say why there is no static chart");
+  });
+}
+
+/** The measurement that ranks a frame, over the whole picture, or null. */
+const rankingNumber = (frame) => RANKING.map(([quantity, metric]) => frame.measurements
+  .find((row) => row.quantity === quantity && row.metric === metric && row.mask === "all"
+    && row.value !== null)).find((row) => row) ?? null;
+
+/** Every frame that is compared with a truth, the largest error first. */
+const comparedFrames = (data) => data.scenes.filter((scene) => scene.truth).flatMap((scene) =>
+  scene.frames.filter((frame) => frame.engine !== scene.truth.engine && rankingNumber(frame))
+    .map((frame) => ({ scene, engine: frame.engine, found: rankingNumber(frame) })))
+  .sort((a, b) => b.found.value - a.found.value);
+
+function checkRanking(data, { need, text, list }) {
+  if (data.ranking === undefined) return;
+  const compared = comparedFrames(data);
+  const rows = list(data.ranking, "ranking");
+  need(rows.length === compared.length, "ranking",
+    `has ${rows.length} frames, ${compared.length} were compared`);
+  rows.forEach((row, n) => {
+    const path = `ranking/${n}/`;
+    text(row, path, "scene", "engine", "quantity", "metric", "mask", "cause");
+    const entry = compared.find(({ scene, engine }) => scene.name === row.scene
+      && engine === row.engine);
+    need(entry && entry.found.value === row.value, `${path}value`,
+      `is not the error of ${row.engine} in ${row.scene}`);
+    const fails = data.scenes.find((scene) => scene.name === row.scene)?.gates
+      .some((gate) => gate.engine === row.engine && gate.verdict === "fail");
+    need(row.failing === Boolean(fails), `${path}failing`, "does not go with the gates");
+    const before = rows[n - 1];
+    need(!before || before.failing > row.failing || (before.failing === row.failing
+      && before.value >= row.value), `${path}value`, "is larger than the one before it");
+    need(row.cause !== "", `${path}cause`, "is empty");
   });
 }
 
@@ -297,6 +334,9 @@ function numbersToShow(data) {
     }
     scene.frames.forEach((frame, f) => {
       for (const key of COSTS) paths.push(`scenes/${s}/frames/${f}/${key}`);
+      for (const key of ["render_s", "low_s", "high_s", "start_s"])
+        if (isNumber(frame.speed?.[key]) && frame.measurements.some((row) => row.value !== null))
+          paths.push(`scenes/${s}/frames/${f}/speed/${key}`);
       frame.measurements.forEach((row, m) => {
         if (row.value === null) return; // said in words
         paths.push(`scenes/${s}/frames/${f}/measurements/${m}/value`);
@@ -368,6 +408,7 @@ function stringsToShow(data) {
     for (const row of sequence.rows) texts.push(row.preset, row.reason.replace(/^cannot:\s*/, ""),
       ...row.findings.map((finding) => finding.text));
   }
+  for (const row of (data.ranking ?? []).slice(0, WORST_SHOWN)) texts.push(row.cause);
   for (const entry of data.absent ?? []) texts.push(entry.scene, entry.reason, entry.hint);
   const present = new Set((data.physics?.checks ?? []).map((check) => check.rung));
   for (const rung of data.physics?.rungs ?? []) if (present.has(rung.name)) texts.push(rung.title);
@@ -490,6 +531,19 @@ function survey() {
     counted: all("[data-derived]").map((e) => ({ what: attribute(e, "data-derived"),
           value: attribute(e, "data-value"), text: e.textContent.trim() })),
     stray,
+    heat: all(".heat tbody tr").map((row) => ({ scene: attribute(row, "data-scene"),
+      cells: [...row.querySelectorAll("td")].map((cell) => ({
+        engine: attribute(cell, "data-engine"), text: cell.textContent,
+        value: cell.querySelector("[data-value]")?.dataset.value ?? null,
+        heat: [...cell.classList].find((name) => /^heat-\d$/.test(name)) ?? null })) })),
+    heatSwatches: all(".heat-key .swatch").length,
+    named: document.querySelector(".verdict .worst")?.parentElement.textContent ?? "",
+    worst: all("ol.worst > li").map((e) => e.textContent),
+    bareTimes: all("td [data-path$='_s']:not([data-value='null'])").filter((e) =>
+      !e.closest("td").querySelector(".unit")).map((e) => attribute(e, "data-path")),
+    mapsWithoutKey: all("img.pixels").filter((e) => /_difference|_seen/.test(attribute(e, "src"))
+      && !e.closest("figure")?.querySelector(".map-key .bar")).map((e) => attribute(e, "src")),
+    keysWithoutBeyond: all(".map-key").filter((e) => !e.querySelector(".beyond .swatch")).length,
     images: all("img").map((e) => ({
       src: attribute(e, "src"), alt: attribute(e, "alt"), width: e.naturalWidth,
       height: e.naturalHeight, pixels: e.classList.contains("pixels"),
@@ -575,6 +629,7 @@ function checkContent(data, seen) {
   const apart = difference(data, JSON.parse(JSON.stringify(seen.data ?? null)));
   if (apart !== null) find(`data.js and data.json differ at ${apart}`);
   checkNumbers(data, seen.numbers);
+  checkFront(data, seen);
   checkCounts(data, seen.counted);
   for (const text of seen.stray)
     find(`a number that is not from the data stands in a table: "${text}"`);
@@ -583,10 +638,14 @@ function checkContent(data, seen) {
 
   const sources = new Set(seen.images.map((image) => image.src));
   const expected = new Set();
-  for (const scene of data.scenes) for (const frame of scene.frames)
-    for (const path of [frame.picture, frame.difference?.radiance, frame.difference?.transmittance])
-    if (path) expected.add(path);
   const sizes = new Map(); // of pictures with a size of their own
+  for (const scene of data.scenes) for (const frame of scene.frames)
+    for (const path of [frame.picture, frame.difference?.radiance,
+      frame.difference?.transmittance]) {
+      if (!path) continue;
+      expected.add(path);
+      if (scene.size_px) sizes.set(path, scene.size_px);
+    }
   for (const check of data.physics?.checks ?? []) {
     check.views.forEach((view, v) => {
       const own = data.physics.rows.filter((row) => row.check === check.name);
@@ -648,6 +707,50 @@ function checkContent(data, seen) {
   if (seen.skippedLevels > 0) find("the headings skip a level");
   if (seen.nameless > 0) find(`${seen.nameless} controls or regions without a name`);
   if (seen.unscoped > 0) find(`${seen.unscoped} table headings without a scope`);
+}
+
+const isFalling = (list) => list.every((value, n) => n === 0 || list[n - 1] >= value);
+
+/** The first screen: every scene by every engine, the worst first, and named. */
+function checkFront(data, seen) {
+  const compared = comparedFrames(data);
+  const largest = (holds) => Math.max(-1, ...compared.filter(holds)
+    .map(({ found }) => found.value));
+  const names = seen.heat.map(({ scene }) => scene);
+  for (const scene of data.scenes)
+    if (names.filter((name) => name === scene.name).length !== 1)
+      find(`the heat map does not have scene ${scene.name} once`);
+  for (const { scene, cells } of seen.heat) {
+    for (const engine of data.engines)
+      if (cells.filter((cell) => cell.engine === engine.name).length !== 1)
+        find(`the heat map does not have engine ${engine.name} once in scene ${scene}`);
+    for (const { found, ...entry } of compared.filter((one) => one.scene.name === scene)) {
+      const cell = cells.find(({ engine }) => engine === entry.engine);
+      if (Number(cell?.value) !== found.value || cell?.heat === null)
+        find(`the heat map has no error of ${entry.engine} in scene ${scene}`);
+      else if (found.metric === "rel_rmse" && !cell.text.includes("%"))
+        find(`the heat map has an error without its unit: ${entry.engine} in scene ${scene}`);
+    }
+  }
+  if (!isFalling(names.map((name) => largest(({ scene }) => scene.name === name)))
+    || !isFalling((seen.heat[0]?.cells ?? []).map(({ engine }) =>
+      largest((entry) => entry.engine === engine))))
+    find("the heat map is not sorted by RMSE");
+  if (seen.heat.length > 0 && seen.heatSwatches < 3) find("the heat map has no legend");
+  const [worst] = compared;
+  if (worst && !(seen.named.includes(worst.engine) && seen.named.includes(worst.scene.title)))
+    find(`the verdict does not name the worst: ${worst.engine} in ${worst.scene.title}`);
+  const ranking = (data.ranking ?? []).slice(0, WORST_SHOWN);
+  if (seen.worst.length !== ranking.length)
+    find(`${seen.worst.length} frames are called the worst, not ${ranking.length}`);
+  ranking.forEach((row, n) => {
+    if (!seen.worst[n]?.includes(row.engine) || !seen.worst[n].includes(row.cause))
+      find(`number ${n + 1} of the worst is not ${row.engine} in ${row.scene}, with its cause`);
+  });
+  for (const path of seen.bareTimes) find(`a time without a unit: ${path}`);
+  for (const path of seen.mapsWithoutKey) find(`a map without its scale: ${path}`);
+  if (seen.keysWithoutBeyond > 0)
+    find(`${seen.keysWithoutBeyond} scales do not say what colours beyond them mean`);
 }
 
 /** With all that is folded open: still as wide as the window, also each table, and to be read. */
@@ -715,13 +818,20 @@ async function checkPage(folder, data, { quick, screenshots }) {
     checkWindow("page", seen);
     await keep(wide.page, "light");
     await checkUnfolded(wide.page, "page");
+    await checkAccess(wide.page, "page");
     await checkMoves(wide.page, "page");
     await wide.page.setViewportSize({ width: 390, height: 844 });
     await checkUnfolded(wide.page, "page of 390 px");
     await wide.page.setViewportSize({ width: 1280, height: 900 });
     if (!quick) {
-      await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
       await wide.page.emulateMedia({ media: "print" });
+      const hidden = await wide.page.evaluate(() => {
+        for (const details of document.querySelectorAll("details")) details.open = false;
+        return [...document.querySelectorAll("details > :not(summary)")]
+          .filter((e) => !e.checkVisibility({ contentVisibilityAuto: true })).length;
+      });
+      if (hidden > 0) find(`print without its events: ${hidden} folded parts are hidden`);
+      await wide.page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
       if (await wide.page.locator("details:not([open])").count())
         find("print: folded parts stay folded");
       await wide.page.pdf({ format: "A4", preferCSSPageSize: true,
@@ -739,8 +849,14 @@ async function checkPage(folder, data, { quick, screenshots }) {
     ]) {
       const { context, page } = await open(browser, folder, where, options);
       checkWindow(where, await look(page));
+      if (options.colorScheme === "dark") {
+        const bright = await page.evaluate(() => [...document.querySelectorAll(".chart-figure"
+          + " .frame")].filter((e) => getComputedStyle(e).filter === "none").length);
+        if (bright > 0) find(`${where}: ${bright} charts stay white`);
+      }
       await keep(page, where);
       await checkUnfolded(page, where);
+      if (where !== "between") await checkAccess(page, where);
       await context.close();
     }
 

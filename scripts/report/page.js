@@ -216,8 +216,6 @@
   async function drawLive(figure, specification) {
     const spec = JSON.parse(JSON.stringify(specification));
     delete spec.usermeta;
-    // Vega would name each group of marks by its layer; the figure's caption says what it shows.
-    spec.config = { ...spec.config, aria: false };
     await window.vegaEmbed(figure.querySelector(".live"), spec, {
       mode: "vega-lite",
       renderer: "svg",
@@ -229,6 +227,13 @@
       tooltip: showTooltip,
       loader: { load: refuse, sanitize: refuse },
     });
+    // Vega names each group of marks by its layer. To those who do not see it the chart is an image
+    // with the words of the still one.
+    const live = figure.querySelector(".live");
+    live.setAttribute("role", "img");
+    live.setAttribute("aria-label", figure.querySelector("img")?.alt
+      || figure.querySelector("h3, figcaption")?.textContent || "chart");
+    for (const drawing of live.querySelectorAll("svg")) drawing.setAttribute("aria-hidden", "true");
     figure.setAttribute("data-state", "interactive");
   }
 

@@ -435,10 +435,9 @@
         (scenes.length > 0 || !physics) && el("p", {}, gateSentence(all, failing, open),
         unfinishedFrames.length > 0 && [" ", derived("frames.broken", unfinishedFrames.length),
           plural(unfinishedFrames.length, " rendering", " renderings"), " did not finish."],
-        withoutSentence(late),
+        worstSentence(compared()), withoutSentence(late),
         missing.length > 0 && [" ", derived("absent", missing.length), plural(missing.length,
-            " scene was", " scenes were"), " left out: its data are not on this machine."],
-        worstSentence(compared()))));
+            " scene was", " scenes were"), " left out: its data are not on this machine."])));
   }
 
   /** All that failed, that no gate limits, that could not be measured or is not here. */
@@ -448,7 +447,8 @@
     const lines = [...failedLines(failedGates(all)), ...[...brokenFrames(), ...unfitted()].map(
       ({ scene, frame }) => broken(frame, sceneLink(scene), frame.engine)), ...physicsLines(),
     ...ungatedLines(ungated()), ...openLines(open), ...absentLines()];
-    return lines.length > 0 && section("troubles", "What failed, what no gate limits, what is missing",
+    return lines.length > 0 && section("troubles",
+      "What failed, what no gate limits, what is missing",
       listed(lines, LISTED, "The rest of the list", "small troubles"));
   }
 
@@ -519,7 +519,7 @@
     if (!frame) return cell("plain", el("span", { class: "soft" }, "not run"));
     if (frame.status !== "rendered") return cell("plain", word(STATUSES, frame.status));
     if (isTruth(scene, name)) return cell("plain", el("span", { class: "soft" }, "reference"));
-    if (!found) return cell("plain", absent());
+    if (!found) return cell("plain", notMeasured());
     const verdicts = gatesOf(scene).filter((gate) => gate.engine === name)
       .map((gate) => gate.verdict);
     return cell(`heat-${heatOf(found.value)}`, readNumber(found), small(
@@ -560,7 +560,7 @@
   /** Verdict, heat map, worst three and the chart share the first screen. */
   function front() {
     const [first] = report.charts ?? [];
-    if (scenes.length === 0) return first ? el("div", { class: "front" }, chartSection([first])) : null;
+    if (scenes.length === 0) return first && el("div", { class: "front" }, chartSection([first]));
     return el("div", { class: engines.length > MANY_ENGINES ? "front many" : "front" },
       el("section", { class: "heat-part", "aria-labelledby": "heat" },
         el("h2", { id: "heat" }, "Errors at a glance"), heatMap()),
@@ -640,14 +640,14 @@
       physics && physicsHelp(),
       (scenes.length > 0 || !physics) && sceneHelp(),
       entry("Difference maps", "Engine minus reference on a fixed scale, which stands below each "
-        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the lower "
-        + "end of the scale, yellow is above its upper end, magenta is not a number."),
-      entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all errors "
-        + "count. Bias is the difference of the means: errors of both signs cancel, so a bias near "
-        + "0 does not mean that an engine is right. The page ranks by RMSE."),
+        + "map: blue is below the reference, red is above it, white agrees. Cyan is below the "
+        + "lower end of the scale, yellow is above its upper end, magenta is not a number."),
+      entry("RMSE and bias", "RMSE is the root of the mean squared error over the pixels: all "
+        + "errors count. Bias is the difference of the means: errors of both signs cancel, so a "
+        + "bias near 0 does not mean that an engine is right. The page ranks by RMSE."),
       entry("Times", "Warm frame: the wall time of one frame of an engine that is already running, "
-        + "the median of several runs, with a 95\u00a0% interval. Start-up stands in its own column. "
-        + "“Not measured” is no time at all."),
+        + "with its interval and how often it was rendered, as “neph benchmark” measures it. "
+        + "Start-up stands in its own column. “Not measured”: there was no time to repeat it."),
       entry("Numbers", "1.2e−4 means 0.00012. In [brackets]: the 95\u00a0% interval, unless "
         + "another one is named. A dash was not measured. “Cannot” is an honest refusal: the "
         + "engine does not model what the scene asks for. Point at a number for all its digits."),
@@ -736,15 +736,20 @@
       .sort((a, b) => sizeOf(b) - sizeOf(a));
     if (list.length === 0)
       return el("p", { class: "soft" }, "Nothing was measured in this scene.");
+    const isNoisy = list.some((frame) => typeof frame.noise?.value === "number");
+    const noise = (frame) => (typeof frame.noise?.value === "number"
+      ? number(frame.noise, "value", { scale: 100, unit: "%" })
+      : el("span", { class: "soft" }, "none"));
     const isFailing = ({ engine }) => gatesOf(scene)
       .some((gate) => gate.engine === engine && gate.verdict === "fail");
     return scrolling(`${titleOf(scene)}: what matters`, table("wide five",
       [colHead("Engine, worst first"), columns.map(({ head, note }) => numHead(head, note)),
+        isNoisy && numHead("Noise left", "in a pixel, of the rms"),
         numHead("Warm frame", "wall time"), numHead("Start-up", "wall time"), colHead("Gates")],
       list.map((frame) => el("tr", { class: isFailing(frame) ? "failing" : null },
         rowHead(frame.engine, small(frame.rung)),
         columns.map(({ find }) => num(cardNumber(find(frame)))),
-        num(speed(frame)), num(startUp(frame)),
+        isNoisy && num(noise(frame)), num(speed(frame)), num(startUp(frame)),
         words(gatedWords(scene, frame), frame.note
           && el("div", { class: "small" }, frame.note))))),
     speedNote(scene));
@@ -754,21 +759,30 @@
 
   const notMeasured = () => el("span", { class: "soft" }, "not measured");
 
+  const warmFrame = ({ speed: found }) => (typeof found?.render_s === "number"
+    ? number(found, "render_s", { unit: "s" }) : notMeasured());
+
   /** A frame of an engine that is already running: the same definition for all engines. */
-  function speed({ speed: found }) {
-    if (typeof found?.seconds !== "number") return notMeasured();
-    return [number(found, "seconds", { unit: "s" }), small(
-      Array.isArray(found.interval) && [interval(found), " s"],
-      typeof found.runs === "number" && [" of ", number(found, "runs"), " runs"])];
+  function speed(frame) {
+    const found = frame.speed;
+    if (typeof found?.render_s !== "number") return notMeasured();
+    return [warmFrame(frame), small(
+      typeof found.low_s === "number" && ["[", number(found, "low_s"), ", ",
+        number(found, "high_s"), "]", unitText("s")],
+      typeof found.repeats === "number" && [" of ", number(found, "repeats")])];
   }
 
-  const startUp = ({ speed: found }) => (typeof found?.startup_s === "number"
-    ? number(found, "startup_s", { unit: "s" }) : notMeasured());
+  const startUp = ({ speed: found }) => (typeof found?.start_s === "number"
+    ? number(found, "start_s", { unit: "s" }) : notMeasured());
 
   function speedNote(scene) {
-    const said = [...new Set(framesOf(scene).map((frame) => frame.speed?.what).filter(Boolean))];
-    return ["Times of this run, each rendered once, stand below under “What ran, and what it cost”. ",
-      said.join(" ")];
+    const timed = framesOf(scene).filter((frame) => typeof frame.speed?.render_s === "number");
+    const kinds = [...new Set(timed.map((frame) => frame.speed.interval))].map((kind) =>
+      `${kind} (${timed.filter((frame) => frame.speed.interval === kind)
+        .map((frame) => frame.engine).join(", ")})`);
+    return [kinds.length > 0 && `Intervals of times: ${kinds.join("; ")}. `,
+      "What each frame of this page cost when it was rendered stands under “What ran, and what "
+      + "it cost”."];
   }
 
   // -------------------------------------------------------------------------------------- pictures
@@ -1124,7 +1138,8 @@
         [colHead(study.option), numHead("Mean radiance", "± noise"), numHead("Bias", "± noise"),
           axisHead(), numHead("Wall time", "with start-up")],
         study.levels.map((level) => levelRow(level, level === chosen, study.tolerance)))),
-      el("p", { class: "note small soft" }, "Limit ", number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
+      el("p", { class: "note small soft" }, "Limit ",
+        number(study, "limit", { digits: 5, unit: "W m⁻² sr⁻¹" }),
         " by order ", number(study, "order", { exact: true }),
         typeof study.observed_order === "number" ? [" (observed ", number(study, "observed_order"),
           ")"] : " (noise hides the observed one)",
@@ -1165,7 +1180,7 @@
     const engine = engineNamed(frame.engine);
     return tr(rowHead(frame.engine, small(frame.rung)),
       words(word(STATUSES, frame.status), frame.reused && " · taken from the store",
-        why(frame) && el("pre", { class: "log", id: ids.get(frame) }, why(frame)),
+        why(frame) && el("pre", { class: "log", id: ids.get(frame), tabindex: "0" }, why(frame)),
         frame.note && el("div", { class: "small" }, frame.note),
         frame.step_optical_depth > 1 && el("div", { class: "small" },
           bold("Steps too long: "), "one spans an optical depth of up to ",
@@ -1415,7 +1430,8 @@
               below()],
           el("figure", {}, map ? pixels(map,
               `${title}: signed difference of ${row.participant} from the truth`, size)
-            : hole("no difference map"), el("figcaption", {}, `${row.participant} − truth, radiance`,
+            : hole("no difference map"), el("figcaption", {},
+              `${row.participant} − truth, radiance`,
             map && differenceKey(view, "difference_scale", "W m⁻² sr⁻¹"))));
       }));
     return [
@@ -1464,7 +1480,8 @@
 
   const sequencePictures = (sequence) => fit(el("div", { class: "pictures small-pictures" },
     sequence.rows.filter((row) => row.pictures.length > 0).map((row) => pictureCard(row.preset,
-      [`${row.engine} · all frames, rendered once: `, number(row, "render_s", { unit: "s" })],
+      [`${row.engine} · warm frame: `, warmFrame(row), " · all frames, rendered once: ",
+        number(row, "render_s", { unit: "s" })],
       flipbook(row, sequence), row.map && el("figure", {}, pixels(row.map,
         `${sequence.scene}: amplitude of the flicker of ${row.preset}`, sequence.size_px),
       el("figcaption", {}, "visible flicker, in multiples of the threshold of visibility",

@@ -32,6 +32,8 @@ RULES = [
     (r"study steps .*--renew", "absorbing_slab", {0}, False),
     (r"study steps .*cycles", f"{SIZE} -s samples=1", {0, 2, 69}, False),
     (r"study steps", SIZE, {0, 2, 69}, False),
+    (r"study flicker .*--suite", f"{STUDY} --frames 16 --seeds 1 -q -p fixed --takes flicker", {0},
+     False),
     (r"study flicker", f"{STUDY} --frames 16 --seeds 1 -q", {0}, False),
     (r"study light", "--size 8x5 --samples 2 --steps 8 -q", {0}, False),
     (r"study sky", "--size 8x8 --samples 2 --steps 4 -q", {0}, False),
@@ -89,7 +91,7 @@ colorspaces:
 """
 FOG = """name: my_fog
 title: Fog to a horizon
-physics: One layer, which both looks of fog have.
+description: One layer, which both looks of fog have.
 camera: {position_m: [0, 20, 0], look_at_m: [0, 20, -100], vertical_fov_deg: 60}
 sun: {direction: [0.2, 0.3, -1], irradiance_w_per_m2: [5.5, 5, 4.5]}
 background_w_per_m2_sr: [0.6, 0.7, 0.8]

@@ -144,7 +144,7 @@ class Flags(unittest.TestCase):
         table = re.findall(r'^    \{"([\w ]+)", "([\w-]+)", "([\w-]+)"\},$',
                            (ROOT / "harness/old_options.c").read_text(), re.MULTILINE)
         page = [tuple(cell.strip("`").removeprefix("--") for cell in row)
-                for row in rows("## Names of")]
+                for row in rows("## Old names")]
         self.assertEqual(page, table)
         for verb, old, new in table:
             self.assertIn(new, self.verbs[verb], verb)

@@ -85,7 +85,7 @@ class Install(unittest.TestCase):
         for words, expected in (
                 ("neph fli", "flicker"),
                 ("neph study ", "steps flicker light sky fog screen convergence post"),
-                ("neph study flicker --see", "--seeds"), ("neph bake --me", "--medium"),
+                ("neph study flicker --see", "--seed --seeds"), ("neph bake --me", "--medium"),
                 ("neph render white", "white_furnace"), ("neph fly white", "white_furnace"),
                 ("neph render -e po", "povray"),
                 ("neph render -o ", ""), ("neph doctor ", "")):

@@ -149,8 +149,8 @@ class Metrics(neph_case.NephCase):
         self.assertTrue(row["interval"][0] < 0 < row["interval"][1] and row["p"] > 0.01, row)
         text = self.neph("compare", reference, self.folder / "strong", "-m", "mae", "--versus",
                          self.folder / "weak").stdout
-        self.assertRegex(text, r"^strong: mae 0.05.*, weak: 0.02.*; not told apart, lower in \d+ of "
-                               r"16 frames \(16 frames are too few: intervals and p-values")
+        self.assertRegex(text, r"^strong: mae 0.05.*, weak: 0.02.*; not told apart, lower in \d+ "
+                               r"of 16 frames \(16 frames are too few: intervals and p-values")
         text = self.neph("compare", reference, self.folder / "strong/f.04.exr", "-m", "mae",
                          "--versus", self.folder / "weak/f.04.exr").stdout
         self.assertRegex(text, "^strong: mae .*, weak: .*; worse, p < 0.001\n")
@@ -507,8 +507,8 @@ class Metrics(neph_case.NephCase):
         for options, rate in (((), 42), (("--fps", "24"), 24)):
             done = self.neph("flicker", "-r", still, self.folder / "seven.*.exr", "-m", "seen",
                              *options)
-            self.assertIn(f"display: {rate} frames a second, 67.0206 pixels per degree, 0 EV, white "
-                          f"100 cd/m2, dark surround", done.stdout)
+            self.assertIn(f"display: {rate} frames a second, 67.0206 pixels per degree, 0 EV, "
+                          f"white 100 cd/m2, dark surround", done.stdout)
             self.assertRegex(
                 done.stdout,
                 rf"flicker: seen: seen by most in 100 % of .* at {rate / 7:.2g} Hz "

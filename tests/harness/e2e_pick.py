@@ -177,8 +177,8 @@ class Pick(NephCase):
                              if option[0] == "-e" else {engine}, {engine})
             lines = self.neph("pick", "voxel_grid", "--size", "32x18", *words, *option).stdout
             self.assertLessEqual(lines.count("\n"), 10)
-            self.assertTrue(lines.startswith(f"{found['name']}: error {100 * found['error']:.3g} %"),
-                            lines)
+            start = f"{found['name']}: error {100 * found['error']:.3g} %"
+            self.assertTrue(lines.startswith(start), lines)
             self.assertIn("\nneph render voxel_grid --config few/pick.json\n", lines)
         [verdict] = self.neph("pick", "voxel_grid", "--size", "32x18", "--error", "1e-6", "-e",
                               "march", "-o", "few", "-q", code=1).stdout.splitlines()
@@ -199,6 +199,7 @@ class Pick(NephCase):
             (64, "half-life", ("--preset", "ours", "--least", "x")),
             (64, "at a time", ("--preset", "ours", "--ms", "9", "--jobs", "2")),
             (64, "one scene", ("voxel_grid", "fence_sky", "--error", "1")),
+            (64, "1..4096 pixels", ("voxel_grid", "--error", "1", "--size", "5000x9")),
             (66, "", ("no_such_scene", "--error", "1")), before=("pick",))
 
     def test_without_a_driver(self):

@@ -100,6 +100,7 @@ def measurements(error, sign, radiance=True):
             rms = error * worse * size
             values = [("bias", unit, sign * rms * 0.31),
                       ("rel_bias", "1", sign * error * worse * 0.31), ("rmse", unit, rms),
+                      ("rel_rmse", "1", error * worse),
                       ("rel_mse", "1", (error * worse) ** 2), ("max_abs", unit, rms * 7.3),
                       ("p50", unit, rms * 0.45), ("p95", unit, rms * 2.1), ("p99", unit, rms * 3.4),
                       ("non_finite", "px", 0), ("negative", "px", 0)]
@@ -143,6 +144,39 @@ def find(frames, name, quantity, metric, mask="all"):
     rows = next(f for f in frames if f["engine"] == name)["measurements"]
     return next(r["value"] for r in rows if (r["quantity"], r["metric"],
                                              r["mask"]) == (quantity, metric, mask))
+
+
+RANKED = (("radiance", "rel_rmse"), ("transmittance", "rmse"), ("depth", "rel_rmse"))
+
+
+def ranking_number(item):
+    """The measurement that ranks a frame, or None."""
+    for quantity, metric in RANKED:
+        for row in item["measurements"]:
+            if (row["quantity"], row["metric"], row["mask"]) == (quantity, metric, "all") \
+                    and row["value"] is not None:
+                return row
+    return None
+
+
+def ranked(scenes):
+    """What the C program says of all compared frames: failed gates first, then the largest error.
+    """
+    rows = []
+    for scene in scenes:
+        for item in scene["frames"]:
+            found = ranking_number(item)
+            if not scene["truth"] or item["engine"] == scene["truth"]["engine"] or not found:
+                continue
+            failing = any(g["engine"] == item["engine"] and g["verdict"] == "fail"
+                          for g in scene["gates"])
+            rows.append({"scene": scene["name"], "engine": item["engine"],
+                         **{key: found[key] for key in ("quantity", "metric", "mask", "value",
+                                                        "unit")}, "failing": failing,
+                         "cause": f"Where: in {scene['name']}. Why: {item['engine']} {HOSTILE}.",
+                         "parts": {"noise": None, "offset": 0.1, "edges": 0.5,
+                                   "edge_pixels": 0.25}})
+    return sorted(rows, key=lambda row: (not row["failing"], -row["value"]))
 
 
 def study(option, chosen, certain, noise):
@@ -315,10 +349,13 @@ def report_data():
                                    "interval": [0, 999.96], "pixel_count": 3})
     fog[4]["study"] = study("step", 1, False, 0.0017)
     fog[2]["study"] = study("steps", 3, True, 0.0)
+    fog[2]["speed"] = {"start_s": 0.31, "render_s": 0.0113, "low_s": 0.0109, "high_s": 0.0121,
+                       "repeats": 48, "interval": "10 % to 90 % of the frames"}
+    fog[4]["noise"] = {"value": 0.0119, "unit": "1", "text": "noise left in a pixel: 1.2 %"}
     fog[4]["bake"] = {"voxels": 262144,
                       "largest_error": {"radiance": 0.0021, "transmittance": 3e-5}}
     scene = {"difference_scale": {"radiance": 0.25, "transmittance": 0.05}}
-    return {"format": "neph-report-1", "title": "Nightly of main, all scenes",
+    data = {"format": "neph-report-1", "title": "Nightly of main, all scenes",
             "created_utc": "2026-11-21T02:00:00Z", "neph_version": "0.1.0 (079f69e)",
             "host": {"cpu": "AMD EPYC 7763 64-Core Processor", "cores": 2,
                      "memory_bytes": 8_342_462_464}, "size_px": [WIDTH, HEIGHT],
@@ -373,6 +410,8 @@ def report_data():
                   "mark": {"type": "bar", "color": "#0072B2"},
                   "encoding": {"x": {"field": "ms", "type": "quantitative"},
                                "y": {"field": "name", "type": "nominal", "title": None}}}},],}
+    data["ranking"] = ranked(data["scenes"])
+    return data
 
 
 # --------------------------------------------------------------------------------------- layout
@@ -496,10 +535,32 @@ class Page(PageCase):
     def test_a_good_report_holds_together(self):
         self.assert_holds(self.good)
 
+    def test_a_small_bias_does_not_hide_the_worst_engine(self):
+        """An engine with a bias of -0.5 % and an RMSE of 70 % was called "all agree", below others
+        of a larger bias."""
+        data = report_data()
+        bank = data["scenes"][1]
+        for row in next(f for f in bank["frames"] if f["engine"] == "march")["measurements"]:
+            if (row["quantity"], row["mask"]) == ("radiance", "all"):
+                row["value"] = {"rel_bias": -0.005, "rel_rmse": 0.7}.get(row["metric"],
+                                                                         row["value"])
+        data["ranking"] = ranked(data["scenes"])
+        folder = self.built("small_bias", data)
+        self.assert_holds(folder, "--quick")
+        # The page that ranked by the bias names another engine.
+        script = folder / "report.js"
+        text = script.read_text()
+        wrong = text.replace('["radiance", "rel_rmse", "all"],', '["radiance", "rel_bias", "all"],')
+        self.assertNotEqual(text, wrong)
+        script.write_text(wrong)
+        self.assert_finds(self.check(folder, "--quick"), (
+            ("the worst engine", "the verdict does not name the worst: march"),
+            ("the order of the heat map", "the heat map is not sorted by RMSE"),))
+
     def test_a_report_of_nothing_still_reads(self):
         data = report_data()
         del data["physics"]
-        data.update(scenes=[], charts=[], engines=[],
+        data.update(scenes=[], ranking=[], charts=[], engines=[],
                     counts={"expected": 0, "reported": 0, "compared": 0},
                     host={"cpu": None, "cores": None, "memory_bytes": None}, seconds=None)
         self.assert_holds(self.built("empty", data), "--quick")
@@ -511,7 +572,7 @@ class Page(PageCase):
         shutil.rmtree(folder / "vendor")
         data = report_data()
         rows = len(data["physics"]["rows"])
-        data.update(scenes=[], interactive=False,
+        data.update(scenes=[], ranking=[], interactive=False,
                     counts={"expected": rows, "reported": rows, "compared": 5})
         write_data(folder, "NEPH_REPORT", data)
         self.assert_holds(folder, "--quick")
@@ -535,12 +596,16 @@ class Page(PageCase):
         def change(data):
             data["physics"]["rows"] = [row for row in data["physics"]["rows"]
                                        if row["status"] != "timeout"]
-            data["scenes"] = []
+            data["scenes"] = data["ranking"] = []
             data["verdict"] = "pass"
             row = data["physics"]["rows"][1]
             row.update(deviation=0.1, interval=[0.09, 0.11], verdict="off")
         self.assertIn("verdict is pass though tracer is off",
                       self.changed_data("false_pass", change))
+
+    def test_a_ranking_out_of_order_is_found(self):
+        found = self.changed_data("ranking", lambda data: data["ranking"].reverse())
+        self.assertIn("is larger than the one before it", found)
 
     def test_a_lost_frame_is_found(self):
         self.assertIn("counts/reported is",
@@ -548,7 +613,7 @@ class Page(PageCase):
 
     def test_nothing_compared_cannot_pass(self):
         def change(data):
-            data.update(scenes=[], physics=None, verdict="pass",
+            data.update(scenes=[], ranking=[], physics=None, verdict="pass",
                         counts={"expected": 0, "reported": 0, "compared": 0})
         self.assertIn("nothing was compared", self.changed_data("nothing_compared", change))
 
@@ -571,7 +636,8 @@ class Page(PageCase):
             ('.filter((row) => typeof row.value === "number").map((row) => ({ frame, row })));',
              ".map((row) => ({ frame, row })));"),
             (' && typeof row.value === "number");\n\n  function', ");\n\n  function"),
-            (' && gate.quantity === "radiance")))', " && false)))"),
+            ('gate.engine === frame.engine && gate.quantity === "radiance"));', "false));"),
+            ("path && legend(scene, kind)));", "null));"),
             ('el("p", {}, scene.physics)', 'Object.assign(el("p"), { innerHTML: scene.physics })'),
             ("const shown = value * scale;", "const shown = value * scale * "
              '(path === "scenes/1/frames/1/wall_s" ? 1.02 : 1);')))
@@ -593,6 +659,7 @@ class Page(PageCase):
             ("a table wider than the window", "wider than its place"),
             ("a row without a number", "a row without a number"),
             ("a wrong count of what is not gated", "frames.ungated"),
+            ("a map without a scale", "a map without its scale"),
             ("a number that differs", "scenes/0/frames/1/measurements/2/value"),
             ("a number shown wrongly", "scenes/1/frames/1/wall_s: the page reads"),
             ("a missing picture", "images/height_fog/march.png"),

@@ -63,6 +63,7 @@ class Scaling(NephCase):
 
     def test_what_is_refused(self):
         self.check_refusals((64, "", ()), (66, "", ("no_such_scene",)),
+                            (64, "1..4096 pixels", ("voxel_grid", "--size", "5000x9")),
                             (64, "mine", ("voxel_grid", "--preset", "mine")))
 
 

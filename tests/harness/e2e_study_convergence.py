@@ -40,9 +40,14 @@ class StudyConvergence(StudyCase):
         self.assertLessEqual(lines.count("\n"), 10)
 
     def test_what_is_refused(self):
-        self.check_refusals((66, "nonesuch", ("nonesuch",)), (64, "which scenes?", ()),
+        """And before anything is rendered."""
+        self.check_refusals((66, "nonesuch", ("fence_sky", "nonesuch")), (64, "which scenes?", ()),
                             (64, "twice", ("fence_sky", "--preset", "ours,ours")),
-                            (64, "nonesuch", ("fence_sky", "--preset", "nonesuch")))
+                            (64, "nonesuch", ("fence_sky", "--preset", "ours,nonesuch")),
+                            (64, "1..4096 pixels", ("fence_sky", "--size", "5000x9")),
+                            (2, "multiple scattering", ("fence_sky", "slab_multiple_thin")))
+        frames = self.folder / "out/study/store/frames"
+        self.assertFalse(frames.exists() and any(frames.iterdir()))
 
 
 if __name__ == "__main__":

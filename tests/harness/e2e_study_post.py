@@ -74,7 +74,10 @@ class StudyPost(StudyCase):
             (64, "multiples of 4", ("railings", "--frames", "18")),
             (64, "'nonsense'", ("railings", "--only", "grain,nonsense")),
             (64, "none_such", ("railings", "--preset", "none_such", *LITTLE)),
-            (66, "no_such_scene", ("no_such_scene", *LITTLE)))
+            (64, "1 GiB", ("railings", "--size", "3000x2000", "--frames", "64")),
+            (66, "no_such_scene", ("railings", "no_such_scene", *LITTLE)))
+        frames = self.folder / "out/study/store/frames"
+        self.assertFalse(frames.exists() and any(frames.iterdir()))
 
 
 if __name__ == "__main__":

@@ -153,7 +153,8 @@ class Sweep(NephCase):
 
     def answer(self, *arguments):
         """The lines of the answer, without progress."""
-        return self.neph("sweep", "voxel_grid", "--plan", "plan.yaml", *arguments).stdout.splitlines()
+        done = self.neph("sweep", "voxel_grid", "--plan", "plan.yaml", *arguments)
+        return done.stdout.splitlines()
 
     def test_the_answer_is_the_cheapest_series_at_an_error(self):
         """The verdict by its definition, from the numbers of JSON."""
@@ -185,6 +186,7 @@ class Sweep(NephCase):
         self.sweep("--plan", "no_such", code=66)
         self.sweep("-o", "", code=64)
         self.sweep(scene="camera_dolly", code=2, said="moves for 8 pictures")
+        self.sweep("--size", "5000x9", code=64, said="march renders sides of 1..4096 pixels")
         # Somebody's folder is left alone, and before anything is rendered.
         mine = self.put("out/sweep/sweep/mine.txt")
         self.sweep("--only", "march", code=64)

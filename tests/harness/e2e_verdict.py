@@ -157,8 +157,8 @@ class Verdict(NephCase):
             scene = self.put("scattering_slab_above.yaml",
                              text.replace("metric: rel_bias", f"metric: {metric}", 1))
             done, _ = self.validate("exact", scene=scene, code=65)
-            self.assertRegex(done.stderr,
-                             rf"scattering_slab_above\.yaml:\d+:1: gates\[\d\]\.metric: .*{words}")
+            self.assertRegex(done.stderr, r"scattering_slab_above\.yaml:\d+:\d+: "
+                             rf"gates\[\d\]\.metric: .*{words}")
 
     def test_a_gate_that_cannot_be_measured_is_not_kept(self):
         text = (ROOT / "scenes/catalog/scattering_slab_above.yaml").read_text()

@@ -70,8 +70,8 @@ frames            | quick | flicker --reference reference seed --versus ours --j
 frames            | quick | flicker --reference reference ours -m all --fps 30 --ppd 30
 frames            | quick | post seed -p unreal -s exposure_ev=1 --png -q -o shown
 frames            | quick | view exact tracer -o page
-frames            | quick | bake gaussian_blob --resolution 12 --json -o blob.df3
-frames            | quick | bake gaussian_blob --resolution 12 -o blob.vdb
+frames            | quick | bake gaussian_blob --resolution 12 --json blob.df3
+frames            | quick | bake gaussian_blob --resolution 12 blob.vdb
 frames more       | full  | render voxel_grid -e cycles -s samples=4 --noise --size 48x27 --json \
             -o cycles
 frames more       | full  | render voxel_grid -e povray --size 48x27 --json -o povray
@@ -91,34 +91,36 @@ versus            | full  | flicker --reference reference seed --versus ours
 fog catalogue     | quick | validate height_fog_down voxel_grid -e exact -e tracer -e march -e \
             realtime --size 48x27 --json -q
 catalogue         | full  | validate --size 48x27 --json --budget 600
-physics fast      | quick | validate --suite physics --check single_slab -e exact -e oracle -e \
-            march -e tracer --samples 16 --json -q
+physics fast      | quick | validate --suite physics --only single_slab -e \
+            exact,oracle,march,tracer --samples 16 --json -q
 physics           | full  | validate --suite physics --samples 16 --json
 stress            | quick | validate --suite failure --json -q
 stress pages      | quick | validate --suite failure --only fog_none --pictures all --preset fixed
 study steps       | quick | study steps march height_fog_up --size 16x9 --all
 study steps more  | full  | study steps povray height_fog_up --size 16x9 --json
-study flicker     | quick | study flicker fence_pitch4 --presets fixed,ours --seeds 1 --frames 16 \
+study flicker     | quick | study flicker fence_pitch4 --preset fixed,ours --seeds 1 --frames 16 \
             --size 32x18 --steps 3 --json --csv a.csv --markdown a.md -q
-study flicker more | full  | study flicker fence_pitch4 foliage --presets seed,ours --seeds 2 \
+study flicker more | full  | study flicker fence_pitch4 foliage --preset seed,ours --seeds 2 \
             --frames 16 --size 32x18 --steps 3 --all
-study light       | quick | study light cloud_below --suns 50:180 --size 12x8 --noise 0.5 \
+study light       | quick | study light cloud_below --suns 50:180 --size 12x8 --noise-limit 0.5 \
             --samples 4 --steps 32 --json --csv a.csv --markdown a.md -q
 study light more  | full  | study light cloud_below gaussian_blob --laws --fit fit.inc --size 12x8 \
-            --noise 0.5 --samples 4 --steps 32 --all
+            --noise-limit 0.5 --samples 4 --steps 32 --all
 study fog         | quick | study fog fog_look_evening --size 12x8 --directions 64 --json --csv \
             a.csv --markdown a.md
 study fog more    | full  | study fog fog_look_ridge --all
-study sky         | quick | study sky --size 8x8 --truth oracle --samples 64 --suns 30 --altitudes \
-            2 --models sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
+study sky         | quick | study sky --size 8x8 --truth oracle --samples 64 --elevations 30 \
+            --altitudes 2 --model \
+            sky+altitudes=8+suns=24+above=4+below=2+around=3+table_steps=8+orders=4 \
             --json --markdown a.md -q
-study sky more    | full  | study sky --size 8x8 --samples 64 --suns 30,-30 --altitudes 2 --all
-study screen      | quick | study screen surface_step --size 24x14 --samples 64 --models \
+study sky more    | full  | study sky --size 8x8 --samples 64 --elevations 30,-30 --altitudes 2 \
+            --all
+study screen      | quick | study screen surface_step --size 24x14 --samples 64 --model \
             screen+gi=off+warm_up=0+ssr_rays=1 --json --markdown a.md -q
 study screen more | full  | study screen surface_step surface_rough --size 24x14 --samples 64 \
             --frames 16 --all
 study post        | quick | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 \
-            --chains grain --json --csv a.csv --markdown a.md -q
+            --only grain --json --csv a.csv --markdown a.md -q
 study post more   | full  | study post railings --size 32x18 --frames 16 --warm-up 4 --steps 4 --all
 sweep             | quick | sweep voxel_grid --plan plan.yaml --untimed --json --csv a.csv -q
 sweep more        | full  | sweep voxel_grid --plan plan.yaml --untimed --only march --seeds 2 --all
@@ -132,17 +134,17 @@ ablation more     | full  | ablate fence_backlit foliage --size 32x16 --steps 3 
 scaling           | full  | scaling voxel_grid --untimed --size 32x18 --json -q
 pick              | quick | pick height_fog_level --error 0.01 --size 64x36 --json -q
 pick more         | full  | pick voxel_grid --error 0.25 --flicker 4 --size 32x18 --all
-pick more         | full  | pick fence_backlit foliage --presets seed,fixed,ours --frames 16 \
+pick more         | full  | pick fence_backlit foliage --preset seed,fixed,ours --frames 16 \
             --size 32x18 --steps 3 --least flicker --half-life 8 -o presets --all
-benchmark         | quick | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
+benchmark         | quick | benchmark gaussian_blob --resolution 12 -e tracer,oracle --size 16x9 \
             --seconds 0.2 --json -q
-benchmark more    | full  | benchmark gaussian_blob --voxels 12 -e tracer,oracle --size 16x9 \
+benchmark more    | full  | benchmark gaussian_blob --resolution 12 -e tracer,oracle --size 16x9 \
             --seconds 0.2 --all
-benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --json -q
-benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --frames 8 --all
-conform           | quick | conform --scene height_fog_level -e march --size 32x18 -o a
+benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --repeat 8 --json -q
+benchmark passes  | full  | benchmark voxel_grid -e march,realtime --size 32x18 --repeat 8 --all
+conform           | quick | conform --only height_fog_level -e march --size 32x18 -o a
 conform           | quick | conform a a
-conform more      | full  | conform --scene height_fog_level --scene voxel_grid --size 32x18 \
+conform more      | full  | conform --only height_fog_level,voxel_grid --size 32x18 \
             --json -o b
 conform more      | full  | conform a b --json
 night             | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
@@ -152,16 +154,16 @@ night             | quick | nightly --only fog_none --only height_fog_down --onl
             --size 32x18 --once --json
 night             | quick | nightly --only height_fog_down --size 32x18 --once -s march:steps=56
 night             | quick | baseline list
-night             | quick | store check
-night             | quick | store export
+night             | quick | store check -o out/nightly
+night             | quick | store export -o out/nightly
 night more        | full  | nightly --only blob_sky --only cirrus --only slab_above --size 32x18 \
             --json
-night more        | full  | store gc --limit 0 --spare-hours 0
-again night       | quick | store check
+night more        | full  | store gc -o out/nightly --limit 0 --spare-hours 0
+again night       | quick | store check -o out/nightly
 again night       | quick | baseline list --json
 again night       | quick | nightly --only fog_none --only height_fog_down --only sweep.voxel_grid \
             --size 32x18 --once --json
-again night       | quick | store export
+again night       | quick | store export -o out/nightly
 again catalogue   | quick | first
 again physics     | quick | first
 again stress      | quick | first
@@ -207,11 +209,12 @@ WRONG_WORDS = (
     "validate -e nonsense", "validate voxel_grid -s march:steps=-3",
     "validate voxel_grid --size 0x0", "validate voxel_grid -o ''",
     "validate --suite failure --only nonsense",
-    "validate --suite failure --preset nonsense", "validate --suite physics --check nonsense",
+    "validate --suite failure --preset nonsense", "validate --suite physics --only nonsense",
     "study nonsense", "study steps march", "study flicker --suite nonsense",
-    "study flicker --takes sign", "study light --models nonsense", "study fog height_fog_up",
-    "study fog fog_look_ridge --model unity", "study sky --suns 91", "study sky --truth march",
-    "study screen --models nonsense", "study post railings --frames 18", "ablate --suite nonsense",
+    "study flicker --takes sign", "study light --model nonsense", "study fog height_fog_up",
+    "study fog fog_look_ridge --model unity", "study sky --elevations 91",
+    "study sky --truth march", "study screen --model nonsense",
+    "study post railings --frames 18", "ablate --suite nonsense",
     "ablate fence_backlit --only nonsense", "ablate slab_multiple_thin", "render",
     "render voxel_grid -e nonsense", "render voxel_grid -s nonsense=1", "render no_such.yaml",
     "render voxel_grid -e realtime -p nonsense", "render voxel_grid --frame 99", "bake voxel_grid",
@@ -223,8 +226,9 @@ WRONG_WORDS = (
     "conform no such", "metrics nonsense", "nightly --tier slow", "nightly --only nonsense",
     "nightly --executor nonsense", "baseline", "baseline accept", "baseline forget",
     "baseline accept --why x", "store", "store mend", "store gc", "store check",
-    "store gc --limit much", "scenes no_such", "scenes voxel_grid --variant nonsense",
-    "engines nonsense", "doctor nonsense", "export voxel_grid -e nonsense")
+    "store gc -o out/nightly --limit much", "scenes no_such",
+    "scenes voxel_grid --variant nonsense", "engines nonsense", "doctor nonsense",
+    "export voxel_grid -e nonsense")
 
 # Files that commands name, written into the folder of each case that names them.
 INPUTS = {"plan.yaml": """title: a small one

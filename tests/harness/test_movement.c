@@ -39,8 +39,8 @@ static void fill(struct neph_movement *movement, const double *lumas, int count)
 }
 
 /* A pulse of height h in one of four frames in half of the pixels: less its mean, h / 4, it is
- * 3/4 h there and -1/4 h else; its amplitudes are a4 = h / 2 and a2 = h / 4. Single precision of the
- * frames: 1e-6. */
+ * 3/4 h there and -1/4 h else; its amplitudes are a4 = h / 2 and a2 = h / 4. The tolerance is the
+ * single precision of the frames: 1e-6. */
 static void test_a_pulse_in_each_cycle(void **state)
 {
     static const double lumas[] = {0.7, 0.5, 0.5, 0.5, 0.7, 0.5, 0.5, 0.5, 0.9};

@@ -123,15 +123,4 @@ static void test_noise_is_not_taken_for_a_fall(void **state)
     assert_in_range(found, SERIES * 9 / 10, SERIES);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_start_up_is_apart_and_the_interval_is_students),
-        cmocka_unit_test(test_one_render_is_no_measurement),
-        cmocka_unit_test(test_an_unknown_start_is_no_number),
-        cmocka_unit_test(test_the_start_of_a_ladder),
-        cmocka_unit_test(test_less_time_for_more_work_is_found),
-        cmocka_unit_test(test_noise_is_not_taken_for_a_fall),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+#include "tests/main.h"

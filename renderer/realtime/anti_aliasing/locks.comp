@@ -77,7 +77,7 @@ bool upsample(Neighbourhood around, out vec3 colour)
 // to be invalid.
 const float SEPARATION = 0.02;
 
-// Of all depths within a distance; motion.glsl's nearest_depth() is by taa_motion.
+// The nearest of all depths within a distance; motion.glsl's nearest_depth() is by taa_motion.
 float nearest_depth_m(ivec2 source, int distance_px)
 {
     float nearest_m = FAR_M;
