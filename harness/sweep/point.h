@@ -8,8 +8,8 @@
 #define NEPH_HARNESS_SWEEP_POINT_H
 
 #include "harness/progress.h"
-#include "harness/study/reference.h"
 #include "harness/run/times.h"
+#include "harness/study/reference.h"
 #include "harness/sweep/truth.h"
 
 /* What points share. References are of the last point's model: points that follow each other with

@@ -11,8 +11,8 @@
 #define NEPH_HARNESS_SWEEP_SWEEP_H
 
 #include "harness/run/store.h"
-#include "harness/sweep/results.h"
 #include "harness/run/times.h"
+#include "harness/sweep/results.h"
 
 struct neph_sweep_params {
     const struct neph_sweep_plan *plan;

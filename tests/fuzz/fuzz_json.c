@@ -5,9 +5,9 @@
  */
 #include "tests/fuzz/fuzz.h"
 
+#include "harness/run/times.h"
 #include "harness/stress/expectations.h"
 #include "harness/sweep/scaling.h"
-#include "harness/run/times.h"
 
 static enum neph_status read_expectations(const char *path, struct neph_diag *diag)
 {

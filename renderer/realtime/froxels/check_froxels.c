@@ -373,10 +373,10 @@ static void test_jitter_and_history(void **state)
     struct test_scene test;
     scene_fence(&test);
     OWNED(image)
-    struct neph_image *image =
-        picture_of(*state, &test.scene,
-                   PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95",
-                   64, NULL, NULL);
+    struct neph_image *image = picture_of(
+        *state, &test.scene,
+        PLAIN "froxel_slices=32 froxel_end_m=24 froxel_jitter=on froxel_history=0.95", 64, NULL,
+        NULL);
     const struct error error = error_of(&test, image);
     print_message("64 pictures with jitter and history: bias %+.1e, rms %.1e\n", error.bias,
                   error.rms);
