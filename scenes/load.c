@@ -132,6 +132,8 @@ static enum neph_status finish(struct neph_reader *reader, enum neph_status so_f
     for (size_t i = 0; i < sizeof(finish_steps) / sizeof(finish_steps[0]); i++)
         if (neph_is_sound(reader, finish_steps[i].keys))
             status = neph_also(reader, status, finish_steps[i].run(reader, written));
+    if (!status)
+        status = neph_arena_check(reader->arena, reader->diag);
     return so_far || status ? status : neph_scene_hash(scene, reader->diag);
 }
 

@@ -75,6 +75,10 @@ static enum neph_status choose_engines(const struct neph_validate_params *params
                               !engines[i]->is_guest;
         if (!is_named && !is_reference && !is_usual)
             continue;
+        const enum neph_status status = neph_engine_check_size(engines[i], params->width_px,
+                                                               params->height_px, diag);
+        if (status)
+            return status;
         if (neph_interrupted())
             return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
         field->engines[field->count] = engines[i];
