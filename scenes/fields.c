@@ -96,29 +96,22 @@ enum neph_status neph_refuse(const struct neph_reader *reader, const char *path,
     neph_fail(reader->diag, NEPH_ERR_INPUT, "%s%s%s", whole, *whole ? ": " : "", message);
     neph_document_locate(reader->document, neph_document_find(reader->document, whole),
                          reader->diag);
-    if (reader->errors)
-        neph_errors_attribute(reader->errors, whole);
+    neph_errors_attribute(reader->errors, whole);
     return NEPH_ERR_INPUT;
 }
 
 enum neph_status neph_also(const struct neph_reader *reader, enum neph_status first,
                            enum neph_status next)
 {
-    if (next && reader->errors)
+    if (next)
         neph_errors_keep(reader->errors, next, reader->path);
     return first ? first : next;
 }
 
 bool neph_is_sound(const struct neph_reader *reader, const char *keys)
 {
-    return reader->errors && !neph_errors_are_full(reader->errors) &&
+    return !neph_errors_are_full(reader->errors) &&
            !neph_errors_concern(reader->errors, reader->path, keys);
-}
-
-/* Whether reading goes on after `status`: without a list of errors it ends with the first. */
-static bool goes_on(const struct neph_reader *reader, enum neph_status status)
-{
-    return reader->errors ? !neph_errors_are_full(reader->errors) : !status;
 }
 
 /* The message is in place; add where, and the note if there is no better hint. */
@@ -331,7 +324,7 @@ static enum neph_status read_numbers(struct neph_reader *reader, const yaml_node
                                      const struct neph_field *field, int count, double *numbers)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && goes_on(reader, status); i++) {
+    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
         const yaml_node_t *item = item_of(reader, node, i);
         status = neph_also(reader, status, read_number(reader, item, field, true, &numbers[i]));
@@ -361,7 +354,7 @@ static enum neph_status read_entries(struct neph_reader *reader, const yaml_node
                                      const struct neph_record *record, int count, char *entries)
 {
     enum neph_status status = NEPH_OK;
-    for (int i = 0; i < count && goes_on(reader, status); i++) {
+    for (int i = 0; i < count && !neph_errors_are_full(reader->errors); i++) {
         const size_t before = enter_item(reader, i);
         char *entry = entries + (size_t)i * record->size;
         status = neph_also(reader, status,
@@ -499,8 +492,7 @@ static enum neph_status refuse_missing(struct neph_reader *reader, const yaml_no
     neph_field_describe(field, expected, sizeof(expected));
     neph_fail(reader->diag, NEPH_ERR_INPUT, "missing key '%s': expected %s", reader->path,
               expected);
-    if (reader->errors)
-        neph_errors_attribute(reader->errors, reader->path);
+    neph_errors_attribute(reader->errors, reader->path);
     leave(reader, before);
     return refuse(reader, mapping, field);
 }
@@ -558,9 +550,9 @@ enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t 
     neph_fields_default(fields, target);
     enum neph_status status = NEPH_OK;
     for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start;
-         pair < node->data.mapping.pairs.top && goes_on(reader, status); pair++)
+         pair < node->data.mapping.pairs.top && !neph_errors_are_full(reader->errors); pair++)
         status = neph_also(reader, status, read_pair(reader, node, pair, fields, target));
-    for (int i = 0; fields[i].key && goes_on(reader, status); i++)
+    for (int i = 0; fields[i].key && !neph_errors_are_full(reader->errors); i++)
         if (!fields[i].standard && !neph_reader_has(reader, node, fields[i].key) &&
             !is_misspelled(reader, node, fields, &fields[i]))
             status = neph_also(reader, status, refuse_missing(reader, node, &fields[i]));

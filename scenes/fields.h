@@ -80,15 +80,15 @@ struct neph_field {
 
 struct neph_reader {
     struct neph_document *document;
-    struct neph_arena *arena;   /* of texts and lists */
-    struct neph_diag *diag;     /* of the error that is being reported */
-    struct neph_errors *errors; /* all of them; NULL: reading ends with the first, in the diag */
+    struct neph_arena *arena;       /* of texts and lists */
+    struct neph_diag *diag;         /* of the error that is being reported */
+    struct neph_errors *errors;     /* all of them, see neph_read_document() */
     char path[NEPH_FIELD_PATH_MAX]; /* of what is being read: "media[0].homogeneous" */
 };
 
 /* The mapping into `target`, which is 0 or was read before: every key known and given once, every
  * value of its type and in its range, what must be there is there, the rest has its default. All
- * errors of the mapping are kept in the reader, if it has a list; the status is that of the first.
+ * errors of the mapping are kept in the reader; the status is the first of them.
  */
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);

@@ -73,8 +73,8 @@ static const char ungated_reason[] =
     "no gate of the scene limits this, so its mean is to be within a factor "
     "of two of the truth's";
 
-static bool is_gated(const struct neph_scene_result *scene, const char *engine,
-                     const char *quantity)
+bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engine,
+                         const char *quantity)
 {
     for (int g = 0; g < scene->gate_count; g++)
         if (strcmp(scene->gates[g].engine, engine) == 0 &&
@@ -110,13 +110,13 @@ static void judge_ungated(const struct neph_frame_result *frame, struct neph_sce
         NEPH_QUANTITY_RADIANCE, NEPH_QUANTITY_TRANSMITTANCE};
     if (!frame->path || frame->is_look || frame->note[0])
         return;
-    scene->ungated_count += !is_gated(scene, frame->engine->name,
-                                      neph_gate_quantity_name(NEPH_QUANTITY_RADIANCE));
+    scene->ungated_count += !neph_scene_is_gated(scene, frame->engine->name,
+                                                 neph_gate_quantity_name(NEPH_QUANTITY_RADIANCE));
     for (size_t i = 0; i < QUANTITIES_UNGATED; i++) {
         const char *quantity = neph_gate_quantity_name(quantities[i]);
         double maximum;
         const struct neph_measurement *found = find_excess(frame, quantity, &maximum);
-        if (found && !is_gated(scene, frame->engine->name, quantity))
+        if (found && !neph_scene_is_gated(scene, frame->engine->name, quantity))
             scene->gates[scene->gate_count++] = (struct neph_gate_result){
                 .engine = frame->engine->name,
                 .quantity = quantity,

@@ -158,6 +158,10 @@ void neph_validation_judge(struct neph_validation *validation, int expected);
 void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
                       struct neph_scene_result *result);
 
+/* Whether a gate of the scene limits this quantity of an engine's frame. */
+bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engine,
+                         const char *quantity);
+
 /* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
  * or a text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);

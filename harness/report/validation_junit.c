@@ -51,16 +51,6 @@ static void add_gate(const struct neph_gate_result *gate, const char *group,
     neph_junit_add(junit, group, name, results[gate->verdict], message);
 }
 
-static bool is_limited(const struct neph_scene_result *scene, const char *engine,
-                       const char *quantity)
-{
-    for (int g = 0; g < scene->gate_count; g++)
-        if (strcmp(scene->gates[g].engine, engine) == 0 &&
-            strcmp(scene->gates[g].quantity, quantity) == 0)
-            return true;
-    return false;
-}
-
 /* Means that no gate of the scene limits, and that are within a factor of two: harness/report/
  * gates.c has a result only of those that are not. */
 static void add_means(const struct neph_scene_result *scene, int index, const char *group,
@@ -72,7 +62,7 @@ static void add_means(const struct neph_scene_result *scene, int index, const ch
     if (!frame->path || frame->is_look || scene->truth < 0 || index == scene->truth)
         return;
     for (size_t q = 0; q < sizeof(quantities) / sizeof(quantities[0]); q++)
-        if (!is_limited(scene, engine, quantities[q]))
+        if (!neph_scene_is_gated(scene, engine, quantities[q]))
             neph_junit_add(junit, group, name_of_factor(&junit->arena, engine, quantities[q]),
                            frame->note[0] ? NEPH_JUNIT_SKIPPED : NEPH_JUNIT_PASSED, frame->note);
 }
