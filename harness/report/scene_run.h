@@ -59,8 +59,7 @@ struct neph_scene_run {
     const struct neph_validate_params *params;
     const struct neph_run_engines *field;
     struct neph_store *store;
-    struct neph_progress *progress;     /* this module uses the kinds 0 .. NEPH_SCENE_RUN_KINDS -
-                                           1 */
+    struct neph_progress *progress;     /* uses the kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 */
     struct neph_arena *arena;           /* for the results */
     const struct neph_scene_plan *plan; /* of the current scene; NULL: no deviations */
     /* In a worker: called after each step with a frame in the store; otherwise NULL. */

@@ -17,7 +17,7 @@ static bool takes_too_long(const struct neph_frame_result *frame)
 
 /* Collect render times that the run has measured already. The first frame of a built-in engine
  * includes kernel compilation, so only its second seed counts; an external renderer reports the
- * time of its radiance pass itself. */
+ * time of its radiance pass only. */
 static int known_times(const struct neph_frame_result *frame, double known_s[2])
 {
     int count = 0;

@@ -11,8 +11,8 @@
 /* A larger optical depth of a step causes a warning. */
 #define NEPH_STEP_DEPTH_MAX 1.0
 
-/* The largest optical depth, in any channel, of a step on the view rays of a shot before these
- * become opaque. Evaluated on 32 x 18 rays, at most 64 points each. NaN for engines without a fixed
+/* The largest optical depth, in any channel, of a step on the view rays of a shot up to an optical
+ * depth of 4. Evaluated on 32 x 18 rays, at most 64 points each. NaN for engines without a fixed
  * number of steps and when memory is short. */
 double neph_step_depth(const struct neph_shot *shot, const struct neph_engine *engine);
 
