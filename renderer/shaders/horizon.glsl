@@ -29,7 +29,7 @@ struct Horizon {
     float coverage;      // gc
     float density;       // gd
     float erosion;       // .8 e^(-.75 gc)
-    // index in horizon_texels[]: base noise, then detail noise, then weather map
+    // Index in horizon_texels[]: base noise, then detail noise, then weather map.
     uint first;
 };
 
