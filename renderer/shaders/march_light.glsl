@@ -19,8 +19,8 @@
 //                   non-physical
 //   similarity      single, and octaves of the similar medium (similarity_light()): non-physical
 //   horizon         the light of Horizon Zero Dawn's clouds (A. Schneider, "The Real-time
-//                   Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015) as later published
-//                   for engines (horizon_light()), in arbitrary units: non-physical
+//                   Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015) as later
+//                   published for engines (horizon_light()), in arbitrary units: non-physical
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 

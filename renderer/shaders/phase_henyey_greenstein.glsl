@@ -8,7 +8,8 @@
 //
 // The denominator cancels near the peak and is computed as
 //
-//   1 + g^2 - 2 g cos = (1 - |g|)^2 + 2 |g| (1 - |cos|),    1 - a.b = |a - b|^2 / 2 for unit vectors
+//   1 + g^2 - 2 g cos = (1 - |g|)^2 + 2 |g| (1 - |cos|)
+//   1 - a.b = |a - b|^2 / 2                                  for unit vectors
 //
 // A dot product of float32 vectors is accurate to 6e-8 only, which at g = 0.99 would be 0.2 % of
 // the peak. The difference a - b keeps all its digits.
