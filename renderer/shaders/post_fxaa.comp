@@ -4,8 +4,8 @@
 // Fast approximate anti-aliasing: FXAA 3.11 (T. Lottes, NVIDIA, 2009-2011), on encoded values. It
 // acts where the luma range of a pixel's neighbourhood is large.
 //
-//   quality  finds the edge's direction and the steeper side, then samples luma on the border between
-//            the two rows, in both directions, until it differs from the edge's mean:
+//   quality  finds the edge's direction and the steeper side, then samples luma on the border
+//            between the two rows, in both directions, until it differs from the edge's mean:
 //
 //              . . . . . P . . .      P: the pixel
 //              <-----------+---->     samples on the border
@@ -75,7 +75,7 @@ End walk(Edge edge, vec2 border, float way)
 }
 
 // Offset across the edge at which the image is read: 1/2 minus the relative distance of the nearer
-// end, if the edge turns towards this pixel there, else 0.
+// end, if luma at that end is on the other side of the mean than the pixel; else 0.
 float across_px(Edge edge, vec2 centre)
 {
     vec2 border = centre + 0.5 * edge.across;

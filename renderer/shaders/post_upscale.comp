@@ -6,8 +6,8 @@
 //
 //   nearest      the texel that contains the pixel's centre
 //   bilinear     2x2 texels
-//   directional  two samples along the edge, sharpened by a quarter of the difference to the mean of
-//                four samples around
+//   directional  two samples along the edge, sharpened by a quarter of the difference to the mean
+//                of four samples around
 //   catmull_rom  4x4 texels without the corners, as in Unreal
 //   lanczos      6x6 texels in 5x5 samples, without their corners: 13 samples
 //   gaussian     6x6 texels, variance 1/2, minus their Laplacian (unsharp mask)
