@@ -59,7 +59,7 @@
 #define NEPH_GPU_TAKES 8 // items that a thread takes from a queue at once
 #define NEPH_GPU_LIT_EDGES 16
 
-// Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
+// Octaves of scattering with fitted factors (renderer/octaves_fitted.h).
 #define NEPH_GPU_FITTED_OCTAVES 8
 
 // Octaves for which the ray marcher computes phase functions once per ray, in scenes of one medium.
