@@ -326,7 +326,7 @@ static enum neph_status run(const struct neph_child_params *params,
     return status;
 }
 
-/* ---- explaining ------------------------------------------------------------------------------ */
+/* ---- error messages -------------------------------------------------------------------------- */
 
 /* Replace control characters of progress bars and colours; neph_fail() escapes invalid UTF-8. */
 static void make_printable(char *text, size_t size)

@@ -219,7 +219,7 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
     return NEPH_OK;
 }
 
-/* ---- pictures in linear light ---------------------------------------------------------------- */
+/* ---- images in linear light ------------------------------------------------------------------ */
 
 static uint32_t big_endian_32(const char *bytes)
 {

@@ -281,7 +281,7 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
-/* --- rays in squares ---------------------------------------------------------------------- */
+/* --- order of rays ------------------------------------------------------------------------ */
 
 enum { square_px = 8 }; /* a work group of shaders/march.comp */
 

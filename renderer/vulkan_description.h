@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Descriptions of a Vulkan device for reports, without a dependency on Vulkan's headers.
+ */
 #ifndef NEPH_RENDERER_VULKAN_DESCRIPTION_H
 #define NEPH_RENDERER_VULKAN_DESCRIPTION_H
 

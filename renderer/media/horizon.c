@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of Horizon clouds.
+ */
 #include "scenes/horizon.h"
 
 #include "renderer/media/kind.h"

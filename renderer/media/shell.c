@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of exponential shells around a sphere.
+ */
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 

@@ -145,7 +145,7 @@ static void fill_levels(const struct work *work, struct neph_gpu_post_view *view
     }
 }
 
-/* ---- what the shaders are told --------------------------------------------------------------- */
+/* ---- parameters of the shaders --------------------------------------------------------------- */
 
 static void put_matrix(float rows[9], struct neph_matrix3 matrix)
 {
@@ -365,7 +365,7 @@ static enum neph_status run_stages(struct work *work, struct neph_post_stats *st
                                       "picture chain", diag);
 }
 
-/* ---- in and out ------------------------------------------------------------------------------ */
+/* ---- upload and read-back -------------------------------------------------------------------- */
 
 static enum neph_status put_in(struct work *work, float *const rgb[3], struct neph_diag *diag)
 {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Checks that settings of the post-processing chain are compatible.
+ */
 #include "renderer/post/chain.h"
 
 /* FXAA and sharpening clamp their output to 0..1, which would cut off radiance. */

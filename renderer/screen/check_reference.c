@@ -131,7 +131,7 @@ struct neph_vec3 reference_sky_light(const struct reference *ref)
                                          : (struct neph_vec3){0.0, 0.0, 0.0};
 }
 
-/* ---- places ---------------------------------------------------------------------------------- */
+/* ---- positions ------------------------------------------------------------------------------- */
 
 static bool is_orthographic(const struct reference *ref)
 {

@@ -32,7 +32,7 @@ struct reference {
     const float *targets[SCREEN_TARGET_COUNT]; /* four values a pixel; NULL: not read back */
 };
 
-/* ---- places (references/screen.c); all in the camera's axes ---- */
+/* ---- positions, all in camera axes (check_reference.c) --------- */
 
 int reference_choice(const struct reference *ref, int setting);
 bool reference_is_inside(const struct reference *ref, int x, int y);
@@ -74,10 +74,10 @@ struct neph_vec3 reference_sky_light(const struct reference *ref);
 
 /* ---- passes ---- */
 
-/* SCREEN_OPEN of a cell (references/screen_ao.c). */
+/* SCREEN_OPEN of a cell (check_reference_ao.c). */
 struct texel reference_ao(const struct reference *ref, int x, int y);
 
-/* SCREEN_GI_RAW, SCREEN_SSR_RAW of a cell (references/screen_rays.c). */
+/* SCREEN_GI_RAW, SCREEN_SSR_RAW of a cell (check_reference_rays.c). */
 struct texel reference_gi(const struct reference *ref, int x, int y);
 struct texel reference_ssr(const struct reference *ref, int x, int y);
 
@@ -85,18 +85,18 @@ struct texel reference_ssr(const struct reference *ref, int x, int y);
  */
 bool reference_mirror(const struct reference *ref, int x, int y, struct neph_vec3 *point_m);
 
-/* SCREEN_GI_MEAN, SCREEN_SSR_MEAN of a cell (references/screen_mean.c). */
+/* SCREEN_GI_MEAN, SCREEN_SSR_MEAN of a cell (check_reference_mean.c). */
 struct texel reference_mean(const struct reference *ref, int resolution, int x, int y);
 
 /* SCREEN_OPEN_SMOOTH of a cell, and the result of smoothing pass `turn`, from 0
- * (references/screen_smooth.c). */
+ * (check_reference_smooth.c). */
 struct texel reference_blur(const struct reference *ref, int x, int y);
 struct texel reference_smooth(const struct reference *ref, int resolution, int turn, int x, int y);
 
-/* A pixel's value upsampled from the cells around it (references/screen_whole.c). */
+/* A pixel's value upsampled from the cells around it (check_reference_whole.c). */
 struct texel reference_whole(const struct reference *ref, int resolution, int x, int y);
 
-/* SCREEN_LIT, SCREEN_PICTURE (references/screen.c). */
+/* SCREEN_LIT, SCREEN_PICTURE (check_reference.c). */
 struct texel reference_lit(const struct reference *ref, int x, int y);
 struct texel reference_final(const struct reference *ref, int x, int y);
 

@@ -139,7 +139,7 @@ static double offset_of(const struct reference *ref, int x, int y, uint32_t salt
     return ref->values[SCREEN_RAY_NOISE] != 0.0 ? reference_ray_noise(x, y, salt, index).x : 0.0;
 }
 
-/* ---- light of what is met -------------------------------------------------------------------- */
+/* ---- light at the hit point ------------------------------------------------------------------ */
 
 static struct neph_vec3 rgb_of(struct texel texel)
 {

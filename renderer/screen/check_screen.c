@@ -29,7 +29,7 @@ static void set_things(struct test_scene *test)
     test->solids[3].surface.metalness = 1.0;
 }
 
-/* ---- a picture that both know ---------------------------------------------------------------- */
+/* ---- a scene for the device and the reference ------------------------------------------------ */
 
 struct both {
     struct test_scene test;
@@ -92,7 +92,7 @@ static void drop(struct both *both)
     neph_screening_destroy(both->screen);
 }
 
-/* ---- one against the other ------------------------------------------------------------------- */
+/* ---- comparison ------------------------------------------------------------------------------ */
 
 typedef struct texel reference_of(const struct reference *ref, int x, int y);
 

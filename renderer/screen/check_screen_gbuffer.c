@@ -10,7 +10,7 @@
 
 enum { WIDTH = 67, HEIGHT = 41 };
 
-/* ---- a scene with a bit of everything -------------------------------------------------------- */
+/* ---- a scene with all kinds of surfaces ------------------------------------------------------ */
 
 static struct neph_solid *last_solid(struct test_scene *test)
 {
@@ -105,7 +105,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
     free(got.direct);
 }
 
-/* ---- no bad values --------------------------------------------------------------------------- */
+/* ---- finite values --------------------------------------------------------------------------- */
 
 static void check_image(const struct neph_image *image)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- axes ------------------------------------------------------------------------------------- */
+/* --- axes and interpolation ------------------------------------------------------------------- */
 
 /* Nodes are dense near the ground and for a sun near the horizon: uniform in the square root of the
  * altitude, and in the signed square root of the sun's elevation, down to deepest_sun_deg. */
