@@ -48,8 +48,8 @@ enum neph_status neph_turns_create(const struct neph_vulkan *vulkan, const struc
 void neph_turns_destroy(const struct neph_vulkan *vulkan, struct neph_turns *turns);
 
 /* Swap `buffer` with the copy that has been unused longest. Called once a frame, after
- * neph_in_flight_begin(), so that no kernel reads the new `buffer`. Its contents are those of an
- * older frame. */
+ * neph_in_flight_begin(), so that no kernel reads the new `buffer`. It has the contents of an older
+ * frame. */
 void neph_turns_take(struct neph_turns *turns, struct neph_buffer *buffer);
 
 #endif

@@ -116,7 +116,7 @@ static void test_a_plane_is_open(void **state)
     }
 }
 
-/* With many slices the result converges to the integral; errors are those of the steps and of the
+/* With many slices the result converges to the integral; errors come from the steps and from the
  * angles between slices. The box is only a dozen pixels high, so half a pixel matters beside it. */
 static void test_many_slices_are_the_integral(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Tests that presets of the screen do not change, because published tables have frames under their
- * names. The defaults are those of the article.
+ * names. The defaults come from the article.
  */
 #include "tests/renderer/renderer_test.h"
 

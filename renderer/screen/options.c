@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of settings, in the order of the passes. The default ambient occlusion is that of the
+ * The table of settings, in the order of the passes. The default ambient occlusion follows the
  * article on Unreal Engine's post-processing. Presets are differences from the defaults; `ours` is
  * the most accurate at a cost that a frame allows.
  */
