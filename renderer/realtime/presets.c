@@ -35,7 +35,7 @@
  * c52e   after c52e/SkyRendering: fresh rays have weight 1/5, are blended and clamped in
  *        tone-mapped colour; the clamp accepts similar opacities; the upscale uses depth where
  *        opacity has contrast. Guesses: the original has no jitter, here it is Unreal's; rays
- *        beyond the sides of the frame are black in the original, here they are clamped to the sides.
+ *        beyond the sides of the frame are black in the original, here clamped to the sides.
  * unity  after HDRP's volumetric clouds with ghosting reduction (a neighbourhood clamp, off by
  *        default there): a running mean of at most 16 rays, clamped to the rays that end as the
  *        texel does, in the sky or on solids; invalid where the depth has changed by 20 %;

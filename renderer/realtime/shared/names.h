@@ -35,7 +35,7 @@
 // Pixels of a column that a thread of the anti-aliasing processes, a multiple of a tile's side:
 // each row that it reads serves three of them.
 #define RT_TAA_COLUMN 16
-// Block of pixels of a work group of 64 in the anti-aliasing on a GPU; 4 pixels of a column a thread.
+// Block of pixels of a work group of 64 in the anti-aliasing on a GPU; a thread has 4 rows.
 #define RT_TAA_BLOCK_WIDTH 32
 #define RT_TAA_BLOCK_HEIGHT 8
 
