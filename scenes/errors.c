@@ -83,8 +83,8 @@ static void fill(const struct neph_error *error, const char *file, struct neph_d
     neph_locate(diag, file, error->line, error->column);
 }
 
-/* Lists whole entries; the last line gives the number of the others, or states that reading ended.
- * */
+/* Lists whole entries; the last line gives the number of the others, or states that reading
+ * ended. */
 static void list_others(const struct neph_errors *errors, struct neph_diag *diag)
 {
     enum { TAIL_SIZE = 120 };

@@ -92,8 +92,8 @@ struct neph_reader {
 enum neph_status neph_read_fields(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_field *fields, void *target);
 
-/* A check that needs several keys of a document, after all were read; `so_far`: status of reading.
- * */
+/* A check that needs several keys of a document, after all were read; `so_far`: status of
+ * reading. */
 typedef enum neph_status neph_document_check(struct neph_reader *reader, enum neph_status so_far,
                                              void *target);
 

@@ -416,8 +416,8 @@ static double row_maximum(const struct neph_grid *grid, const struct stretch *x,
     return maximum;
 }
 
-/* In each cell a trilinear function is largest at a corner of the cell's intersection with the box.
- * */
+/* In each cell a trilinear function is largest at a corner of the cell's intersection with the
+ * box. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
     const struct lattice_point low = to_lattice(grid, box->min_m);

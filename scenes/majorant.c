@@ -49,8 +49,8 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
 }
 
 /* Majorants cover a margin beyond the cell, because a tracker's rounding may put a point of the
- * face into either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells.
- * */
+ * face into either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4
+ * cells. */
 static const double hair = 1e-3;
 
 /* A cell, extended by `margin` of its sides on all sides. */

@@ -21,8 +21,8 @@ static struct neph_rgb mix_rgb(struct neph_rgb a, struct neph_rgb b, double part
 }
 
 /* Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985, for unit vectors that are
- * not opposite. atan2 is accurate at any angle; the error of a small angle cancels in the result.
- * */
+ * not opposite. atan2 is accurate at any angle; the error of a small angle cancels in the
+ * result. */
 static struct neph_vec3 slerp(struct neph_vec3 a, struct neph_vec3 b, double part)
 {
     const double angle_rad = atan2(neph_vec3_length(neph_vec3_cross(a, b)), neph_vec3_dot(a, b));

@@ -48,8 +48,8 @@ double neph_noise_worley(const struct neph_noise *noise, const double *at);
 void neph_noise_worley_row(const struct neph_noise *noise, const struct neph_noise_row *row,
                            double *values);
 
-/* A hash of a lattice cell, uniform in 0..1 (2^-32 apart), periodic; each `stream` is independent.
- * */
+/* A hash of a lattice cell, uniform in 0..1 (2^-32 apart), periodic; each `stream` is
+ * independent. */
 double neph_noise_cell_random(const struct neph_noise *noise, const int *cell, uint32_t stream);
 
 /* Perlin noise `perlin` (0..1) raised by Worley noise `worley` (0..1): low values are lifted, so

@@ -233,8 +233,8 @@ static struct neph_bounds support(const struct neph_medium *medium)
 
 /* Outside the box the density is below the level l, and both e^{-s/L} and e^{-r^2/(2 w^2)} bound
  * it. A line within 45 degrees of the axis is at most sqrt 2 times as long as its s, and loses less
- * than the integral of min(l, e^{-s/L}); any other line is at most sqrt 2 times as long as its r.
- * */
+ * than the integral of min(l, e^{-s/L}); any other line is at most sqrt 2 times as long as its
+ * r. */
 static struct neph_bounds container(const struct neph_scene *scene,
                                     const struct neph_medium *medium, double *cut_error)
 {

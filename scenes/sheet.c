@@ -53,8 +53,8 @@ double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m)
     return square / (radius_m + sqrt(radius_m * radius_m - square));
 }
 
-/* A column of nodes, each half a thickness above the one before, the highest at the middle height.
- * */
+/* A column of nodes, each half a thickness above the one before, the highest at the middle
+ * height. */
 static void fill_column(const struct neph_sheet *sheet, int height, struct neph_vec3 from_m,
                         float *values, size_t step)
 {

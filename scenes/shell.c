@@ -139,8 +139,8 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return medium->bounds;
 }
 
-/* The largest optical depth of a line that stays above an altitude: the line that is level there.
- * */
+/* The largest optical depth of a line that stays above an altitude: the line that is level
+ * there. */
 static double level_optical_depth(const struct neph_medium *medium, double altitude_m)
 {
     const long double lowest_m = (long double)medium->shell.radius_m + altitude_m;
@@ -192,8 +192,8 @@ static void cut_leg(struct neph_cuts *cuts, const struct neph_shell *shell, doub
 }
 
 /* Splits on the ray, and where its sun rays are tangent to a sphere of some height: the edges of
- * the shadows of spheres. The lowest sphere, the ground, is a kink, because the medium ends there.
- * */
+ * the shadows of spheres. The lowest sphere, the ground, is a kink, because the medium ends
+ * there. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_shell *shell = &medium->shell;

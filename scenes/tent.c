@@ -72,8 +72,8 @@ static double piece_integral_m(const struct side *side, long double from_m, long
     return sum_m;
 }
 
-/* The integral over the part of a line on one side of its nearest point, |s| from low_m to high_m.
- * */
+/* The integral over the part of a line on one side of its nearest point, |s| from low_m to
+ * high_m. */
 static double side_integral_m(const struct side *side, long double low_m, long double high_m)
 {
     const struct neph_tent *tent = side->tent;

@@ -50,8 +50,8 @@ constexpr int32_t grids_max = 1024;
 constexpr size_t listed_names_max = 8;
 
 /* Largest distance, in voxels, of a node from its place under an exact rotation by 90 degrees:
- * programs that rotate in float32 have a cosine of 4.4e-8, which is 4.5e-5 of a voxel after 1024.
- * */
+ * programs that rotate in float32 have a cosine of 4.4e-8, which is 4.5e-5 of a voxel after
+ * 1024. */
 constexpr double skew_max_voxels = 1e-3;
 
 /* Voxels are stray when they have less than this part of the density and make a side of the box

@@ -288,8 +288,8 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
 }
 
 /* Whether rays compute only a transmittance in closed form, by the same rule as march.comp: no
- * medium sends light, so there is no noise either. Needs a gradient; without one nothing changes.
- * */
+ * medium sends light, so there is no noise either. Needs a gradient; without one nothing
+ * changes. */
 static bool is_dark(const struct neph_realtime *realtime)
 {
     const struct neph_gpu_view *view = realtime->device.view;
@@ -745,8 +745,8 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
     };
 }
 
-/* The static scene of a frame at the world's present origin, with its own or the mirrored camera.
- * */
+/* The static scene of a frame at the world's present origin, with its own or the mirrored
+ * camera. */
 static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
                                     struct neph_scene **still, struct neph_diag *diag)
 {
@@ -834,8 +834,8 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Decides whether the gradient is known to be 0 (RT_STEADY), and which targets the cache provides.
- * */
+/* Decides whether the gradient is known to be 0 (RT_STEADY), and which targets the cache
+ * provides. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
