@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What engine `command` hands to a program of the user's: a picture as job.json and depth.exr.
- * docs/command.md is the contract; its keys change together with NEPH_COMMAND_FORMAT.
+ * docs/engines.md is the contract; its keys change together with NEPH_COMMAND_FORMAT.
  */
 #ifndef NEPH_HARNESS_ENGINES_COMMAND_JOB_H
 #define NEPH_HARNESS_ENGINES_COMMAND_JOB_H

@@ -14,7 +14,7 @@ enum { COLUMNS = 16, ROWS = 9 };
 
 /* A pixel that sees an optical depth of more than 0.05 misses the medium if its image has less than
  * a tenth of that, 0.005: 20 times what the transmittance of a working Blender is off by, 2.2e-4
- * (docs/blender.md), and a tenth of what the least medium has that is looked at. */
+ * (results/blender), and a tenth of what the least medium has that is looked at. */
 static const double thick_depth = 0.05, missing_part = 0.1;
 /* Light counts where more of it is left than rounds to 0 in an image of 16 bits, such as POV-Ray's,
  * whose step is 1.5e-5 of white: 66 steps of what is behind media, 3 (exp(-10)) of sunlight. */

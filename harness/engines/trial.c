@@ -20,7 +20,7 @@ enum { FOG, VOXELS };
 /* Tolerances lie between what a working renderer is off by and the least fault that is looked for.
  * Measured in this scene with Blender 3.4, 4.3 and 5.2, three seeds each, and POV-Ray 3.7
  * (2026-11-29): transmittance is off by at most 9e-6, scattered light by 0.4 %, depth by 1.1e-6.
- * Transmittance in other scenes: at most 2.2e-4 (docs/blender.md); half or twice the density is
+ * Transmittance in other scenes: at most 2.2e-4 (results/blender); half or twice the density is
  * 0.22 off exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
 static const double transmittance_slack = 0.02;
 /* A place without a medium has exactly 1; this is the error above, five times. */
