@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The H function of isotropic scattering. From its integral
+ * The H function of isotropic scattering. In its integral
  *   ln H(mu) = -(mu / pi) int_0^{pi/2} ln(1 - w x cot x) / (cos^2 x + mu^2 sin^2 x) dx,
- * tan x = tan(a) / mu takes the peak of small mu away:
+ * the substitution tan x = tan(a) / mu removes the peak at small mu:
  *   ln H(mu) = -(1 / pi) int_0^{pi/2} ln(1 - w x cot x) da.
- * The new integrand has a logarithm at a = 0 when w = 1; the double exponential rule (Takahasi and
- * Mori 1974) takes no notice of it.
+ * For w = 1 the new integrand has a logarithmic singularity at a = 0; the double exponential rule
+ * (Takahasi and Mori 1974) is not affected by it.
  */
 #include "truth/slab.h"
 
@@ -34,7 +34,8 @@ static double double_exponential(double albedo, double cosine, double step)
     double sum = 0.0;
     for (int i = -(int)(4.0 / step); i <= (int)(4.0 / step); i++) {
         const double t = i * step, e = exp(-M_PI * sinh(t));
-        const double part = 1.0 / (1.0 + e), rest = e / (1.0 + e); /* a and pi/2 - a, over pi/2 */
+        const double part = 1.0 / (1.0 + e), rest = e / (1.0 + e); /* a and pi/2 - a, both divided
+                                                                    * by pi/2 */
         const double weight = M_PI * cosh(t) * part * rest * 0.5 * M_PI;
         if (weight == 0.0 || part == 0.0)
             continue;
