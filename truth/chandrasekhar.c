@@ -34,8 +34,7 @@ static double double_exponential(double albedo, double cosine, double step)
     double sum = 0.0;
     for (int i = -(int)(4.0 / step); i <= (int)(4.0 / step); i++) {
         const double t = i * step, e = exp(-M_PI * sinh(t));
-        const double part = 1.0 / (1.0 + e), rest = e / (1.0 + e); /* a and pi/2 - a, both divided
-                                                                    * by pi/2 */
+        const double part = 1.0 / (1.0 + e), rest = e / (1.0 + e); /* a and pi/2 - a, over pi/2 */
         const double weight = M_PI * cosh(t) * part * rest * 0.5 * M_PI;
         if (weight == 0.0 || part == 0.0)
             continue;

@@ -7,8 +7,8 @@
  *   1 / d^2  (equiangular: C. Kulla, M. Fajardo, "Importance Sampling Techniques for Path Tracing
  *            in Participating Media", EGSR 2012), for light through clear air;
  *   1 / d    equally many points in every octave of the distance d from the light. It finds the
- *            medium where the first one misses it: a light in an empty part of a grid, or one behind
- *            a solid, where the peak of 1 / d^2 contributes nothing.
+ *            medium where the first one misses it: a light in an empty part of a grid, or one
+ *            behind a solid, where the peak of 1 / d^2 contributes nothing.
  *
  * Both have limits without cancellation if the segment passes the light at a distance of 0, as long
  * as there is no medium; with a medium at the light the radiance is infinite (lamp_peak.h).
