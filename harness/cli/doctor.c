@@ -81,7 +81,7 @@ static const struct {
      "user engines, which then change files in their folder only",
      {NULL},
      "a Linux kernel of 5.13 or later with Landlock, and user namespaces that users may make; "
-     "docs/command.md says what a user engine can change without"},
+     "docs/engines.md says what a user engine can change without"},
     {"SDL 2",
      has_windows,
      "neph fly",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes the input of engine `command` for a frame: job.json and depth.exr. docs/command.md is the
+ * Writes the input of engine `command` for a frame: job.json and depth.exr. docs/engines.md is the
  * contract; a change of keys changes NEPH_COMMAND_FORMAT.
  */
 #ifndef NEPH_HARNESS_ENGINES_COMMAND_JOB_H

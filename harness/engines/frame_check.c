@@ -14,7 +14,7 @@ enum { COLUMNS = 16, ROWS = 9 };
 
 /* A pixel with an optical depth above 0.05 counts as missing the medium if its image shows less
  * than a tenth of that depth. A tenth of 0.05 is 0.005: 20 times the transmittance error of a
- * working Blender, 2.2e-4 (docs/blender.md). */
+ * working Blender, 2.2e-4 (results/blender). */
 static const double thick_depth = 0.05, missing_part = 0.1;
 /* Expect light only where it does not round to 0 in a 16-bit image such as POV-Ray's, whose step is
  * 1.5e-5 of white: background at a transmittance of 1e-3 (66 steps), sunlight at an optical depth

@@ -20,7 +20,7 @@ enum { FOG, VOXELS };
 /* Tolerances lie between the errors of a working renderer and the smallest fault to be found.
  * Measured in this scene with Blender 3.4, 4.3 and 5.2, three seeds each, and POV-Ray 3.7
  * (2026-11-29): errors are at most 9e-6 in transmittance, 0.4 % in scattered light, 1.1e-6 in
- * depth. Transmittance in other scenes: at most 2.2e-4 (docs/blender.md). Half or twice the density
+ * depth. Transmittance in other scenes: at most 2.2e-4 (results/blender). Half or twice the density
  * differs by 0.22 from exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
 static const double transmittance_slack = 0.02;
 /* Transmittance without a medium is exactly 1; the slack is five times the error above. */
