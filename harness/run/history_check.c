@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Compares the documents of nightly runs and acceptances with their copies and rows; repairs them.
+ */
 #include "harness/run/history_check.h"
 
 #include "base/path.h"
@@ -8,11 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- nights ---------------------------------------------------------------------------------- */
+/* --- nightly runs ----------------------------------------------------------------------------- */
 
-/* A document that is missing or cannot be read is an error: the rows are then all that is left of
- * the night. `mends`: one that is torn is written anew from the rows; one that disagrees is right,
- * and so is the lack of rows that cannot be read. */
+/* Compares a run's rows with its document. A missing or unreadable document is an error: only the
+ * rows are left of the run. `mends`: a damaged document is written again from the rows. A document
+ * that differs from the rows is correct, and so is one whose rows cannot be read: no error then. */
 static enum neph_status check_night(struct neph_database *index, const char *store_folder,
                                     int64_t night, bool mends, struct neph_diag *diag)
 {
@@ -61,7 +64,7 @@ enum neph_status neph_history_mend(struct neph_database *index, const char *stor
 
 /* ---- acceptances ----------------------------------------------------------------------------- */
 
-/* What document, copy and row say of one acceptance; NULL: nothing. All owned. */
+/* An acceptance in its three versions; NULL: missing. All owned. */
 struct versions {
     json_t *document, *copy, *row;
     bool document_is_torn, copy_is_torn;
@@ -75,7 +78,7 @@ struct check {
     void *context;
 };
 
-/* What the row has. */
+/* Whether document and row are equal, without the digest, which the row does not have. */
 static bool is_as_row(const json_t *document, const json_t *row)
 {
     json_t *bare = json_copy((json_t *)document);
@@ -101,7 +104,7 @@ static enum neph_status read_version(const char *store_folder, enum neph_documen
     return status;
 }
 
-/* `rows` are all acceptances. */
+/* `rows` lists all acceptances. */
 static json_t *find_row(const json_t *rows, int64_t number)
 {
     size_t i;
@@ -120,7 +123,7 @@ static const json_t *choose_version(const struct versions *v)
     return is_edited ? v->copy : v->document;
 }
 
-/* NULL: nothing. */
+/* The fault of an acceptance; NULL: none. */
 static const char *find_fault(const struct versions *v, const json_t *right, bool *of_copy)
 {
     *of_copy = false;
@@ -200,7 +203,7 @@ static enum neph_status check_acceptance(const struct check *check, const json_t
     return status;
 }
 
-/* The highest number of a row, a document or a copy. */
+/* The highest number of all rows, documents and copies. */
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
@@ -236,7 +239,7 @@ enum neph_status neph_history_check_acceptances(struct neph_database *index,
     return status;
 }
 
-/* ---- what is accepted now -------------------------------------------------------------------- */
+/* --- damaged runs, accepted runs -------------------------------------------------------------- */
 
 static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
 {
@@ -272,7 +275,7 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
     return status;
 }
 
-/* Whether the night is there and as its document says. What is wrong is told, and is no error. */
+/* Checks that a run exists and equals its document. A fault is reported and is no error. */
 static enum neph_status check_accepted_night(const struct check *check, int64_t night,
                                              struct neph_diag *diag)
 {
@@ -298,7 +301,8 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
     return NEPH_OK;
 }
 
-/* The night's document is what was accepted. Acceptances of before there was a digest have none. */
+/* Checks that the run's document is unchanged since it was accepted. Older acceptances have no
+ * digest. */
 static enum neph_status check_digest(const struct check *check, int64_t number, int64_t night,
                                      struct neph_diag *diag)
 {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The display chain of a command: settings by frame, and files.
+ */
 #include "harness/run/showing.h"
 
 #include "base/exr.h"
@@ -27,7 +30,7 @@ void neph_showing_finish(struct neph_showing *showing)
 
 /* ---- settings -------------------------------------------------------------------------------- */
 
-/* Passes that are not in the chain's order are off. */
+/* Switches the passes off that the chain's order does not list. */
 static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
 {
     for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The file times.json.
+ */
 #include "harness/run/times.h"
 
 #include "base/files.h"
