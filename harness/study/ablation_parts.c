@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * "The article" is the one on the frame split of Red Dead Redemption 2 (docs/realtime.md), after F.
- * Bauer, SIGGRAPH 2019. Plain values are those of the article, or what is there when a part is not.
+ * The parts of the real-time renderer for ablations.
+ *
+ * "The article" describes the frame split of Red Dead Redemption 2 (docs/realtime.md), after F.
+ * Bauer, SIGGRAPH 2019. A plain value is the article's value, or the one that switches a part off.
  */
 #include "harness/study/ablation_parts.h"
 
@@ -10,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as neph_ablation_part_values() prints each kind. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
 const struct neph_ablation_part neph_ablation_parts[] = {
@@ -180,7 +182,7 @@ static enum neph_status settings_of(const char *words, struct neph_settings *set
     return neph_settings_words(realtime(), words, "steps=64", settings, diag);
 }
 
-/* The options of a part by index, in their order; how many. */
+/* Writes the option indices of a part, in the order of its words; returns their number. */
 static int options_of(const struct neph_ablation_part *part, int *indices, int most)
 {
     char name[64];

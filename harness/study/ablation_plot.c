@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tornado charts: a panel for each measure, the part that changes it most on top. They are read on
- * a telephone, too: letters are a 32nd of the width, and nothing is told by colour.
+ * Tornado charts of an ablation: a panel for each measure, the part with the largest change on top.
+ * Readable on a phone and in grey: the font size is a 32nd of the width, and no information is in
+ * colours only.
  */
 #include "harness/study/ablation.h"
 
@@ -12,23 +13,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as draw_bar() needs a fill for it. */
 _Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
 
 enum { WIDTH = 520, LEFT = 140, RIGHT = 14, ROW = 36, BAR = 12, LINE = 21, MARGIN = 12 };
 
-/* Beyond that bars are cut, and have their number beside them: a decade would leave nothing to see
- * of a tenth. */
+/* Longest and shortest half of an axis, in decades. Longer bars are cut and labelled, as an axis
+ * over a decade would make a change of a tenth invisible. */
 static const double most_decades = 0.5, least_decades = 0.03;
 
-/* How wide a letter of the font, 16 px, is on average. */
+/* Average width of a character at a font size of 16 px. */
 static const double letter_px = 8.4;
 
 struct panel {
     const struct neph_ablation *ablation;
     int measure;
-    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change something */
-    int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* parts that do not */
+    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts with a change */
+    int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* parts without one */
     double low, high;                                /* of the axis */
     double top_px, bottom_px;                        /* of the rows */
 };
@@ -40,7 +41,8 @@ static const struct neph_ablation_effect *effect_of(const struct panel *panel, i
     return of && !isnan(of->effects[panel->measure].mean) ? &of->effects[panel->measure] : NULL;
 }
 
-/* Not worth a row: small, whether that is certain or not; of a clock all that is not certain. */
+/* Whether a part gets no row: its change is small, certain or not; for times also when it is
+ * uncertain. */
 static bool is_quiet(const struct panel *panel, const struct neph_ablation_effect *effect)
 {
     const bool is_small = effect && fabs(effect->mean) < NEPH_ABLATION_NOTHING_DECADES;
@@ -73,7 +75,7 @@ static void sort_parts(struct panel *panel)
     }
 }
 
-/* All means, and of intervals what is not much longer than these. */
+/* Fits the axis to all means, and to intervals up to 1.6 times the largest mean. */
 static void fit_axis(struct panel *panel)
 {
     double low = -least_decades, high = least_decades;
@@ -102,7 +104,8 @@ static double at_px(const struct panel *panel, double decades)
 
 /* ---- drawing --------------------------------------------------------------------------------- */
 
-/* Round changes, those that are wanted most first; a tick is left out where it meets another. */
+/* Draws ticks at round changes, the most useful ones first; a tick that would overlap is left out.
+ */
 static void draw_ticks(const struct panel *panel, FILE *out)
 {
     static const double ratios[] = {1.0, 2.0, 0.5, 1.2, 0.8, 1.1,  0.9,  3.0,  0.3,
@@ -131,7 +134,7 @@ static void draw_ticks(const struct panel *panel, FILE *out)
     }
 }
 
-/* Beside a bar that is cut: its number. */
+/* Labels a bar that is cut with its number. */
 static void draw_number(const struct panel *panel, double mean, double y_px, FILE *out)
 {
     char change[NEPH_ABLATION_CHANGE_SIZE];
@@ -147,7 +150,7 @@ static void draw_number(const struct panel *panel, double mean, double y_px, FIL
     fprintf(out, "</text>\n");
 }
 
-/* An end beyond the axis has no mark. */
+/* Draws an interval; an end beyond the axis gets no cap. */
 static void draw_interval(const struct panel *panel, const struct neph_ablation_effect *effect,
                           double y_px, FILE *out)
 {
@@ -193,7 +196,7 @@ static void draw_row(const struct panel *panel, int row, FILE *out)
                  out);
 }
 
-/* Words in lines that are as wide as the picture; the foot of the line below. */
+/* Breaks words into lines of the chart's width; returns the y of the next line. */
 static double draw_words(const char *const *words, int count, double y_px, FILE *out)
 {
     const double most = (WIDTH - 2 * MARGIN) / letter_px;
@@ -228,7 +231,7 @@ static double draw_quiet(const struct panel *panel, double y_px, FILE *out)
     return draw_words(words, count, y_px + LINE, out);
 }
 
-/* From a height on; the height below it. */
+/* Draws a panel from `y_px` on; returns the y below it. */
 static double draw_panel(const struct neph_ablation *ablation, int measure, double y_px, FILE *out)
 {
     struct panel panel = {.ablation = ablation, .measure = measure};
@@ -268,7 +271,7 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
             ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
             params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
             params->scene_count);
-    char device[sizeof(ablation->study.device)]; /* its driver is in the tables */
+    char device[sizeof(ablation->study.device)]; /* without the driver, which the tables have */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);
     neph_svg_print_escaped(device, out);

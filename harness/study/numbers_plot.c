@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The chart of post-processing stages.
+ */
 #include "harness/study/numbers_plot.h"
 
 #include "harness/study/svg.h"
@@ -9,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Panels one under the other, so narrow that letters are read on a telephone. */
+/* Panels below each other, narrow enough for the text to be readable on a phone. */
 enum { WIDTH = 430, LEFT = 192, PANEL = 222, TOP = 50, LINE = 20, GAP = 24, LEGEND = 18 };
 
 static const struct panel {
-    const char *title; /* before "over .." */
+    const char *title; /* without "over ..." */
     size_t at;
-    bool is_sparse; /* rows that leave it as it is are left out */
+    bool is_sparse; /* leaves out rows without a change */
 } panels[] = {
     {"FLIP", offsetof(struct neph_post_numbers, flip), false},
     {"flicker seen", offsetof(struct neph_post_numbers, seen), false},
@@ -27,7 +30,7 @@ static const struct panel {
 };
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
 
-/* log2; NaN where one of the two is none. */
+/* log2 of a row's value over the base row's; NaN where either is missing. */
 static double ratio(const struct neph_numbers_plot *plot, const struct panel *panel, int scene,
                     int row)
 {
@@ -107,8 +110,8 @@ static bool is_drawn(const struct neph_numbers_plot *plot, int panel, int row)
     return differs;
 }
 
-/* Lines of the rows before one, and of all for the one that ends the table. A line is left between
- * what is alone and what is out of the whole. */
+/* Number of lines above row `row`, or of all rows for the end of the table. An empty line separates
+ * single stages from the rows with a stage taken out. */
 static int lines_before(const struct neph_numbers_plot *plot, int panel, int row)
 {
     int lines = 0;
@@ -145,7 +148,7 @@ static void draw_panel(const struct neph_numbers_plot *plot, int panel, int top,
                      out);
 }
 
-/* Two scenes a line. */
+/* Two scenes per line. */
 static void draw_legend(const struct neph_numbers_plot *plot, int top, FILE *out)
 {
     for (int s = 0; s < plot->scene_count; s++) {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads suites of scenes from JSON files.
+ */
 #include "harness/study/suites.h"
 
 #include "harness/data.h"
@@ -27,7 +30,7 @@ static enum neph_status load(const char *file, const char *format, json_t **cont
     return status;
 }
 
-/* Each scene once, over all suites, and with a reason. */
+/* Checks that each scene is in one suite only, once, and has a reason. */
 static enum neph_status check(const json_t *suites, struct neph_diag *diag)
 {
     json_t *seen = json_object();
