@@ -48,9 +48,13 @@ enum neph_status neph_light_model_render(const struct neph_light_model *model,
 /* Whether the model is non-physical (harness/engines/look.h). */
 bool neph_light_model_is_look(const struct neph_light_model *model);
 
-/* All models that engines offer, as "A,B", at most NEPH_LIGHT_MODELS_MAX: every model engine that
- * is no real-time method, and every choice of an option `lighting` after the first, except those
- * that an engine march_CHOICE provides. The caller frees the text; NULL: out of memory. */
+/* All models that engines offer, as "A,B", at most NEPH_LIGHT_MODELS_MAX:
+ *
+ * - every model engine, except real-time methods and engines for one kind of scene;
+ * - every choice of an option `lighting` after the first, except those that an engine march_CHOICE
+ *   provides.
+ *
+ * The caller frees the text; NULL: out of memory. */
 char *neph_light_models_offered(void);
 
 #endif

@@ -1,21 +1,24 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables and JSON of the comparison of series.
+ */
 #include "harness/sweep/equal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a cost is added, as the table of costs needs a row for it. */
 _Static_assert(NEPH_SWEEP_COSTS == 2, "a new kind");
 
 static const struct {
-    const char *name, *column; /* of JSON and of the table */
+    const char *name, *column; /* in JSON; in the table */
     double scale;
 } costs[NEPH_SWEEP_COSTS] = {
     [NEPH_SWEEP_COST_TIME] = {"seconds", "ms", 1e3},
     [NEPH_SWEEP_COST_WORK] = {"evaluations", "evals/px", 1.0},
 };
 
-/* What is held against what: the model's gap, and that of the shortcut. */
+/* The compared values: model error, shortcut error, flicker, lag. */
 static const enum neph_sweep_number numbers[] = {NEPH_SWEEP_ERROR, NEPH_SWEEP_SHORTCUT,
                                                  NEPH_SWEEP_FLICKER, NEPH_SWEEP_HALF_LIFE};
 enum { NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
@@ -39,7 +42,7 @@ static const struct neph_sweep_series *base_of(const struct neph_sweep *sweep,
 
 /* --- the tables ----------------------------------------------------------------------------- */
 
-/* "12.3", or what is said where there is no such point. */
+/* "12.3", or "beyond" where the base has no such point. */
 static void print_ratio(double value, FILE *out)
 {
     if (isfinite(value))
@@ -73,7 +76,7 @@ static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cos
     return true;
 }
 
-/* Times of two machines say nothing of two programs: each that was timed is named once. */
+/* Names each device with timed points once: times of two machines do not compare two programs. */
 static void print_machines(const struct neph_sweep *sweep, FILE *out)
 {
     fprintf(out, "Times are of:");

@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The summary lines of `neph pick`.
+ */
 #include "harness/sweep/pick_answer.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a measure is added, as the lines of a preset list all of them. */
 _Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
 
 enum { TEXT_SIZE = 256, VARIANT_LINES = 3, RIVAL_LINES = 4 };
@@ -55,7 +58,7 @@ static const char *asked_of(const struct neph_pick_params *params, char text[TEX
     return text;
 }
 
-/* Parts that were left out because the numbers allow it. */
+/* Adds lines for parts that the measurements decided about. */
 static void answer_variants(const struct neph_pick *pick, struct neph_answer *answer)
 {
     int lines = 0;
@@ -121,7 +124,7 @@ static void append_pair(const char *name, const struct neph_study_pair *pair, ch
                                        pair->has_interval ? pair->high : NAN));
 }
 
-/* What the choice has over another candidate. */
+/* Adds the difference of the choice from another candidate. */
 static enum neph_status answer_rival(const struct neph_choice *choice,
                                      const struct neph_flicker_study *study, int rival,
                                      struct neph_answer *answer, struct neph_diag *diag)

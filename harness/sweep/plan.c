@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Sweep plans: the YAML schema, points of series, settings of points.
+ */
 #include "harness/sweep/plan.h"
 
 #include "base/files.h"
@@ -9,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as scattering_words needs it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 #define PLAN(member) offsetof(struct neph_sweep_plan, member)
@@ -17,9 +20,9 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { TEXT_MAX = 200, NAME_MAX = 32, SIDE_MAX_PX = 8192, DEPTH_MAX = 4 };
 
-/* --- words ---------------------------------------------------------------------------------- */
+/* --- values of series ----------------------------------------------------------------------- */
 
-/* The first word of `*rest`, which goes on behind it; false: there is none. */
+/* Reads the next word and advances `*rest`; false: no more words. */
 static bool next_word(const char **rest, char *word, size_t size)
 {
     *rest += strspn(*rest, " ");
@@ -87,7 +90,7 @@ static bool names_setting(const char *words, const char *key)
     return found && found[strlen(key)] == '=';
 }
 
-/* Whoever names a light keeps it. */
+/* Sets the plan's lighting, unless the series names one. */
 static enum neph_status set_light(const struct neph_sweep_plan *plan,
                                   const struct neph_sweep_series *series,
                                   const struct neph_engine *engine, struct neph_settings *settings,
@@ -134,7 +137,7 @@ enum neph_status neph_sweep_settings(const struct neph_sweep_plan *plan,
 
 /* --- the file ------------------------------------------------------------------------------- */
 
-/* Settings are checked by the tables of the engines, in both kinds of scenes. */
+/* Checks the settings against the engines' tables, for single and multiple scattering. */
 static enum neph_status check_series(const struct neph_reader *reader,
                                      const struct neph_sweep_plan *plan, int number)
 {
@@ -193,7 +196,7 @@ static enum neph_status check_plan(struct neph_reader *reader, enum neph_status 
     return status;
 }
 
-/* One more than enum neph_scattering: 0, what stands where nothing is given, is the scene's own. */
+/* One entry more than enum neph_scattering: 0, the default, is the scene's own scattering. */
 static const char *const scattering_words[] = {"scene", "none", "single", "multiple", NULL};
 
 static enum neph_status read_series(struct neph_reader *reader, const yaml_node_t *node,
@@ -274,7 +277,7 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     return status;
 }
 
-/* A file of the user's, or one that comes with neph. */
+/* The user's file, or a plan that is installed with neph. */
 static char *find_file(const char *path_or_name)
 {
     if (neph_path_exists(path_or_name))

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Scenes resampled to a given number of voxels.
+ */
 #include "harness/sweep/scaled.h"
 
 #include "scenes/bake.h"
@@ -6,7 +9,7 @@
 
 #include <stdlib.h>
 
-/* The scene comes first. */
+/* `scene` is the first member, so that a pointer to it is a pointer to the struct. */
 struct scaled {
     struct neph_scene scene;
     int bake_count;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Cost over problem size: points of each axis, counting, timing, exponents.
+ */
 #include "harness/sweep/scaling.h"
 
 #include "base/exr.h"
@@ -15,10 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when an axis is added, as the table of axes needs a row for it. */
 _Static_assert(NEPH_SCALING_AXES == 5, "a new kind");
 
-/* Fixed costs make what is small dearer, so that times may grow more slowly than the work. */
+/* Fixed costs make small problems relatively more expensive, so times may grow more slowly than
+ * work. */
 const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
     [NEPH_SCALING_PIXELS] = {"pixels",
                              "pixels of a picture",
@@ -61,7 +65,7 @@ enum {
     ROUNDS = 3,
     POINTS_MAX = NEPH_SCALING_AXES * NEPH_SCALING_VALUES_MAX * NEPH_SCALING_SERIES
 };
-enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress */
+enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress steps */
 
 int neph_scaling_value_count(const struct neph_scaling_axis *axis)
 {
@@ -71,14 +75,14 @@ int neph_scaling_value_count(const struct neph_scaling_axis *axis)
     return count;
 }
 
-/* A scene as an axis has it at a value: all series share it. */
+/* The scene at a value of an axis, shared by all series. */
 struct scene_at {
-    struct neph_scene *made; /* owned; NULL: the scene itself */
+    struct neph_scene *made; /* owned; NULL: the unchanged scene */
     double x;
     char missing[256];
 };
 
-/* A point of a line, and which it is of those that are rendered. */
+/* A point of a line, and the index of the rendered point with its result. */
 struct use {
     struct neph_scaling_point *into;
     int point;
@@ -88,11 +92,12 @@ struct work {
     const struct neph_scaling_params *params;
     struct neph_store *store;
     struct neph_scene *scene;
-    struct neph_sweep_plan plan; /* its series are those of the scaling */
+    struct neph_sweep_plan plan; /* has the series of the scaling */
     struct neph_engine_info infos[NEPH_SCALING_SERIES];
     struct scene_at scenes[NEPH_SCALING_AXES][NEPH_SCALING_VALUES_MAX];
-    struct neph_sweep_point *points; /* those that are rendered and timed one by one */
-    char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* of their jobs */
+    struct neph_sweep_point *points;               /* points that are rendered and timed */
+    char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* store keys of their jobs; one more for the
+                                                      search */
     int point_count;
     struct use uses[POINTS_MAX];
     int use_count;
@@ -172,7 +177,7 @@ static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
     return NEPH_OK;
 }
 
-/* Lines that meet have their point in common: it is rendered and timed once. */
+/* Finds or adds a point: a point that lies on two lines is rendered and timed once. */
 static enum neph_status have_point(struct work *work, const struct neph_sweep_series *series,
                                    const struct neph_job *job, int *index, struct neph_diag *diag)
 {
@@ -244,7 +249,7 @@ static enum neph_status count_point(struct work *work, struct neph_sweep_point *
     return status;
 }
 
-/* Pictures in a row: what is spent by the 4th, the 8th, ... */
+/* Renders frames in a row and records the accumulated cost at the 4th, the 8th, ... frame. */
 static enum neph_status count_pictures(struct work *work, struct neph_scaling_line *line,
                                        struct neph_diag *diag)
 {
@@ -275,7 +280,8 @@ static enum neph_status count_pictures(struct work *work, struct neph_scaling_li
     return status;
 }
 
-/* In a worker: its points' frames are in the store then. In the process itself: all points. */
+/* Renders points so that their frames are in the store. In worker 0, the main process, this reads
+ * all points. */
 static enum neph_status count_points(struct neph_worker *worker, void *context,
                                      struct neph_diag *diag)
 {
@@ -329,7 +335,7 @@ static void fill_lines(struct work *work)
     }
 }
 
-/* --- the whole ------------------------------------------------------------------------------ */
+/* --- judgement, plan, run ------------------------------------------------------------------- */
 
 void neph_scaling_judge(struct neph_scaling *scaling)
 {

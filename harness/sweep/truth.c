@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The ground truth of a sweep, and errors against it.
+ */
 #include "harness/sweep/truth.h"
 
 #include "base/exr.h"
@@ -11,12 +14,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as has_interval() interprets them. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
 static const char *const candidates[] = {"exact", "tracer"};
 
-/* --- pictures ------------------------------------------------------------------------------- */
+/* --- frames --------------------------------------------------------------------------------- */
 
 static enum neph_status render(const struct neph_engine *engine,
                                const struct neph_engine_info *info, const struct neph_shot *shot,
@@ -55,7 +58,7 @@ static enum neph_status check_light(const struct neph_image *image, double *mean
                                    "the truth of this scene is black: nothing is off by a part");
 }
 
-/* The mean of both into the first; half their difference is its noise. */
+/* Averages both frames into the first; half their difference is the noise. */
 static enum neph_status merge(struct neph_image *first, const struct neph_image *second,
                               double *noise, struct neph_diag *diag)
 {
@@ -79,7 +82,7 @@ static enum neph_status merge(struct neph_image *first, const struct neph_image 
 static const char *clear_mask(const struct neph_image *image, struct neph_diag *diag,
                               enum neph_status *status)
 {
-    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* linear errors do not ask for it */
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* not used by linear errors */
     struct neph_measurements list = {0};
     *status = neph_measure(image, image, "error", &viewing, &list, diag);
     const bool has_edges = neph_measurement_find(&list, "radiance", "rel_rmse", "non_edge");
