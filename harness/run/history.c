@@ -319,7 +319,7 @@ enum neph_status neph_document_insert(struct neph_database *index, enum neph_doc
     return neph_database_end(index, status, diag);
 }
 
-/* --- new documents ---------------------------------------------------------------------------- */
+/* ---- new documents --------------------------------------------------------------------------- */
 
 static enum neph_status take_document(struct neph_database *index, const char *store_folder,
                                       enum neph_document kind, int64_t number,
@@ -369,7 +369,7 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
     return status;
 }
 
-/* --- an unfinished run ------------------------------------------------------------------------ */
+/* ---- an unfinished run ----------------------------------------------------------------------- */
 
 static enum neph_status forget_unfinished(struct neph_database *index, int64_t but,
                                           struct neph_diag *diag)
@@ -496,7 +496,7 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
                             "sis", judgement, night, series);
 }
 
-/* --- documents from rows ---------------------------------------------------------------------- */
+/* ---- documents from rows --------------------------------------------------------------------- */
 
 /* The rows of a query about a nightly run as a JSON list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
@@ -551,7 +551,7 @@ enum neph_status neph_history_acceptances(struct neph_database *index, json_t **
                      0, &acceptance_form, list, diag);
 }
 
-/* --- finished runs and acceptances ------------------------------------------------------------ */
+/* ---- finished runs and acceptances ----------------------------------------------------------- */
 
 enum neph_status neph_history_end(struct neph_database *index, const char *store_folder,
                                   int64_t night, const char *verdict, const json_t *frames,

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- nightly runs ----------------------------------------------------------------------------- */
+/* ---- nightly runs ---------------------------------------------------------------------------- */
 
 /* Compares a run's rows with its document. A missing or unreadable document is an error: only the
  * rows are left of the run. `mends`: a damaged document is written again from the rows. A document
@@ -239,7 +239,7 @@ enum neph_status neph_history_check_acceptances(struct neph_database *index,
     return status;
 }
 
-/* --- damaged runs, accepted runs -------------------------------------------------------------- */
+/* ---- damaged runs, accepted runs ------------------------------------------------------------- */
 
 static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
 {

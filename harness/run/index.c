@@ -169,7 +169,7 @@ static enum neph_status take_frame(struct neph_database *index, const char *fram
     return status;
 }
 
-/* --- comparing rows with frames --------------------------------------------------------------- */
+/* ---- comparing rows with frames -------------------------------------------------------------- */
 
 static enum neph_status forget_frame(struct neph_database *index, const char *key,
                                      struct neph_diag *diag)
@@ -241,7 +241,7 @@ static enum neph_status refresh(struct neph_database *index, const char *frames,
     return status;
 }
 
-/* --- place of the database -------------------------------------------------------------------- */
+/* ---- place of the database ------------------------------------------------------------------- */
 
 enum neph_index_place neph_index_place(void)
 {
@@ -373,7 +373,7 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
     return status;
 }
 
-/* --- a full check ----------------------------------------------------------------------------- */
+/* ---- a full check ---------------------------------------------------------------------------- */
 
 enum neph_status neph_index_check(struct neph_database *index, const char *store_folder,
                                   bool *whole, struct neph_diag *why, struct neph_diag *diag)

@@ -65,7 +65,7 @@ enum neph_status neph_slurm_read_settings(const char *const *words, int count,
     return status;
 }
 
-/* --- running Slurm's commands ----------------------------------------------------------------- */
+/* ---- running Slurm's commands ---------------------------------------------------------------- */
 
 /* Runs a command of Slurm; `*answer` is its output, for free(). The child gets the user's whole
  * environment: it says how the cluster is reached, and jobs inherit it. */
@@ -131,7 +131,7 @@ static bool find_id(const char *answer, long *id)
     return found;
 }
 
-/* --- shell quoting ---------------------------------------------------------------------------- */
+/* ---- shell quoting --------------------------------------------------------------------------- */
 
 static const char *quote(struct neph_arena *arena, const char *word)
 {
@@ -350,7 +350,7 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
     return status;
 }
 
-/* --- after the submission --------------------------------------------------------------------- */
+/* ---- after the submission -------------------------------------------------------------------- */
 
 /* Counts the lines with a state, such as "PENDING", in the output of squeue; other lines are
  * warnings. */

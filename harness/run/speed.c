@@ -83,7 +83,7 @@ int neph_speed_falls(const struct neph_speed *speeds, int count, int *earlier)
     return -1;
 }
 
-/* --- stored times --------------------------------------------------------------------------- */
+/* ---- stored times -------------------------------------------------------------------------- */
 
 bool neph_speed_find(const struct neph_times *times, const struct neph_job *job,
                      struct neph_speed *speed)

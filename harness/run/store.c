@@ -35,7 +35,7 @@ struct neph_store {
     char host[NEPH_HOST_CLASS_SIZE];
 };
 
-/* --- ownership of the folder ------------------------------------------------------------------ */
+/* ---- ownership of the folder ----------------------------------------------------------------- */
 
 /* "<key>.<pid>": work folders of stores without a marker file. */
 static bool is_old_work(const char *name)
@@ -257,7 +257,7 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
     return status;
 }
 
-/* --- look-up ---------------------------------------------------------------------------------- */
+/* ---- look-up --------------------------------------------------------------------------------- */
 
 /* Moves an entry away in one step, so that other processes never see a part of it. Runs under the
  * store's lock. `why` NULL: without a message. */
@@ -339,7 +339,7 @@ struct neph_path neph_store_resting_place(const struct neph_store *store, const 
     return neph_path_in(store->resting.text, key);
 }
 
-/* --- work folders and publication ------------------------------------------------------------- */
+/* ---- work folders and publication ------------------------------------------------------------ */
 
 enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
                                   struct neph_diag *diag)

@@ -178,7 +178,7 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
     return status;
 }
 
-/* --- eviction --------------------------------------------------------------------------------- */
+/* ---- eviction -------------------------------------------------------------------------------- */
 
 struct candidate {
     const char *key;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads the expectation list and searches it.
+ */
 #include "harness/stress/expectations.h"
 
 #include "harness/data.h"
@@ -6,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table of words needs a row for it. */
 _Static_assert(NEPH_STRESS_EXPECTED_COUNT == 4, "a new kind");
 
-/* An id of a version, as is that of the results: both keep the word of their first files. */
+/* Format id with version; ids keep the word of their first version. */
 static const char format[] = "neph-failure-expectations-1";
 
-/* NEPH_STRESS_PASSES: it says nothing that an entry can say. */
+/* NEPH_STRESS_PASSES: no word that an entry can have. */
 static enum neph_stress_expected expected_of(const json_t *entry)
 {
     static const char *const words[NEPH_STRESS_EXPECTED_COUNT] = {"", "fails", "flakes", "skips"};

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The results of the stress tests as JUnit's test cases.
+ * The results of the stress tests as JUnit test cases.
  */
 #include "harness/stress/output.h"
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a verdict is added, as each one has a JUnit result. */
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
 static enum neph_junit_result result_of(enum neph_stress_verdict verdict)

@@ -69,7 +69,7 @@ int neph_ablation_measure_count(void)
     return count;
 }
 
-/* --- the plan --------------------------------------------------------------------------------- */
+/* ---- the plan -------------------------------------------------------------------------------- */
 
 /* Adds a configuration unless it exists; returns its index. `label` is in the arena or constant. */
 static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
@@ -177,7 +177,7 @@ enum neph_status neph_ablation_plan(const char *preset, const char *const *only,
     return neph_arena_check(&ablation->arena, diag);
 }
 
-/* --- one comparison --------------------------------------------------------------------------- */
+/* ---- one comparison -------------------------------------------------------------------------- */
 
 static double difference(const struct neph_ablation *ablation,
                          const struct neph_ablation_comparison *of, int measure, int scene)
@@ -270,7 +270,7 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
     return counts[NEPH_ABLATION_SAME] > 0 ? NEPH_ABLATION_IDLE : NEPH_ABLATION_UNMEASURED;
 }
 
-/* --- all comparisons -------------------------------------------------------------------------- */
+/* ---- all comparisons ------------------------------------------------------------------------- */
 
 /* Holm's family: numbers with an interval, except those equal in all scenes and those of a clock. A
  * number that cannot be wrong by chance must not weaken the others. */

@@ -88,7 +88,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
     return status;
 }
 
-/* --- measurement sets ------------------------------------------------------------------------- */
+/* ---- measurement sets ------------------------------------------------------------------------ */
 
 enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
 
@@ -150,7 +150,7 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
     return count;
 }
 
-/* --- values ----------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 static double number_of(const json_t *document, const char *metric, const char *mask)
 {
@@ -244,7 +244,7 @@ static void read_cost(const struct work *work, const json_t *record, const struc
     };
 }
 
-/* --- one sequence ----------------------------------------------------------------------------- */
+/* ---- one sequence ---------------------------------------------------------------------------- */
 
 /* Gets the reference of a sequence. Presets with the same steps share it. The reference of a user
  * engine is the marcher at the study's settings. */
@@ -422,7 +422,7 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
     return status;
 }
 
-/* --- the whole study -------------------------------------------------------------------------- */
+/* ---- the whole study ------------------------------------------------------------------------- */
 
 enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
                                           struct neph_flicker_study *study, struct neph_diag *diag)

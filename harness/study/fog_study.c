@@ -22,7 +22,7 @@ static double mean(struct neph_rgb rgb)
     return (rgb.r + rgb.g + rgb.b) / 3.0;
 }
 
-/* --- exact rays ------------------------------------------------------------------------------- */
+/* ---- exact rays ------------------------------------------------------------------------------ */
 
 /* A ray from the camera. near_*: its physical fog before the fog model's start distance. */
 struct view {
@@ -130,7 +130,7 @@ static void sum_exact(const struct work *work)
     }
 }
 
-/* --- a row over frame and sphere -------------------------------------------------------------- */
+/* ---- a row over frame and sphere ------------------------------------------------------------- */
 
 struct seen {
     double transmittance, volume, radiance;
@@ -197,7 +197,7 @@ static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *ro
         row->lobe_over_sun = mean(row->look.directional_w_per_m2_sr) * sphere_sr / mean(scattered);
 }
 
-/* --- steps over distance ---------------------------------------------------------------------- */
+/* ---- steps over distance --------------------------------------------------------------------- */
 
 enum { INTERVALS = 100, JUMP_SPHERE = 12 };
 

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- parsing ---------------------------------------------------------------------------------- */
+/* ---- parsing --------------------------------------------------------------------------------- */
 
 enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
                                       struct neph_diag *diag)
@@ -124,7 +124,7 @@ enum neph_status neph_light_model_render(const struct neph_light_model *model,
     return status;
 }
 
-/* --- the list of models ----------------------------------------------------------------------- */
+/* ---- the list of models ---------------------------------------------------------------------- */
 
 static void list_model(const char *engine, const char *lighting, int *count, FILE *out)
 {

@@ -21,7 +21,7 @@ static double depth_between(const struct ray *ray, double t0_m, double t1_m)
     return neph_scene_optical_depth(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m).g;
 }
 
-/* --- distances along the ray ------------------------------------------------------------------ */
+/* ---- distances along the ray ----------------------------------------------------------------- */
 
 /* A finite distance that contains all but a millionth of `depth`. */
 static double end_of(const struct ray *ray, double depth)
@@ -100,7 +100,7 @@ double neph_light_lit_at(const double lit[NEPH_LIGHT_SCALES], double scale)
     return lit[k] > 0.0 ? lit[k] * pow(lit[k + 1] / lit[k], place - k) : lit[k + 1] * (place - k);
 }
 
-/* --- the view ray of a pixel ------------------------------------------------------------------ */
+/* ---- the view ray of a pixel ----------------------------------------------------------------- */
 
 struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
                                           const struct neph_pixel_ray *pixel, bool with_lit)

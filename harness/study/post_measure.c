@@ -35,7 +35,7 @@ struct pass {
     double *ms;                   /* GPU time of each test frame; owned */
 };
 
-/* --- frames through the chain ----------------------------------------------------------------- */
+/* ---- frames through the chain ---------------------------------------------------------------- */
 
 static bool does_anything(const struct neph_settings *settings)
 {
@@ -140,7 +140,7 @@ static void finish(struct pass *pass)
     free(pass->ms);
 }
 
-/* --- a sequence through the chain ------------------------------------------------------------- */
+/* ---- a sequence through the chain ------------------------------------------------------------ */
 
 static enum neph_status take_frame(struct pass *pass, int number, const char *const *extractors,
                                    const struct neph_meter_number *wanted, struct neph_diag *diag)

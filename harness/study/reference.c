@@ -23,7 +23,7 @@ static const char *const rays_settings[NEPH_REFERENCE_RAYS_COUNT] = {
 };
 _Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
 
-/* --- the marcher of a test -------------------------------------------------------------------- */
+/* ---- the marcher of a test ------------------------------------------------------------------- */
 
 /* Chooses the marcher by the test's setting "lighting". A marcher is its own reference. The model
  * of a user engine is not known; its reference has the scene's orders of scattering. */
@@ -82,7 +82,7 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
     return neph_settings_set(march, &job->shot.settings, rays_settings[rays], diag);
 }
 
-/* --- frames ----------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 /* The first frame, from `first` on, with the same scene state as `frame`. */
 static int same_as(const struct neph_scene *scene, int first, int frame)
@@ -181,7 +181,7 @@ static enum neph_status make_frames(struct neph_job *job, int frame_count, struc
     return status;
 }
 
-/* --- the whole reference ---------------------------------------------------------------------- */
+/* ---- the whole reference --------------------------------------------------------------------- */
 
 static enum neph_status describe(const struct neph_job *averaged, struct neph_reference *reference,
                                  struct neph_diag *diag)

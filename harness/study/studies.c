@@ -143,7 +143,7 @@ static enum neph_status keep(const struct neph_job *job, const struct neph_study
     return status;
 }
 
-/* --- renewing --------------------------------------------------------------------------------- */
+/* ---- renewing -------------------------------------------------------------------------------- */
 
 struct work {
     double time_limit_s;

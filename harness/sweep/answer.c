@@ -183,7 +183,7 @@ static void answer_not_found(const struct neph_sweep *sweep, double error,
                         error_words(&best->numbers[NEPH_SWEEP_ERROR], off));
 }
 
-/* --- below the verdict ------------------------------------------------------------------------ */
+/* ---- below the verdict ----------------------------------------------------------------------- */
 
 /* Adds a line for each other series that is within the error. */
 static void answer_series(const struct neph_sweep *sweep, double error, enum neph_sweep_cost cost,

@@ -51,7 +51,7 @@ const struct neph_ladder_part neph_ladder_motion_parts[] = {
     {.name = NULL},
 };
 
-/* --- needs of a scene ------------------------------------------------------------------------- */
+/* ---- needs of a scene ------------------------------------------------------------------------ */
 
 /* Whether media within the froxels' range have a relevant optical depth, on a grid of 4 x 4 rays.
  */

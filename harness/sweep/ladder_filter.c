@@ -52,7 +52,7 @@ void neph_ladder_filter(const struct neph_ladder_filter *filter, struct neph_swe
     plan->series_count = count;
 }
 
-/* --- names without a match -------------------------------------------------------------------- */
+/* ---- names without a match ------------------------------------------------------------------- */
 
 enum { PLANS = 2 };
 
