@@ -21,7 +21,7 @@ bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size
 {
     const char *cannot = NULL;
     if (!engine->stochastic)
-        cannot = "knows no chance: more time does not make it better";
+        cannot = "is deterministic: more time does not improve it";
     else if (neph_engine_samples(engine) < 0)
         cannot = "has no number of samples to vary";
     if (cannot)

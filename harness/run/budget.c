@@ -100,11 +100,10 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
         snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of the rms radiance",
                  100.0 * pilot->noise / sqrt(factor));
     result->outcome = NEPH_OUTCOME_OVER_BUDGET;
-    snprintf(
-        result->reason, sizeof(result->reason),
-        "did not fit into %g s: by a picture of %dx%d px its radiance alone would take %.0f s%s; "
-        "--budget gives it more",
-        budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
+    snprintf(result->reason, sizeof(result->reason),
+             "did not fit into %g s: by a frame of %dx%d px its radiance would take %.0f s%s; "
+             "raise the limit with --budget",
+             budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
 }
 
 /* Looks in the store for a frame, most samples first. */

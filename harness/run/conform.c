@@ -343,7 +343,7 @@ static enum neph_status check_engines(const struct neph_conform_params *params,
             is_there = is_there || strcmp(params->engines[i], engine_names[e]) == 0;
         if (is_there)
             continue;
-        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of neph on a Vulkan device",
                   params->engines[i]);
         neph_hint(diag,
                   "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "

@@ -135,7 +135,7 @@ static enum neph_status read_folder(const char *folder, json_t **scenes, struct 
             status = read_scene(folder, names.list[i], read, diag);
     neph_arena_finish(&arena);
     if (!status && json_object_size(read) == 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds nothing of `neph conform`", folder);
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no files of `neph conform`", folder);
     if (status)
         json_decref(read);
     else
@@ -284,7 +284,7 @@ static enum neph_status compare_picture(const char *const folders[2],
     bool agrees = false;
     json_t *channels = json_array();
     enum neph_status status = name ? NEPH_OK
-                                   : neph_fail(diag, NEPH_ERR_INPUT, "a picture without a name");
+                                   : neph_fail(diag, NEPH_ERR_INPUT, "a frame without a name");
     const char *difference = NULL;
     if (!entries[0] || !entries[1])
         difference = entries[0] ? "only the first folder has it" : "only the second folder has it";

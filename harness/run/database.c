@@ -249,9 +249,10 @@ static enum neph_status migrate(struct neph_database *database, const char *cons
         status = neph_database_count(database, &form, diag, "PRAGMA user_version", "");
     if (!status && form > last) {
         status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "'%s' has form %lld, and this neph knows forms up to %lld",
+                           "'%s' has version %lld, and this neph reads versions up to %lld",
                            database->path.text, (long long)form, (long long)last);
-        neph_hint(diag, "a later neph has used it: use that one, or name another folder with -o");
+        neph_hint(diag,
+                  "a later neph has written it: use that version, or name another folder with -o");
     }
     for (; !status && form < last; form++)
         status = take_step(database, steps[form], form + 1, diag);

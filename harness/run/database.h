@@ -64,6 +64,8 @@ enum neph_status neph_database_end(struct neph_database *database, enum neph_sta
  * neph_query_end(). */
 struct neph_query *neph_query(struct neph_database *database, struct neph_diag *diag,
                               const char *statement, const char *types, ...);
+
+/* Like neph_query(), with the values as a va_list. */
 struct neph_query *neph_query_list(struct neph_database *database, struct neph_diag *diag,
                                    const char *statement, const char *types, va_list values);
 

@@ -100,7 +100,7 @@ static enum neph_status write_new_document(const char *store_folder, enum neph_d
                                            struct neph_diag *diag)
 {
     return is_taken(store_folder, kind, number)
-               ? neph_fail(diag, NEPH_ERR_IO, "'%s' is there already",
+               ? neph_fail(diag, NEPH_ERR_IO, "'%s' exists",
                            neph_document_path(store_folder, kind, number).text)
                : neph_document_write(store_folder, kind, number, document, diag);
 }
@@ -128,7 +128,7 @@ enum neph_status neph_document_read(const char *path, enum neph_document kind, j
         return status;
     if (!is_whole(read, kind)) {
         json_decref(read);
-        return neph_fail(diag, NEPH_ERR_INPUT, "it is no whole %s", documents[kind].format);
+        return neph_fail(diag, NEPH_ERR_INPUT, "it is no complete %s", documents[kind].format);
     }
     *document = read;
     return NEPH_OK;
@@ -508,7 +508,7 @@ static enum neph_status list_rows(struct neph_database *index, const char *quest
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "a row of night %lld in the store's database is damaged",
                            (long long)night);
-        neph_hint(diag, "`neph store check --repair` makes it again");
+        neph_hint(diag, "rebuild it with `neph store check --repair`");
     }
     return status;
 }
@@ -594,7 +594,7 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
                            "neither night %lld nor an accepted one has measured '%s'",
                            (long long)night, series);
-        neph_hint(diag, "`neph store export` lists what they have");
+        neph_hint(diag, "list their measurements with `neph store export`");
     }
     return status;
 }

@@ -26,10 +26,10 @@ static enum neph_status check_night(struct neph_database *index, const char *sto
         status = neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, diag);
     const bool torn = rows && status == NEPH_ERR_INPUT;
     if (rows && status && !torn)
-        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
-                        "database, and `neph store export` prints it");
+        neph_hint(diag, "restore it from a copy of the store; its content is still in the "
+                        "database: `neph store export`");
     if (torn || (!status && !json_equal(rows, document)))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld differs from its document '%s'",
                            (long long)night, path.text);
     if (torn && mends)
         status = neph_document_write(store_folder, NEPH_DOCUMENT_NIGHT, night, rows, diag);
@@ -128,20 +128,19 @@ static const char *find_fault(const struct versions *v, const json_t *right, boo
 {
     *of_copy = false;
     if (v->document_is_torn)
-        return right
-                   ? "it is no whole neph-accept-1"
-                   : "it is no whole neph-accept-1, and neither its copy nor the database has it: "
-                     "bring it back from a copy of the store, or remove it and accept again";
+        return right ? "it is no complete neph-accept-1"
+                     : "it is no complete neph-accept-1, and neither its copy nor the database has "
+                       "it: restore it from a copy of the store, or remove it and accept again";
     if (!v->document)
         return "it is missing";
     if (v->document != right)
-        return "it is not as its copy and the database say";
+        return "it differs from its copy and the database";
     if (v->row && !is_as_row(right, v->row))
-        return "the database says something else";
+        return "it differs from the database";
     *of_copy = true;
     if (v->copy_is_torn)
-        return "it is no whole neph-accept-1";
-    return v->copy && !json_equal(v->copy, right) ? "it is not as its document" : NULL;
+        return "it is no complete neph-accept-1";
+    return v->copy && !json_equal(v->copy, right) ? "it differs from its document" : NULL;
 }
 
 static enum neph_status write_versions(const struct check *check, int64_t number,
@@ -252,8 +251,8 @@ static enum neph_status check_torn(const struct check *check, int64_t night, str
     json_decref(document);
     if (!status && torn)
         tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it is no whole neph-night-1, and the database does not have the "
-                   "night: bring it back from a copy of the store, or remove it",
+                   "it is no complete neph-night-1, and the database does not have the night: "
+                   "restore it from a copy of the store, or remove it",
                    false);
     return status;
 }
@@ -284,8 +283,8 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
     enum neph_status status = neph_history_has(check->index, night, &has, diag);
     if (status)
         return status;
-    const char *fault = "the night was accepted, and the history does not have it: bring its "
-                        "document back from a copy of the store, or accept another night";
+    const char *fault = "the night was accepted, and the history does not have it: restore its "
+                        "document from a copy of the store, or accept another night";
     if (has) {
         status = check_night(check->index, check->store_folder, night, false, &why);
         if (status == NEPH_OK)
@@ -318,8 +317,8 @@ static enum neph_status check_digest(const struct check *check, int64_t number, 
     json_decref(document);
     if (!status && differs)
         tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it was changed after it was accepted: bring it back from a copy of "
-                   "the store, or accept another night",
+                   "it was changed after it was accepted: restore it from a copy of the store, or "
+                   "accept another night",
                    false);
     return status;
 }

@@ -19,6 +19,7 @@ enum neph_document {
     NEPH_DOCUMENT_COUNT,
 };
 
+/* The file of a document in STORE/history/. */
 struct neph_path neph_document_path(const char *store_folder, enum neph_document kind,
                                     int64_t number);
 

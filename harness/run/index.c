@@ -175,7 +175,7 @@ static enum neph_status forget_frame(struct neph_database *index, const char *ke
                                      struct neph_diag *diag)
 {
     if (!neph_entry_is_key(key))
-        return neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no key");
+        return neph_fail(diag, NEPH_ERR_INPUT, "a row has an invalid key");
     return neph_database_do(index, diag, "DELETE FROM jobs WHERE key = ?", "s", key);
 }
 
@@ -263,7 +263,7 @@ static enum neph_status name_of_store(const char *store_folder, char name[NEPH_H
                      : NULL;
     const enum neph_status status = text ? neph_hash(text, strlen(text), name, diag)
                                          : neph_fail(diag, NEPH_ERR_IO,
-                                                     "cannot tell which store '%s' is: %s",
+                                                     "cannot identify the store '%s': %s",
                                                      store_folder, strerror(errno));
     free(text);
     free(real);
@@ -304,10 +304,10 @@ static enum neph_status set_aside(const char *folder, const char *why, struct ne
             return neph_fail(diag, NEPH_ERR_IO, "cannot set '%s' aside: %s", from.text,
                              strerror(errno));
     }
-    neph_progress_warn("the store's database is damaged (%s): it is set aside as '%s', and a "
-                       "new one is made of the frames and the finished nights, which are "
-                       "whole; a night that was not finished begins anew",
-                       why, aside.text);
+    neph_progress_warn(
+        "the store's database is damaged (%s): it is kept as '%s', and a new one is built from the "
+        "frames and the finished nights, which are intact; an unfinished night starts again",
+        why, aside.text);
     return NEPH_OK;
 }
 
@@ -337,10 +337,10 @@ static void tell_new_database(struct neph_database *index, const char *store_fol
     int64_t frames = 0;
     if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
         frames > 0)
-        neph_progress_warn("the store '%s' had no database (it was removed, or the store is older "
-                           "than databases): a new one is made of its %lld frames and its finished "
-                           "nights",
-                           store_folder, (long long)frames);
+        neph_progress_warn(
+            "the store '%s' had no database (it was removed, or the store is older than "
+            "databases): a new one is built from its %lld frames and its finished nights",
+            store_folder, (long long)frames);
 }
 
 enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,

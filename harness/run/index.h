@@ -24,6 +24,7 @@ enum neph_index_place {
     NEPH_INDEX_NONE,    /* the database must not be opened */
 };
 
+/* Reads NEPH_STORE_INDEX. */
 enum neph_index_place neph_index_place(void);
 
 /* Opens a store's database and refreshes it from frames and documents. The caller owns the store's

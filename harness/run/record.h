@@ -75,6 +75,7 @@ void neph_record_read(const struct neph_record_form *form, const json_t *json,
 void neph_record_row(const struct neph_record_form *form, struct neph_query *row, int column,
                      struct neph_arena *arena, void *record);
 
+/* Compares all columns; texts by content. */
 bool neph_record_is_equal(const struct neph_record_form *form, const void *a, const void *b);
 
 /* An array of records. */

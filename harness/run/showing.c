@@ -63,8 +63,8 @@ enum neph_status neph_showing_check_size(const struct neph_showing *showing, str
         for (size_t s = 0; s < sizeof(sizes) / sizeof(sizes[0]); s++)
             if (showing->plan.volumes[i].changes.is_given[sizes[s]])
                 return neph_fail(diag, NEPH_ERR_USAGE,
-                                 "volume '%s' of the chain sets %s, which a renderer has the same "
-                                 "everywhere: it belongs into the chain's own settings",
+                                 "volume '%s' of the chain sets %s, which is the same everywhere "
+                                 "in a frame: move it to the chain's own settings",
                                  showing->plan.volumes[i].name, neph_post_options[sizes[s]].name);
     return NEPH_OK;
 }

@@ -178,8 +178,8 @@ static enum neph_status add_hosts(struct submission *submission, const struct ne
     const char *timing = task->is_timed ? settings->timing : "",
                *gpu = task->wants_gpu ? settings->gpu : "";
     if (!timing || !gpu) {
-        neph_fail(diag, NEPH_ERR_USAGE, "nobody has said which hosts %s",
-                  timing ? "have a GPU" : "are for durations");
+        neph_fail(diag, NEPH_ERR_USAGE, "no host feature is given for hosts that %s",
+                  timing ? "have a GPU" : "measure times");
         neph_hint(diag, "--slurm %s=FEATURE, as in `sinfo -o '%%n %%f'`",
                   timing ? "gpu" : "timing");
         return NEPH_ERR_USAGE;
@@ -233,7 +233,7 @@ static enum neph_status submit(struct submission *submission, const struct neph_
     if (!status)
         status = ask(batch->logs, words, &answer, diag);
     if (!status && !find_id(answer, id))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch gave no number of a job: %.200s", answer);
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch printed no job number: %.200s", answer);
     free(answer);
     return status;
 }
@@ -322,8 +322,8 @@ static enum neph_status check_lines(const struct neph_slurm_batch *batch, struct
         is_line = is_line && strchr(batch->tasks[i].line, '\n') == NULL;
     return is_line ? NEPH_OK
                    : neph_fail(diag, NEPH_ERR_USAGE,
-                               "a word of the command has a line break in it, which the manifest "
-                               "of a batch cannot hold");
+                               "a word of the command has a line break, which the manifest of a "
+                               "batch does not allow");
 }
 
 enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,

@@ -66,6 +66,8 @@ enum neph_status neph_speed_flight_open(const struct neph_job *job,
 /* Renders a round: at least 3 frames, and as many as fit into `seconds`. */
 enum neph_status neph_speed_flight_round(struct neph_speed_flight *flight, double seconds,
                                          struct neph_diag *diag);
+
+/* The speed from all rounds so far; sorts the flight's times. */
 struct neph_speed neph_speed_of_flight(struct neph_speed_flight *flight);
 void neph_speed_flight_close(struct neph_speed_flight *flight);
 

@@ -182,7 +182,7 @@ static enum neph_status update_index(const struct neph_store *store, bool reads,
     const enum neph_status status = neph_index_open(store->folder.text, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {
-        neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
+        neph_progress_warn("the store's database is not up to date; frames are not affected: %s",
                            why.message);
         return NEPH_OK;
     }
@@ -298,8 +298,9 @@ static void note_use(const char *frame_path)
     const struct neph_path record = neph_path_format(
         "%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path), frame_path);
     if (utimensat(AT_FDCWD, record.text, NULL, 0) != 0)
-        neph_progress_warn("that '%s' is used cannot be noted, and eviction takes it for older: %s",
-                           record.text, strerror(errno));
+        neph_progress_warn(
+            "cannot update the time of '%s', so eviction counts the frame as older: %s",
+            record.text, strerror(errno));
 }
 
 void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])

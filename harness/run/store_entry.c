@@ -146,7 +146,7 @@ static enum neph_entry_state read_record(const char *folder, json_t **record,
     if (*record)
         return NEPH_ENTRY_GOOD;
     return json_error_code(&error) == json_error_out_of_memory
-               ? judge(NEPH_ENTRY_UNREADABLE, "no memory for its record", why)
+               ? judge(NEPH_ENTRY_UNREADABLE, "out of memory for its record", why)
                : judge(NEPH_ENTRY_BAD, "its record (job.json) is damaged", why);
 }
 

@@ -131,7 +131,7 @@ static enum neph_status look_at_index(struct check *check, bool *whole, struct n
 {
     if (check->strangers > 0) {
         *whole = false;
-        neph_fail(why, NEPH_ERR_INPUT, "%d rows say something else than the records of the frames",
+        neph_fail(why, NEPH_ERR_INPUT, "%d rows differ from the records of the frames",
                   check->strangers);
         return NEPH_OK;
     }
@@ -269,7 +269,7 @@ static enum neph_status list_all(struct neph_database *index, const char *questi
     const enum neph_status status = neph_record_list(index, form, &list, diag, question, "");
     if (!status && !list) {
         neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged", name);
-        neph_hint(diag, "`neph store check --repair` makes it again");
+        neph_hint(diag, "rebuild it with `neph store check --repair`");
         return NEPH_ERR_INPUT;
     }
     return status ? status : neph_json_put(document, name, list, diag);

@@ -48,7 +48,7 @@ static enum neph_status open_planes(const char *path, const struct neph_image *i
     }
     if (part == REFERENCE &&
         (image->width_px != pair->width_px || image->height_px != pair->height_px))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference is of another size");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference has another size");
     if (!neph_image_rgb(image, NULL, planes))
         return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
     for (int c = 0; c < 3; c++)
@@ -138,7 +138,7 @@ enum neph_status neph_evidence_choose(const struct neph_evidence_source *source,
         status = open_pair(source, i, &pair, diag);
         if (!status && i > 0 && (pair.width_px != width_px || pair.height_px != row_count))
             status = neph_fail(diag, NEPH_ERR_INPUT,
-                               "frames of several sizes (frames.sizes) have no evidence");
+                               "no evidence is drawn for frames of several sizes (frames.sizes)");
         if (!status) {
             width_px = pair.width_px;
             row_count = pair.height_px;

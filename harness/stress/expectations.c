@@ -32,7 +32,7 @@ static enum neph_status check_entry(const json_t *entry, size_t index, struct ne
         if (!*neph_json_text(entry, needed[i]))
             return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu has no '%s'", index, needed[i]);
     if (json_array_size(json_object_get(entry, "presets")) == 0)
-        return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu is of no preset", index);
+        return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu names no preset", index);
     if (expected_of(entry) == NEPH_STRESS_PASSES)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "expectation %zu: 'is' is fails, flakes or skips, not '%s'", index,
@@ -49,7 +49,7 @@ static enum neph_status read_list(const char *path, json_t **list, struct neph_d
     if (!content)
         status = neph_fail(diag, NEPH_ERR_INPUT, "%s", error.text);
     else if (strcmp(neph_json_text(content, "format"), format) != 0 || !json_is_array(entries))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "this is no list of expectations (%s)", format);
+        status = neph_fail(diag, NEPH_ERR_INPUT, "this is not a list of expectations (%s)", format);
     for (size_t i = 0; i < json_array_size(entries) && !status; i++)
         status = check_entry(json_array_get(entries, i), i, diag);
     if (status)

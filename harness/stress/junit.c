@@ -43,11 +43,11 @@ void neph_stress_junit(const struct neph_stress_suite *suite, struct neph_junit 
         for (int c = 0; c < suite->column_count; c++)
             if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_ASKED)
                 add_cell(suite, &suite->rows[r], c, junit);
-    neph_junit_add(
-        junit, "stress", "verdict", suite->passes ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,
-        suite->passes ? ""
-        : suite->counts.compared > 0
-            ? neph_arena_format(&junit->arena, "%d of %d results are not what is expected of them",
-                                suite->counts.news, suite->counts.compared)
-            : "nothing was compared");
+    neph_junit_add(junit, "stress", "verdict",
+                   suite->passes ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,
+                   suite->passes ? ""
+                   : suite->counts.compared > 0
+                       ? neph_arena_format(&junit->arena, "%d of %d results are not as expected",
+                                           suite->counts.news, suite->counts.compared)
+                       : "nothing was compared");
 }

@@ -121,7 +121,7 @@ double neph_stress_read(const struct neph_failing_limit *limit, const json_t *do
         else if (!why[0])
             snprintf(why, NEPH_STRESS_WHY_SIZE, "%s",
                      found ? neph_json_text(found, "undefined_because")
-                           : "the mask is empty, or the whole picture");
+                           : "the mask is empty, or the whole frame");
     }
     const double value = measure->value(numbers);
     if (!isnan(value))

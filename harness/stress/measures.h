@@ -21,6 +21,7 @@ struct neph_stress_measure {
     bool over_time; /* needs a sequence: not measured for engines without a history */
 };
 
+/* The definition of a measure. */
 const struct neph_stress_measure *neph_stress_measure(enum neph_failing_measure measure);
 
 /* Lists the extractors that some limits need, each once, NULL-terminated. `over_time` false:

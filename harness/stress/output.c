@@ -114,7 +114,7 @@ static enum neph_status print_news(const struct neph_stress_suite *suite,
             suite->columns[spot->column].name);
     print_value(row, cell, out);
     if (more > 0)
-        fprintf(out, ", and at %d points more", more);
+        fprintf(out, ", and at %d further points", more);
     fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
     if (cell->verdict == NEPH_STRESS_FAIL)
         fprintf(out, "  symptom: %s\n", row->scene->failing->symptom);

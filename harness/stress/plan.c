@@ -73,7 +73,7 @@ static enum neph_status find_engine(const char *name, const struct neph_engine *
     if (engine->remembers)
         return neph_fail(diag, NEPH_ERR_USAGE, "%s takes part by its presets: --preset", name);
     if (engine->rung == NEPH_RUNG_EXACT)
-        return neph_fail(diag, NEPH_ERR_USAGE, "%s is what engines are held against here", name);
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s is the reference of engines here", name);
     *found = engine;
     return NEPH_OK;
 }
@@ -82,7 +82,7 @@ static enum neph_status add_column(struct neph_stress_suite *suite, const char *
                                    bool is_preset, struct neph_diag *diag)
 {
     if (suite->column_count == NEPH_STRESS_COLUMNS_MAX)
-        return neph_fail(diag, NEPH_ERR_USAGE, "presets and engines are more than %d",
+        return neph_fail(diag, NEPH_ERR_USAGE, "more than %d presets and engines",
                          NEPH_STRESS_COLUMNS_MAX);
     const struct neph_engine *engine;
     const enum neph_status status = (is_preset ? find_preset : find_engine)(name, &engine, diag);
@@ -126,9 +126,9 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
     for (int i = 0; i < params->engine_count && !status; i++)
         status = add_column(suite, params->engines[i], false, diag);
     if (!status && !is_default && params->preset_count == 0 && !has_engines(suite)) {
-        neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
-        neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
-                        "elevator, fog_look_...; others are of presets (--preset)");
+        neph_fail(diag, NEPH_ERR_USAGE, "no scenario is for engines");
+        neph_hint(diag, "scenarios with `engines: true`: fog_seam, fog_none, fog_below, elevator, "
+                        "fog_look_...; others are for presets (--preset)");
         return NEPH_ERR_USAGE;
     }
     return status;

@@ -149,6 +149,7 @@ struct neph_stress_suite {
     double left_s; /* estimated remaining time; negative: not known */
 };
 
+/* Destroys the scenes and frees all results. */
 void neph_stress_finish(struct neph_stress_suite *suite);
 
 /* Updates `counts` and `passes`. */

@@ -199,9 +199,9 @@ enum neph_status neph_stress_read_message(const char *text, struct neph_stress_s
     json_t *json = json_loads(text, 0, NULL);
     const bool is_read = json && read_message(json, suite, message);
     json_decref(json);
-    return is_read ? NEPH_OK
-                   : neph_fail(diag, NEPH_ERR_INTERNAL, "a process told what is no result: %.60s",
-                               text);
+    return is_read
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_INTERNAL, "a worker sent no valid result: %.60s", text);
 }
 
 /* Sends the results of a finished trial. `before` and `frame_count` are the values before it. The

@@ -148,7 +148,7 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                  .device = params->device}};
     if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a program reads the file, which has other values");
+                         "a program reads the scene file, which has no values of a sweep point");
     return column->is_preset ? set_words(trial, column->name, &trial->job, diag)
                              : set_engine(&trial->job, diag);
 }
@@ -225,7 +225,7 @@ static enum neph_status read_cells(const struct trial *trial, const char *folder
         else if (document)
             value = neph_stress_read(limit, document, why);
         else
-            snprintf(why, sizeof(why), "the frames hold %zu bad values", bad_values);
+            snprintf(why, sizeof(why), "the frames have %zu bad values", bad_values);
         fill_cell(trial, r, value, why);
     }
     json_decref(document);
@@ -299,7 +299,7 @@ static enum neph_status find_evidence(struct trial *trial, const struct neph_tak
         trial->is_judged = true;
         status = neph_take_see(take, bench->store, diag);
         if (!status && !(folder = neph_evidence_find(bench->store, trial->evidence_key)))
-            status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
+            status = neph_fail(diag, NEPH_ERR_IO, "images are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
         cell_of(trial, r)->evidence = neph_arena_text(&bench->suite->arena, folder);

@@ -102,7 +102,7 @@ enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct ne
         return neph_reference_make(test, scene->failing->frame_count, store, progress, reference,
                                    diag);
     if (!stands_still(scene))
-        return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` is of what stands still",
+        return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` needs a static scene",
                          scene->name);
     return make_exact(test, &one, store, reference, diag);
 }
@@ -115,6 +115,6 @@ enum neph_status neph_stress_engine_truth(const struct neph_job *test,
     const enum neph_status status = make_exact(test, frames, store, reference, diag);
     if (status != NEPH_ERR_UNSUPPORTED && status != NEPH_ERR_UNAVAILABLE)
         return status;
-    neph_prefix(diag, "there is no truth: exact ");
+    neph_prefix(diag, "there is no reference: exact ");
     return NEPH_ERR_ENGINE;
 }

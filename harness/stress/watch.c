@@ -20,9 +20,9 @@ static enum neph_status count_in_picture(struct neph_job *job, const struct neph
     return status;
 }
 
-/* Counts the values of one frame. A frame with a preceding one (inject.mirror) or a new size
- * (inject.sizes) cannot be in flight: it is collected and dropped. Without images on the device the
- * frame is rendered again and counted on the CPU. */
+/* Counts the values of one frame. In sequences with a mirrored view (inject.mirror) or changing
+ * frame sizes (inject.sizes) frames cannot be in flight: they are collected and dropped. Without
+ * images on the device the frame is rendered again and counted on the CPU. */
 static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
                                         bool *has_images, uint64_t *bad, struct neph_diag *diag)
 {

@@ -28,9 +28,9 @@ const struct neph_ablation_measure neph_ablation_measures[] = {
     {"four_frame", "four-frame", "four-frame flicker at depth edges", "a4_p95",
      .mask = "depth_edge"},
     {"half_life", "half-life", "half-life after a step of the sun", "half_life_p50", .mask = "all"},
-    {"evaluations", "evaluations", "density evaluations a pixel",
+    {"evaluations", "evaluations", "density evaluations per pixel",
      .cost = offsetof(struct neph_study_cost, density_evaluations)},
-    {"traffic", "bytes", "bytes that passes read and write a pixel",
+    {"traffic", "bytes", "bytes that passes read and write per pixel",
      .cost = offsetof(struct neph_study_cost, traffic_bytes)},
     {"gpu_ms", "ms", "milliseconds of the device", .cost = offsetof(struct neph_study_cost, gpu_ms),
      .is_time = true},
@@ -137,7 +137,7 @@ static enum neph_status refuse_absent(const struct neph_ablation *ablation, int 
     const struct neph_ablation_part *of = &neph_ablation_parts[part];
     neph_fail(diag, NEPH_ERR_USAGE, "preset %s does not have '%s': %s", ablation->preset, of->name,
               ablation->values[part]);
-    neph_hint(diag, "`neph ablate --list --preset %s` says what it has%s%s", ablation->preset,
+    neph_hint(diag, "list its parts with `neph ablate --list --preset %s`%s%s", ablation->preset,
               of->needs ? "; this part needs " : "", of->needs ? of->needs : "");
     return NEPH_ERR_USAGE;
 }
@@ -330,8 +330,7 @@ static enum neph_status check_scenes(const struct neph_ablation *ablation, struc
         if (!scenes[i].left_out)
             return NEPH_OK;
     neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
-    neph_hint(diag,
-              "no scene is left to look at parts in; --preset %s+KEY=VALUE changes the preset",
+    neph_hint(diag, "no scene is left to measure; change the preset with --preset %s+KEY=VALUE",
               ablation->preset);
     return NEPH_ERR_UNSUPPORTED;
 }

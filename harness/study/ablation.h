@@ -124,6 +124,8 @@ enum neph_ablation_advice {
     NEPH_ABLATION_ADVICES,
 };
 extern const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES];
+
+/* Decides by the verdicts of all measures except times. */
 enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_comparison *in_preset);
 
 /* Whether the measured sequences include this measure. */

@@ -255,22 +255,20 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
     fprintf(out, "<text x=\"%d\" y=\"30\" font-size=\"20\" font-weight=\"bold\">What parts of ",
             MARGIN);
     neph_svg_print_escaped(ablation->preset, out);
-    fprintf(out,
-            " change</text>\n"
-            "<rect x=\"%d\" y=\"47\" width=\"30\" height=\"%d\" fill=\"#999\" stroke=\"#444\"/>"
-            "<text x=\"%d\" y=\"58\">in the preset: with it over without it</text>\n"
-            "<rect x=\"%d\" y=\"69\" width=\"30\" height=\"%d\" fill=\"#fff\" stroke=\"#444\"/>"
-            "<text x=\"%d\" y=\"80\">alone, in the pipeline without all parts</text>\n"
-            "<path d=\"M%d 97 h30\" stroke=\"#000\" stroke-width=\"2\"/>"
-            "<text x=\"%d\" y=\"102\">95 %% interval over scenes</text>\n"
-            "<text x=\"%d\" y=\"124\">To the left less: the part buys. Bold: certain, of %d "
-            "numbers.</text>\n"
-            "<text x=\"%d\" y=\"146\" font-size=\"13\">%dx%d, %d steps, %d frames, %d seed%s, %d "
-            "scenes; ",
-            MARGIN, BAR, MARGIN + 40, MARGIN, BAR, MARGIN + 40, MARGIN, MARGIN + 40, MARGIN,
-            ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
-            params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
-            params->scene_count);
+    fprintf(
+        out,
+        " change</text>\n<rect x=\"%d\" y=\"47\" width=\"30\" height=\"%d\" fill=\"#999\" "
+        "stroke=\"#444\"/><text x=\"%d\" y=\"58\">in the preset: with the part over without "
+        "it</text>\n<rect x=\"%d\" y=\"69\" width=\"30\" height=\"%d\" fill=\"#fff\" "
+        "stroke=\"#444\"/><text x=\"%d\" y=\"80\">alone: added to the plain pipeline</text>\n<path "
+        "d=\"M%d 97 h30\" stroke=\"#000\" stroke-width=\"2\"/><text x=\"%d\" y=\"102\">95 %% "
+        "interval over scenes</text>\n<text x=\"%d\" y=\"124\">Left of 0: the part lowers the "
+        "measure. Bold: significant, of %d numbers.</text>\n<text x=\"%d\" y=\"146\" "
+        "font-size=\"13\">%dx%d, %d steps, %d frames, %d seed%s, %d scenes; ",
+        MARGIN, BAR, MARGIN + 40, MARGIN, BAR, MARGIN + 40, MARGIN, MARGIN + 40, MARGIN,
+        ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
+        params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
+        params->scene_count);
     char device[sizeof(ablation->study.device)]; /* without the driver, which the tables have */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);

@@ -58,7 +58,7 @@ static const char *pair_words(const struct neph_study_pair *pair, char text[TEXT
     if (isfinite(pair->p_sign))
         snprintf(p, sizeof(p), pair->p_sign < 0.001 ? ", p < 0.001" : ", p = %.2g", pair->p_sign);
     if (isnan(pair->mean))
-        snprintf(text, TEXT_SIZE, ": not measured in the same scene");
+        snprintf(text, TEXT_SIZE, ": no scene has both");
     else
         snprintf(text, TEXT_SIZE,
                  ": %.3g times%s: %s%s, better in %d, worse in %d, alike in %d scenes",
@@ -107,7 +107,8 @@ static void answer_left_out(const struct neph_flicker_study *study, struct neph_
             neph_answer_add(answer, "left out: %s: %.200s", study->scenes[i].name,
                             study->scenes[i].left_out);
     if (study->failed_count > 0)
-        neph_answer_add(answer, "%d sequences broke; --all says why", study->failed_count);
+        neph_answer_add(answer, "%d sequences failed; --all prints the reasons",
+                        study->failed_count);
 }
 
 static enum neph_status answer_presets(const struct neph_flicker_study *study,

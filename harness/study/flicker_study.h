@@ -87,6 +87,7 @@ enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params
                                           struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
 
+/* The cell of a metric, and the cost, of a preset in a scene with a seed. */
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric);
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,

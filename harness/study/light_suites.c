@@ -76,7 +76,7 @@ static enum neph_status read_list(const json_t *sweep, const char *key, int each
         numbers[i] = json_number_value(number);
     }
     return is_fit ? NEPH_OK
-                  : neph_fail(diag, NEPH_ERR_INPUT, "%s is no list of at most %d %s", key,
+                  : neph_fail(diag, NEPH_ERR_INPUT, "%s is not a list of at most %d %s", key,
                               NEPH_LIGHT_SWEEP_MAX, each > 1 ? "pairs" : "numbers");
 }
 
@@ -103,7 +103,7 @@ static enum neph_status read_entry(const json_t *json, struct neph_arena *arena,
     entry->scene = neph_suite_scene(json, arena);
     entry->may_be_absent = true;
     if (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is no list of 1 to %d",
+        status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is not a list of 1 to %d",
                            NEPH_LIGHT_SWEEPS_MAX);
     for (int i = 0; i < count && !status; i++, entry->sweep_count++)
         status = read_sweep(json_array_get(sweeps, (size_t)i), &entry->sweeps[i], diag);

@@ -27,6 +27,7 @@ struct neph_light_entry {
     struct neph_light_sweep sweeps[NEPH_LIGHT_SWEEPS_MAX];
 };
 
+/* Number of combinations of a sweep. */
 int neph_light_sweep_count(const struct neph_light_sweep *sweep);
 
 /* `index`: 0 .. count - 1; the sun changes slowest. */

@@ -17,6 +17,7 @@ struct neph_light_sums {
     double noise;        /* sum of ((first - second) / 2)^2: the variance of the summed truth */
 };
 
+/* Adds a pixel: radiance of the model and of the tracer's two seeds. */
 void neph_light_sums_add(struct neph_light_sums *sums, double model, double first, double second);
 
 /* Adds all pixels of `more`. */

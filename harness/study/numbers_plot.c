@@ -23,9 +23,9 @@ static const struct panel {
     {"FLIP", offsetof(struct neph_post_numbers, flip), false},
     {"flicker seen", offsetof(struct neph_post_numbers, seen), false},
     {"milliseconds", offsetof(struct neph_post_numbers, ms), false},
-    {"light before the curve (the rest: 1): its error",
-     offsetof(struct neph_post_numbers, scene_error), true},
-    {"light before the curve (the rest: 1): change",
+    {"error before the tone curve (other rows: 1)", offsetof(struct neph_post_numbers, scene_error),
+     true},
+    {"change before the tone curve (other rows: 1)",
      offsetof(struct neph_post_numbers, scene_change), true},
 };
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };

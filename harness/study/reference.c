@@ -21,7 +21,7 @@ static const char *const rays_settings[NEPH_REFERENCE_RAYS_COUNT] = {
     [NEPH_REFERENCE_AVERAGED] = "rays_per_px=16",
     [NEPH_REFERENCE_CENTRE] = "rays_per_px=1",
 };
-_Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
+_Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "rays_settings");
 
 /* ---- the marcher of a test ------------------------------------------------------------------- */
 

@@ -36,10 +36,9 @@ static enum neph_status load(const char *path, json_t **content, struct neph_dia
         *content = loaded;
         return NEPH_OK;
     }
-    neph_fail(diag, NEPH_ERR_INPUT, "%s",
-              loaded ? "these are not the step studies of neph" : error.text);
+    neph_fail(diag, NEPH_ERR_INPUT, "%s", loaded ? "this is no file of step studies" : error.text);
     neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
-    neph_hint(diag, "`neph study --renew` makes the file anew once this one is gone");
+    neph_hint(diag, "remove the file and make it again with `neph study --renew`");
     json_decref(loaded);
     return NEPH_ERR_INPUT;
 }

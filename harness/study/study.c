@@ -235,7 +235,7 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
         extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
     if (!status && *outcome == NEPH_OUTCOME_RENDERED && study->limit == 0.0) {
         *outcome = NEPH_OUTCOME_CANNOT;
-        snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
+        snprintf(reason, 1600, "the frame is black: a relative bias is undefined");
     }
     neph_arena_finish(&pictures.arena);
     return status;
@@ -334,7 +334,7 @@ enum neph_status neph_study_read(json_t *json, const struct neph_engine *engine,
     if (!has_form || !read_levels(levels, &made) || !read_verdict(verdict, &made) ||
         !is_taken(option, &made, engine))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "a step study of %s chooses no setting that it takes", engine->name);
+                         "a step study of %s chooses a setting outside of its range", engine->name);
     made.observed_order = json_is_number(observed) ? json_number_value(observed) : NAN;
     *study = made;
     return NEPH_OK;

@@ -20,7 +20,8 @@ static enum neph_status load(const char *file, const char *format, json_t **cont
     enum neph_status status = NEPH_OK;
     if (!loaded || strcmp(neph_json_text(loaded, "format"), format) != 0) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "%s",
-                           loaded ? "these are no suites of this kind of study" : error.text);
+                           loaded ? "this is no file of suites for this kind of study"
+                                  : error.text);
         neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
         json_decref(loaded);
     } else {

@@ -114,7 +114,7 @@ static const char *cost_words(const struct neph_sweep_point *point, enum neph_sw
     if (cost == NEPH_SWEEP_COST_TIME)
         snprintf(text, TEXT_SIZE, "%.3g ms a frame", 1e3 * point->time.median);
     else
-        snprintf(text, TEXT_SIZE, "%.3g density evaluations a pixel", point->evaluations);
+        snprintf(text, TEXT_SIZE, "%.3g density evaluations per pixel", point->evaluations);
     return text;
 }
 
@@ -266,7 +266,7 @@ void neph_sweep_answer(const struct neph_sweep *sweep, double error, struct neph
     answer_truth(sweep, error, answer);
     answer_missing(sweep, answer);
     if (cost == NEPH_SWEEP_COST_TIME && sweep->load > 1.5 * neph_processor_count())
-        neph_answer_add(answer, "times are of a busy machine (load %.1f)", sweep->load);
+        neph_answer_add(answer, "times were measured on a busy machine (load %.1f)", sweep->load);
 }
 
 /* ---- several sweeps -------------------------------------------------------------------------- */
@@ -282,7 +282,8 @@ void neph_stability_answer(const json_t *stability, struct neph_answer *answer)
     neph_answer_add(answer,
                     "the fronts %s: %d of %zu points left a front by more than their intervals, "
                     "%zu are on it in all %d sweeps",
-                    moved > 0 ? "moved" : "hold", moved, json_array_size(points), always, sweeps);
+                    moved > 0 ? "moved" : "are equal", moved, json_array_size(points), always,
+                    sweeps);
     json_array_foreach(points, index, point)
     {
         if (strcmp(neph_json_text(point, "outcome"), neph_stability_words[NEPH_STABILITY_MOVED]))

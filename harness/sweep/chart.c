@@ -21,12 +21,12 @@ _Static_assert(NEPH_SWEEP_AXIS_COUNT == 3, "a new kind");
 
 const struct neph_sweep_chart neph_sweep_charts[] = {
     {"time_error", "Error against the truth, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_ERROR},
-    {"time_shortcut", "What the shortcut loses of its own model, by time", NEPH_SWEEP_AXIS_TIME,
+    {"time_shortcut", "Error against its own model, by time", NEPH_SWEEP_AXIS_TIME,
      NEPH_SWEEP_SHORTCUT},
     {"time_flicker", "Flicker seen, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_FLICKER},
     {"lag_flicker", "Flicker seen against lag", NEPH_SWEEP_AXIS_LAG, NEPH_SWEEP_FLICKER},
     {"work_error", "Error against the truth, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_ERROR},
-    {"work_shortcut", "What the shortcut loses of its own model, by work", NEPH_SWEEP_AXIS_WORK,
+    {"work_shortcut", "Error against its own model, by work", NEPH_SWEEP_AXIS_WORK,
      NEPH_SWEEP_SHORTCUT},
     {"work_flicker", "Flicker seen, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_FLICKER},
     {.id = NULL},
@@ -38,8 +38,8 @@ const struct neph_sweep_chart_size neph_sweep_chart_sizes[NEPH_SWEEP_CHART_SIZES
 };
 
 static const char *const axis_titles[] = {
-    [NEPH_SWEEP_AXIS_TIME] = "milliseconds of a picture",
-    [NEPH_SWEEP_AXIS_WORK] = "density evaluations for a pixel of a picture",
+    [NEPH_SWEEP_AXIS_TIME] = "milliseconds per frame",
+    [NEPH_SWEEP_AXIS_WORK] = "density evaluations per pixel and frame",
     [NEPH_SWEEP_AXIS_LAG] = "half-life after a step of the sun [frames]",
 };
 
@@ -503,11 +503,11 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
     fprintf(out, "%s at %d x %d, %s. ", sweep->scene->name, sweep->plan->width_px,
             sweep->plan->height_px, neph_sweep_device(sweep));
     if (chart->y == NEPH_SWEEP_ERROR)
-        fprintf(out, "The truth is %s; what a model leaves out is in these errors. ", sweep->truth);
+        fprintf(out, "The truth is %s; model errors are included. ", sweep->truth);
     if (chart->y == NEPH_SWEEP_FLICKER)
         fprintf(out, "1 is the eye's threshold; over %s. ", sweep->mask);
     if (chart->x == NEPH_SWEEP_AXIS_TIME)
-        fprintf(out, "Medians, 10 and 90 %% of %d rounds that take turns. ",
+        fprintf(out, "Median, 10 %% and 90 %% of the frames of %d rounds. ",
                 sweep->plan->round_count);
     if (chart->y != NEPH_SWEEP_ERROR && sweep->plan->seed_count > 1)
         fprintf(out, "Means over %d seeds. ", sweep->plan->seed_count);
@@ -517,10 +517,10 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
                   isfinite(sweep->points[i].numbers[chart->y].value) &&
                   !is_drawable(sweep->points[i].numbers[chart->y].value);
     if (hidden > 0)
-        fprintf(out, "%d points are exactly 0 and have no place on this axis. ", hidden);
+        fprintf(out, "%d points are exactly 0 and are not shown on this axis. ", hidden);
     if (has_order(sweep, chart))
-        fprintf(out, "Dotted: how fast a series ought to fall. ");
-    fprintf(out, "The band is the front: nothing cheaper is as good.");
+        fprintf(out, "Dotted: expected slope of a series. ");
+    fprintf(out, "The band is the Pareto front: no cheaper point is as good.");
     if (fclose(out) == 0)
         return text;
     free(text);

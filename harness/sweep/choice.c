@@ -25,9 +25,9 @@ const struct neph_choice_measure neph_choice_measures[NEPH_CHOICE_NUMBERS] = {
                          NEPH_STUDY_SINE, "follow_lag_3_p50", "all", 0},
     [NEPH_CHOICE_ERROR] = {"error", "relative RMSE against its own model", NEPH_STUDY_FLICKER,
                            "rel_rmse", "all", 0},
-    [NEPH_CHOICE_WORK] = {"evaluations", "density evaluations a pixel", NEPH_STUDY_FLICKER, NULL,
+    [NEPH_CHOICE_WORK] = {"evaluations", "density evaluations per pixel", NEPH_STUDY_FLICKER, NULL,
                           NULL, offsetof(struct neph_study_cost, density_evaluations)},
-    [NEPH_CHOICE_TIME] = {"ms", "milliseconds of the device", NEPH_STUDY_FLICKER, NULL, NULL,
+    [NEPH_CHOICE_TIME] = {"ms", "milliseconds on the device", NEPH_STUDY_FLICKER, NULL, NULL,
                           offsetof(struct neph_study_cost, gpu_ms)},
 };
 _Static_assert(NEPH_CHOICE_NUMBERS <= (int)NEPH_FRONT_AXES_MAX, "a front has so many axes");
@@ -281,10 +281,10 @@ enum neph_status neph_choice_print(const struct neph_choice *choice,
     if (choice->chosen >= 0)
         fprintf(out, "choice: %s\n", study->params->presets[choice->chosen]);
     else if (choice->scene_counts[choice->least] == 0)
-        fprintf(out, "no choice: there is no number of '%s'\n",
+        fprintf(out, "no choice: '%s' was not measured\n",
                 neph_choice_measures[choice->least].name);
     else
-        fprintf(out, "none is within that; nearest is %s\n",
+        fprintf(out, "no preset is within the budget; the nearest is %s\n",
                 study->params->presets[choice->nearest]);
     return print_pairs(choice, study, out, diag);
 }

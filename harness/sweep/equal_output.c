@@ -63,7 +63,7 @@ static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cos
         return false;
     snprintf(at_that, sizeof(at_that), "%s at that", column);
     snprintf(in_that, sizeof(in_that), "%.9s in that", name);
-    fprintf(out, "\n%s and %s: each at its best, over what %s has there\n", name, column,
+    fprintf(out, "\n%s and %s: the best point of each series relative to %s\n", name, column,
             base->name);
     fprintf(out, "%-16s %11s %11s %14s %14s\n", "series", name, column, at_that, in_that);
     for (int i = 0; i < count; i++) {
@@ -79,7 +79,7 @@ static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cos
 /* Names each device with timed points once: times of two machines do not compare two programs. */
 static void print_machines(const struct neph_sweep *sweep, FILE *out)
 {
-    fprintf(out, "Times are of:");
+    fprintf(out, "Times were measured for:");
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_job *job = &sweep->points[i].job;
         bool is_first = sweep->points[i].timed > 0;
@@ -89,7 +89,7 @@ static void print_machines(const struct neph_sweep *sweep, FILE *out)
         if (is_first)
             fprintf(out, " %s on %s;", job->engine->name, job->info->device);
     }
-    fprintf(out, " in rounds that take turns.\n");
+    fprintf(out, " in alternating rounds.\n");
 }
 
 void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)
@@ -99,9 +99,9 @@ void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)
         for (int cost = 0; cost < NEPH_SWEEP_COSTS; cost++)
             printed |= print_table(sweep, (enum neph_sweep_cost)cost, numbers[n], out);
     if (printed)
-        fprintf(out, "\nbeyond: nothing between two points of it is so good, or so dear\n");
+        fprintf(out, "\nbeyond: outside of the points of the compared series\n");
     else if (sweep->against)
-        fprintf(out, "\n%s has no two points to hold anything against\n", sweep->against);
+        fprintf(out, "\n%s has no two points to compare with\n", sweep->against);
     for (int i = 0; i < sweep->point_count; i++)
         is_timed |= sweep->points[i].timed > 0;
     if (printed && is_timed)

@@ -43,9 +43,9 @@ const char *neph_ladder_preset(int pipeline)
 const char *const neph_ladder_narrow[] = {"fog_look", "sky", NULL};
 
 const struct neph_ladder_part neph_ladder_motion_parts[] = {
-    {"history follows the wind", "wind=off", NEPH_LADDER_WIND},
-    {"cuts of the camera void the history", "cut_reset=off", NEPH_LADDER_CAMERA},
-    {"disocclusion voids the history", "reject_depth=0", NEPH_LADDER_CAMERA},
+    {"reprojection follows the wind", "wind=off", NEPH_LADDER_WIND},
+    {"camera cuts invalidate the history", "cut_reset=off", NEPH_LADDER_CAMERA},
+    {"disocclusion invalidates the history", "reject_depth=0", NEPH_LADDER_CAMERA},
     /* at edges in front of a moving cloud: 13 % of the flicker of wind_cloud */
     {"motion of the nearest of five depths", "taa_motion=centre", NEPH_LADDER_ANY},
     {.name = NULL},
@@ -92,7 +92,7 @@ static bool has_cloud_shadows(const struct neph_scene *scene)
 }
 
 const struct neph_ladder_air neph_ladder_air_parts[] = {
-    {"near froxels", "froxels=on", has_near_media, "no medium is seen within 64 m of the camera",
+    {"near froxels", "froxels=on", has_near_media, "no medium is visible within 64 m of the camera",
      false},
     {"a shadow map of the clouds", "cloud_shadow=map", has_cloud_shadows,
      "no cloud stands between the sun and a solid or a fog", true},

@@ -34,6 +34,8 @@ enum neph_ladder_motion {
     NEPH_LADDER_ANY, /* camera or wind */
     NEPH_LADDER_MOTION_COUNT,
 };
+
+/* Whether the scene has this motion. */
 bool neph_ladder_moves(const struct neph_scene *scene, enum neph_ladder_motion what);
 
 /* Parts of realtime that only motion needs, with the settings that switch them off. */

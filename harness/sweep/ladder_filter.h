@@ -16,6 +16,7 @@ struct neph_ladder_filter {
     int only_count;
 };
 
+/* Whether the filter includes an engine. */
 bool neph_ladder_wants_engine(const struct neph_ladder_filter *filter, const char *engine);
 
 /* Removes the series of a plan that do not match. */

@@ -334,7 +334,7 @@ static const char *what_rests(const struct work *work)
     if (work->pick->is_still)
         return "nothing moves";
     if (!camera)
-        return wind ? "the camera rests" : "the camera rests, and there is no wind";
+        return wind ? "the camera is static" : "the camera is static, and there is no wind";
     return wind ? NULL : "there is no wind";
 }
 

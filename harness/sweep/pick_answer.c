@@ -40,7 +40,7 @@ static const char *numbers_of(const struct neph_pick_point *point, char text[TEX
     else if (isnan(point->evaluations))
         append(text, ", density evaluations not counted");
     else
-        append(text, ", %.3g density evaluations a pixel", point->evaluations);
+        append(text, ", %.3g density evaluations per pixel", point->evaluations);
     if (!isnan(point->time.median))
         append(text, ", %.3g ms a frame", 1e3 * point->time.median);
     return text;
@@ -92,8 +92,7 @@ void neph_pick_answer(const struct neph_pick_params *params, const struct neph_p
     answer_variants(pick, answer);
     neph_answer_add(answer, "truth: %s with a noise of %.2g %%%s; %d x %d pixels; %s", pick->truth,
                     100.0 * pick->floor,
-                    is_uncertain ? ", more than half of the error that was asked for: the error is "
-                                   "not certain"
+                    is_uncertain ? ", more than half of the requested error: the error is uncertain"
                                  : "",
                     params->width_px, params->height_px, pick->device);
 }
@@ -140,7 +139,7 @@ static enum neph_status answer_rival(const struct neph_choice *choice,
             append_pair(of->name, &pair, text);
     }
     neph_answer_add(answer, "over %s: %s", study->params->presets[rival],
-                    text[0] ? text : "no scene has a number of both");
+                    text[0] ? text : "no scene has both");
     return status;
 }
 
@@ -152,7 +151,7 @@ static void answer_chosen(const struct neph_choice *choice, const struct neph_fl
     const char *name = params->presets[choice->nearest];
     levels_of(choice, choice->nearest, numbers);
     if (choice->scene_counts[choice->least] == 0)
-        neph_answer_add(answer, "no choice: no scene has a number of '%s' for all presets",
+        neph_answer_add(answer, "no choice: no scene has '%s' of all presets",
                         neph_choice_measures[choice->least].name);
     else
         neph_answer_add(answer, "%s%s%s: %s; %d presets over %d scenes and %d seed%s",

@@ -150,11 +150,11 @@ static enum neph_status check_series(const struct neph_reader *reader,
                            neph_document_quote(series->engine, quote));
     if (!series->varied != !series->values)
         return neph_refuse(reader, neph_at("series[%d]", number).text,
-                           "'vary' and 'values' come together");
+                           "'vary' and 'values' need each other");
     if (neph_sweep_value_count(series) < 1 ||
         neph_sweep_value_count(series) > NEPH_SWEEP_VALUES_MAX)
         return neph_refuse(reader, neph_at("series[%d].values", number).text,
-                           "give 1 to %d values, parted by spaces", NEPH_SWEEP_VALUES_MAX);
+                           "give 1 to %d values, separated by spaces", NEPH_SWEEP_VALUES_MAX);
     for (int i = 0; i < neph_sweep_value_count(series); i++)
         for (size_t k = 0; k < sizeof(both) / sizeof(both[0]); k++) {
             struct neph_settings settings;
@@ -215,25 +215,24 @@ static const struct neph_field series_fields[] = {
      .most = NAME_MAX},
     {"preset", NEPH_TEXT, SERIES(preset), .note = "PRESET or PRESET+KEY=VALUE+...", .least = 1,
      .most = TEXT_MAX, .standard = "none"},
-    {"set", NEPH_TEXT, SERIES(held), .note = "KEY=VALUE, parted by spaces, of all its points",
+    {"set", NEPH_TEXT, SERIES(held), .note = "KEY=VALUE, separated by spaces, for all points",
      .least = 1, .most = TEXT_MAX, .standard = "none"},
-    {"vary", NEPH_TEXT, SERIES(varied), .note = "the setting that changes along the line",
+    {"vary", NEPH_TEXT, SERIES(varied), .note = "the setting that varies along the line",
      .least = 1, .most = NAME_MAX, .standard = "none"},
-    {"values", NEPH_TEXT, SERIES(values), .note = "of that setting, parted by spaces", .least = 1,
-     .most = TEXT_MAX, .standard = "none"},
+    {"values", NEPH_TEXT, SERIES(values), .note = "of that setting, separated by spaces",
+     .least = 1, .most = TEXT_MAX, .standard = "none"},
     {"flicker", NEPH_FLAG, SERIES(flicker),
-     .note = "render a sequence, as is done of engines with a history in any case, and measure "
-             "its flicker",
+     .note = "render a sequence and measure its flicker; engines with a history always render one",
      .standard = "`false`"},
     {"lag_at", NEPH_TEXT, SERIES(lag_at),
-     .note = "those of the values at which sequences with a step of the sun are rendered, too",
-     .least = 1, .most = TEXT_MAX, .standard = "none"},
+     .note = "values for which the lag after a step of the sun is measured, too", .least = 1,
+     .most = TEXT_MAX, .standard = "none"},
     {"scattering", NEPH_WORD, SERIES(scattering),
-     .note = "the scene as if it had these orders of scattering: what is left out is in the error",
+     .note =
+         "render the scene with these orders of scattering; the missing light is part of the error",
      .words = scattering_words, .standard = "`scene`"},
     {"order", NEPH_NUMBER, SERIES(order), "", 0, 8,
-     .note = "error ~ time^-order, drawn beside it as it ought to be; 0: not drawn",
-     .standard = "0"},
+     .note = "error ~ time^-order, drawn as the expected slope; 0: not drawn", .standard = "0"},
     {0},
 };
 
@@ -243,21 +242,22 @@ static const struct neph_record series_record = {
 static const struct neph_field plan_fields[] = {
     {"title", NEPH_TEXT, PLAN(title), .least = 1, .most = TEXT_MAX},
     {"light", NEPH_TEXT, PLAN(light),
-     .note = "X of march_X and of lighting=X: that of series which name none, where a scene has "
-             "all orders of scattering",
+     .note = "X of march_X and of lighting=X, for series that set no lighting, in scenes with all "
+             "orders of scattering",
      .least = 1, .most = NAME_MAX},
-    {"width_px", NEPH_WHOLE, PLAN(width_px), "", 16, SIDE_MAX_PX, .note = "of the pictures"},
-    {"height_px", NEPH_WHOLE, PLAN(height_px), "", 9, SIDE_MAX_PX, .note = "of the pictures"},
+    {"width_px", NEPH_WHOLE, PLAN(width_px), "", 16, SIDE_MAX_PX, .note = "of the frames"},
+    {"height_px", NEPH_WHOLE, PLAN(height_px), "", 9, SIDE_MAX_PX, .note = "of the frames"},
     {"frames", NEPH_WHOLE, PLAN(frame_count), "", NEPH_SWEEP_FRAMES_MIN, 4096,
-     .note = "of sequences, 4 to a cycle"},
-    {"warm_up", NEPH_WHOLE, PLAN(warm_up), "", 0, 4096, .note = "the first of them, not measured"},
+     .note = "of sequences, a multiple of 4"},
+    {"warm_up", NEPH_WHOLE, PLAN(warm_up), "", 0, 4096,
+     .note = "frames at the start that are not measured"},
     {"truth_samples", NEPH_WHOLE, PLAN(truth_samples), "", 4, 1 << 20,
-     .note = "paths per pixel of the reference, where nothing exact is at hand"},
+     .note = "paths per pixel of the truth, where `exact` cannot render the scene"},
     {"rounds", NEPH_WHOLE, PLAN(round_count), "", 1, 99,
-     .note = "in each of which every point is timed once"},
+     .note = "every point is timed once in each round"},
     {"seeds", NEPH_WHOLE, PLAN(seed_count), "", 1, NEPH_SWEEP_SEEDS_MAX,
-     .note = "of each sequence: numbers are means over them, and intervals hold what they differ "
-             "by; of other pictures rounds are seeds",
+     .note = "of each sequence: values are means over seeds, and intervals include their scatter; "
+             "single frames use a seed per round",
      .standard = "1"},
     {"series", NEPH_LIST, PLAN(series), .least = 1, .most = NEPH_SWEEP_SERIES_MAX,
      .count_at = PLAN(series_count), .record = &series_record},

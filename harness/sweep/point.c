@@ -31,7 +31,7 @@ static const char *const of_error[] = {"error",
                                        NULL}; /* of a sequence without a measured flicker */
 static const char *const of_lag[] = {"lag", NULL};
 static const char *const at_step[] = {"lag.step_frame=32", NULL};
-_Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "what at_step says");
+_Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "at_step");
 
 /* The mask of flicker: depth edges, where methods fail, or all pixels of a scene without edges. */
 static const char *const masks[] = {"depth_edge", "all"};

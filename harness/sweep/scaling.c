@@ -24,40 +24,41 @@ _Static_assert(NEPH_SCALING_AXES == 5, "a new kind");
 /* Fixed costs make small problems relatively more expensive, so times may grow more slowly than
  * work. */
 const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
-    [NEPH_SCALING_PIXELS] = {"pixels",
-                             "pixels of a picture",
-                             {0.25, 0.375, 0.5, 0.75, 1.0},
-                             {1, 1},
-                             {0, 1},
-                             "every pixel or tile has a ray of its own; what a picture costs "
-                             "besides is the same for all sizes"},
-    [NEPH_SCALING_STEPS] = {"steps",
-                            "steps of a ray",
-                            {8, 16, 32, 64, 128},
-                            {1, 1},
-                            {0, 1},
-                            "a step asks once; what a ray costs besides is the same for all"},
-    [NEPH_SCALING_VOXELS] = {"voxels",
-                             "voxels of the media",
-                             {24, 32, 48, 64, 96, 128},
-                             {0, 0},
-                             {0, 1.0 / 3.0},
-                             "a step looks at the same few voxels, however many there are; a "
-                             "cache holds less of more, at worst in proportion to those along a "
-                             "ray"},
+    [NEPH_SCALING_PIXELS] =
+        {"pixels",
+         "pixels of a frame",
+         {0.25, 0.375, 0.5, 0.75, 1.0},
+         {1, 1},
+         {0, 1},
+         "every pixel or tile has its own ray; fixed costs of a frame are the same for all sizes"},
+    [NEPH_SCALING_STEPS] =
+        {"steps",
+         "steps of a ray",
+         {8, 16, 32, 64, 128},
+         {1, 1},
+         {0, 1},
+         "every step evaluates the density once; fixed costs of a ray are the same for all"},
+    [NEPH_SCALING_VOXELS] =
+        {"voxels",
+         "voxels of the media",
+         {24, 32, 48, 64, 96, 128},
+         {0, 0},
+         {0, 1.0 / 3.0},
+         "a step reads the same few voxels in a grid of any size; caches cover a smaller part of a "
+         "large grid, at worst in proportion to the voxels along a ray"},
     [NEPH_SCALING_DEPTH] = {"density",
-                            "density, times that of the scene",
+                            "density, relative to the scene's",
                             {0.25, 0.5, 1, 2, 4},
                             {-1, 0},
                             {-1, 0},
-                            "nothing asks twice because there is more of it; a ray that ends "
-                            "where nothing gets through ends the sooner"},
+                            "a denser medium needs no further evaluations; rays that end at a low "
+                            "transmittance end earlier"},
     [NEPH_SCALING_PICTURES] = {"pictures",
-                               "pictures in a row",
+                               "frames in a row",
                                {4, 8, 16, 32, 64},
                                {1, 1},
                                {1, 1},
-                               "a history costs the same in every picture"},
+                               "a history costs the same in every frame"},
 };
 
 enum {
@@ -305,7 +306,7 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
             status = count_pictures(work, &scaling->lines[i], diag);
-            neph_progress_tick(&work->progress, "pictures in a row");
+            neph_progress_tick(&work->progress, "frames in a row");
         }
     return status;
 }
@@ -455,7 +456,7 @@ enum neph_status neph_scaling_load(const char *path, json_t **document, struct n
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
     if (strcmp(neph_json_text(loaded, "format"), "neph-scaling-1") != 0) {
         json_decref(loaded);
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no file of `neph study scaling`", path);
     }
     *document = loaded;
     return NEPH_OK;

@@ -41,6 +41,7 @@ enum neph_exponent_verdict {
 };
 extern const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS];
 
+/* Compares the interval of an exponent with the expected range. */
 enum neph_exponent_verdict neph_exponent_judge(const struct neph_exponent *exponent,
                                                struct neph_exponent_range range);
 

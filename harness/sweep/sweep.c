@@ -42,13 +42,13 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
     sweep->frame = sweep->frame_count - 1;
     if (sweep->frame_count - plan->warm_up >= NEPH_SWEEP_FRAMES_MIN)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d pictures, of which %d are warm-up",
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d frames, of which %d are warm-up",
               sweep->scene->name, sweep->scene->frame_count, plan->warm_up);
     if (most >= NEPH_SWEEP_FRAMES_MIN)
-        neph_hint(diag, "a plan with a warm_up of %d or less has %d to measure",
+        neph_hint(diag, "a plan with a warm_up of %d or less leaves %d to measure",
                   most - NEPH_SWEEP_FRAMES_MIN, NEPH_SWEEP_FRAMES_MIN);
     else
-        neph_hint(diag, "flicker is of %d pictures or more", NEPH_SWEEP_FRAMES_MIN);
+        neph_hint(diag, "flicker needs %d frames or more", NEPH_SWEEP_FRAMES_MIN);
     return NEPH_ERR_UNSUPPORTED;
 }
 

@@ -48,14 +48,15 @@ static enum neph_status check_light(const struct neph_image *image, double *mean
     float *planes[3];
     double sum = 0.0;
     if (!neph_image_rgb(image, NULL, planes))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame of the truth has no radiance");
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < count; i++)
             sum += planes[c][i];
     *mean = sum / (3.0 * (double)count);
-    return *mean > 0.0 ? NEPH_OK
-                       : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                                   "the truth of this scene is black: nothing is off by a part");
+    return *mean > 0.0
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "the truth of this scene is black: a relative error is undefined");
 }
 
 /* Averages both frames into the first; half their difference is the noise. */
@@ -66,7 +67,7 @@ static enum neph_status merge(struct neph_image *first, const struct neph_image 
     float *a[3], *b[3];
     double squares = 0.0, mean = 0.0;
     if (!neph_image_rgb(first, NULL, a) || !neph_image_rgb(second, NULL, b))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame of the truth has no radiance");
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < count; i++) {
             const double half = 0.5 * ((double)a[c][i] - b[c][i]);
@@ -142,8 +143,8 @@ enum neph_status neph_sweep_truth_make(const struct neph_sweep_plan *plan,
         snprintf(why + used, sizeof(why) - used, "%s%s: %s", i > 0 ? "; " : "", engine->name,
                  info.available ? reason : info.missing);
     }
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "scene %s has no truth to sweep against: %s",
-                     shot->scene->name, why);
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "scene %s has no truth: %s", shot->scene->name,
+                     why);
 }
 
 void neph_sweep_truth_finish(struct neph_sweep_truth *truth)
