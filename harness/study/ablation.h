@@ -131,7 +131,7 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
 /* Whether the measured sequences include this measure. */
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure);
 
-/* Prints a change in decades as a percentage or factor: "-12 %", "+0.4 %", "x16". */
+/* The chart of all parts and measures as one SVG image, 1,000 px wide. Errors: NEPH_ERR_MEMORY. */
 enum { NEPH_ABLATION_CHANGE_SIZE = 24 };
 void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE]);
 
