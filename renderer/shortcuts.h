@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Shortcuts of a march through media (struct neph_shortcuts): what shaders are told of them, and
- * what is refused. Each is off unless asked for, and says what it costs in docs/shortcuts.md.
+ * what is refused. Each is off unless asked for, and says what it costs in docs/realtime.md.
  */
 #ifndef NEPH_RENDERER_SHORTCUTS_H
 #define NEPH_RENDERER_SHORTCUTS_H

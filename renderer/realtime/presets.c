@@ -45,7 +45,8 @@
  *        what is at rest is the mean of all its frames, at half resolution and in the
  *        anti-aliasing, and takes slow light along; elsewhere that is quick and follows the medium.
  * fsr2   after AMD's FidelityFX Super Resolution 2, and
- * svgf   after Schied et al., HPG 2017: docs/taau.md says what in them is not like the originals.
+ * svgf   after Schied et al., HPG 2017: docs/realtime.md says what in them is not like the
+ *        originals.
  */
 #include "renderer/realtime/options.h"
 

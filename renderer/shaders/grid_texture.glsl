@@ -5,7 +5,7 @@
 // lattice of grid.glsl with its layer of zeros, which goes on beyond its faces.
 //
 // The error is that of the unit's weights, which have 8 bits on GPUs, and of what a texel holds
-// (docs/shortcuts.md).
+// (docs/realtime.md).
 #ifndef NEPH_GRID_TEXTURE_GLSL
 #define NEPH_GRID_TEXTURE_GLSL
 
