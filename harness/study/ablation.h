@@ -128,8 +128,7 @@ bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure
 enum { NEPH_ABLATION_CHANGE_SIZE = 24 };
 void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE]);
 
-/* Tornado charts, one below the other for each measure, in one SVG picture. Errors:
- * NEPH_ERR_MEMORY. */
+/* The chart of all parts and measures as one SVG image, 1,000 px wide. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tornado charts: a panel for each measure, the part that changes it most on top. They are read on
- * a telephone, too: letters are a 32nd of the width, and nothing is told by colour.
+ * The chart of an ablation, as wide as a page: a row for each part, a column for each measure, and
+ * in each cell the change that the part makes. Shades of grey distinguish the bars.
  */
 #include "harness/study/ablation.h"
 
@@ -15,107 +15,141 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
 
-enum { WIDTH = 520, LEFT = 140, RIGHT = 14, ROW = 36, BAR = 12, LINE = 21, MARGIN = 12 };
+enum { WIDTH = 1000, LEFT = 130, GAP = 10, ROW = 22, BAR = 7, LINE = 17, MARGIN = 12, HEAD = 80 };
 
-/* Beyond that bars are cut, and have their number beside them: a decade would leave nothing to see
- * of a tenth. */
+/* A bar longer than an axis of this many decades is cut and has its number beside it: an axis of a
+ * whole decade would hide changes of a tenth. */
 static const double most_decades = 0.5, least_decades = 0.03;
 
-/* How wide a letter of the font, 16 px, is on average. */
-static const double letter_px = 8.4;
+/* Mean width of a letter of the font at 12 px. */
+static const double letter_px = 6.6;
 
-struct panel {
+struct chart {
     const struct neph_ablation *ablation;
-    int measure;
-    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change something */
-    int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* parts that do not */
-    double low, high;                                /* of the axis */
-    double top_px, bottom_px;                        /* of the rows */
+    int measures[NEPH_ABLATION_MEASURES_MAX], measure_count;
+    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change at least one measure */
+    int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* the other parts */
+    double top_px;                                   /* of the first row */
 };
 
-static const struct neph_ablation_effect *effect_of(const struct panel *panel, int part, int place)
+struct column {
+    const struct chart *chart;
+    int measure;
+    double low, high; /* of the axis, decades */
+    double left_px, right_px;
+};
+
+static const struct neph_ablation_effect *find_effect(const struct neph_ablation *ablation,
+                                                      int measure, int part, int place)
 {
-    const struct neph_ablation_comparison *of = neph_ablation_find(panel->ablation, part,
-                                                                   (enum neph_ablation_place)place);
-    return of && !isnan(of->effects[panel->measure].mean) ? &of->effects[panel->measure] : NULL;
+    const struct neph_ablation_comparison *found = neph_ablation_find(
+        ablation, part, (enum neph_ablation_place)place);
+    return found && !isnan(found->effects[measure].mean) ? &found->effects[measure] : NULL;
 }
 
-/* Not worth a row: small, whether that is certain or not; of a clock all that is not certain. */
-static bool is_quiet(const struct panel *panel, const struct neph_ablation_effect *effect)
+/* Whether a cell needs no bar: the change is below 5 %, or it is a time whose change is not
+ * certain. */
+static bool is_quiet(int measure, const struct neph_ablation_effect *effect)
 {
     const bool is_small = effect && fabs(effect->mean) < NEPH_ABLATION_NOTHING_DECADES;
     return !effect || effect->verdict == NEPH_ABLATION_SAME ||
            effect->verdict == NEPH_ABLATION_NOTHING ||
            (effect->verdict == NEPH_ABLATION_UNDECIDED &&
-            (is_small || neph_ablation_measures[panel->measure].is_time));
+            (is_small || neph_ablation_measures[measure].is_time));
 }
 
-static double size_of(const struct panel *panel, int part)
+static bool is_drawn(const struct chart *chart, int part)
 {
-    const struct neph_ablation_effect *effect = effect_of(panel, part, NEPH_ABLATION_IN_PRESET);
-    return effect ? fabs(effect->mean) : 0.0;
+    for (int m = 0; m < chart->measure_count; m++)
+        for (int place = 0; place < NEPH_ABLATION_PLACES; place++)
+            if (!is_quiet(chart->measures[m],
+                          find_effect(chart->ablation, chart->measures[m], part, place)))
+                return true;
+    return false;
 }
 
-static void sort_parts(struct panel *panel)
+/* The largest change that a part makes in the preset, in decades, over all measures but times. */
+static double largest_change(const struct chart *chart, int part)
+{
+    double largest = 0.0;
+    for (int m = 0; m < chart->measure_count; m++) {
+        const int measure = chart->measures[m];
+        const struct neph_ablation_effect *effect = find_effect(chart->ablation, measure, part,
+                                                                NEPH_ABLATION_IN_PRESET);
+        if (!neph_ablation_measures[measure].is_time && !is_quiet(measure, effect))
+            largest = fmax(largest, fabs(effect->mean));
+    }
+    return largest;
+}
+
+static void sort_parts(struct chart *chart)
 {
     for (int part = 0; neph_ablation_parts[part].name; part++) {
-        if ((panel->ablation->asked >> part & 1) == 0)
+        if ((chart->ablation->asked >> part & 1) == 0)
             continue;
-        if (is_quiet(panel, effect_of(panel, part, NEPH_ABLATION_IN_PRESET)) &&
-            is_quiet(panel, effect_of(panel, part, NEPH_ABLATION_ALONE))) {
-            panel->quiet[panel->quiet_count++] = part;
+        if (!is_drawn(chart, part)) {
+            chart->quiet[chart->quiet_count++] = part;
             continue;
         }
-        int place = panel->row_count++;
-        for (; place > 0 && size_of(panel, panel->rows[place - 1]) < size_of(panel, part); place--)
-            panel->rows[place] = panel->rows[place - 1];
-        panel->rows[place] = part;
+        const double change = largest_change(chart, part);
+        int place = chart->row_count++;
+        for (; place > 0 && largest_change(chart, chart->rows[place - 1]) < change; place--)
+            chart->rows[place] = chart->rows[place - 1];
+        chart->rows[place] = part;
     }
 }
 
-/* All means, and of intervals what is not much longer than these. */
-static void fit_axis(struct panel *panel)
+static const struct neph_ablation_effect *cell(const struct column *column, int row, int place)
+{
+    const struct chart *chart = column->chart;
+    return find_effect(chart->ablation, column->measure, chart->rows[row], place);
+}
+
+/* The axis covers all means, and of each interval at most 1.6 times the largest mean. */
+static void fit_axis(struct column *column)
 {
     double low = -least_decades, high = least_decades;
     for (int pass = 0; pass < 2; pass++) {
         const double most = pass ? 1.6 * fmax(-low, high) : 0.0;
-        for (int i = 0; i < panel->row_count * NEPH_ABLATION_PLACES; i++) {
-            const struct neph_ablation_effect *effect = effect_of(
-                panel, panel->rows[i / NEPH_ABLATION_PLACES], i % NEPH_ABLATION_PLACES);
-            if (!effect)
+        for (int i = 0; i < column->chart->row_count * NEPH_ABLATION_PLACES; i++) {
+            const struct neph_ablation_effect *effect = cell(column, i / NEPH_ABLATION_PLACES,
+                                                             i % NEPH_ABLATION_PLACES);
+            if (is_quiet(column->measure, effect))
                 continue;
-            low = fmin(low, pass && effect->has_interval ? fmax(effect->low, -most) : effect->mean);
-            high = fmax(high,
-                        pass && effect->has_interval ? fmin(effect->high, most) : effect->mean);
+            const bool has_interval = pass && effect->has_interval;
+            low = fmin(low, has_interval ? fmax(effect->low, -most) : effect->mean);
+            high = fmax(high, has_interval ? fmin(effect->high, most) : effect->mean);
         }
     }
-    panel->low = 1.08 * fmax(low, -most_decades);
-    panel->high = 1.08 * fmin(high, most_decades);
+    column->low = 1.08 * fmax(low, -most_decades);
+    column->high = 1.08 * fmin(high, most_decades);
 }
 
-static double at_px(const struct panel *panel, double decades)
+static double at_px(const struct column *column, double decades)
 {
-    const double part = (fmin(fmax(decades, panel->low), panel->high) - panel->low) /
-                        (panel->high - panel->low);
-    return LEFT + part * (WIDTH - RIGHT - LEFT);
+    const double part = (fmin(fmax(decades, column->low), column->high) - column->low) /
+                        (column->high - column->low);
+    return column->left_px + part * (column->right_px - column->left_px);
 }
 
 /* ---- drawing --------------------------------------------------------------------------------- */
 
-/* Round changes, those that are wanted most first; a tick is left out where it meets another. */
-static void draw_ticks(const struct panel *panel, FILE *out)
+/* Round changes, in order of preference. A tick is left out where it would meet another. */
+static void draw_ticks(const struct column *column, FILE *out)
 {
     static const double ratios[] = {1.0, 2.0, 0.5, 1.2, 0.8, 1.1,  0.9,  3.0,  0.3,
                                     1.5, 0.7, 0.6, 2.5, 0.4, 1.05, 0.95, 1.02, 0.98};
-    enum { RATIOS = sizeof(ratios) / sizeof(ratios[0]), APART_PX = 56, EDGE_PX = 20 };
+    enum { RATIOS = sizeof(ratios) / sizeof(ratios[0]), APART_PX = 27, EDGE_PX = 10 };
+    const double top_px = column->chart->top_px,
+                 bottom_px = top_px + ROW * column->chart->row_count;
     double taken[RATIOS];
     int count = 0;
     for (int i = 0; i < RATIOS; i++) {
-        const double decades = log10(ratios[i]), px = at_px(panel, decades);
-        bool is_free = decades > panel->low && decades < panel->high && px < WIDTH - EDGE_PX;
+        const double decades = log10(ratios[i]), px = at_px(column, decades);
+        bool is_free = px > column->left_px + EDGE_PX && px < column->right_px - EDGE_PX;
         for (int t = 0; t < count; t++)
             is_free = is_free && fabs(px - taken[t]) >= APART_PX;
-        if (!is_free)
+        if (!is_free && i > 0)
             continue;
         taken[count++] = px;
         char change[NEPH_ABLATION_CHANGE_SIZE];
@@ -125,155 +159,164 @@ static void draw_ticks(const struct panel *panel, FILE *out)
             snprintf(change, sizeof(change), i == 0 ? "0" : "%+.0f %%", 100.0 * (ratios[i] - 1.0));
         fprintf(out,
                 "<path d=\"M%.1f %.1f V%.1f\" stroke=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" "
-                "text-anchor=\"middle\" font-size=\"14\">%s</text>\n",
-                px, panel->top_px, panel->bottom_px, i == 0 ? "#000" : "#ccc", px,
-                panel->top_px - 5.0, change);
+                "text-anchor=\"middle\" font-size=\"10\">%s</text>\n",
+                px, top_px, bottom_px, i == 0 ? "#000" : "#ccc", px, top_px - 5.0, change);
     }
 }
 
-/* Beside a bar that is cut: its number. */
-static void draw_number(const struct panel *panel, double mean, double y_px, FILE *out)
+/* The number of a bar that the axis cuts, beside that bar. */
+static void draw_number(const struct column *column, double mean, double y_px, FILE *out)
 {
     char change[NEPH_ABLATION_CHANGE_SIZE];
-    if (mean >= panel->low && mean <= panel->high)
+    if (mean >= column->low && mean <= column->high)
         return;
     neph_ablation_change(mean, change);
     const bool is_up = mean > 0.0;
     fprintf(out,
-            "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" font-size=\"13\" stroke=\"#fff\" "
-            "stroke-width=\"4\" paint-order=\"stroke\">",
-            at_px(panel, mean) + (is_up ? -6.0 : 6.0), y_px + BAR - 1.5, is_up ? "end" : "start");
+            "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" font-size=\"10\" stroke=\"#fff\" "
+            "stroke-width=\"3\" paint-order=\"stroke\">",
+            at_px(column, mean) + (is_up ? -4.0 : 4.0), y_px + BAR + 1.0, is_up ? "end" : "start");
     neph_svg_print_escaped(change, out);
     fprintf(out, "</text>\n");
 }
 
 /* An end beyond the axis has no mark. */
-static void draw_interval(const struct panel *panel, const struct neph_ablation_effect *effect,
+static void draw_interval(const struct column *column, const struct neph_ablation_effect *effect,
                           double y_px, FILE *out)
 {
     const double ends[] = {effect->low, effect->high};
-    fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#000\" stroke-width=\"2\"/>",
-            at_px(panel, effect->low), y_px + 0.5 * BAR, at_px(panel, effect->high));
+    fprintf(out, "<path d=\"M%.1f %.1f H%.1f\" stroke=\"#000\" stroke-width=\"1.2\"/>",
+            at_px(column, effect->low), y_px + 0.5 * BAR, at_px(column, effect->high));
     for (int i = 0; i < 2; i++)
-        if (ends[i] > panel->low && ends[i] < panel->high)
-            fprintf(out, "<path d=\"M%.1f %.1f v8\" stroke=\"#000\" stroke-width=\"2\"/>",
-                    at_px(panel, ends[i]), y_px + 0.5 * BAR - 4.0);
+        if (ends[i] > column->low && ends[i] < column->high)
+            fprintf(out, "<path d=\"M%.1f %.1f v5\" stroke=\"#000\" stroke-width=\"1.2\"/>",
+                    at_px(column, ends[i]), y_px + 0.5 * BAR - 2.5);
 }
 
-static void draw_bar(const struct panel *panel, const struct neph_ablation_effect *effect,
+static void draw_bar(const struct column *column, const struct neph_ablation_effect *effect,
                      int place, double y_px, FILE *out)
 {
-    static const char *const fills[NEPH_ABLATION_PLACES] = {"#999", "#fff"};
-    if (!effect)
+    static const char *const fills[NEPH_ABLATION_PLACES] = {"#888", "#fff"};
+    if (is_quiet(column->measure, effect))
         return;
-    const double zero_px = at_px(panel, 0.0), end_px = at_px(panel, effect->mean);
+    const double zero_px = at_px(column, 0.0), end_px = at_px(column, effect->mean);
     fprintf(out,
             "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%d\" fill=\"%s\" "
             "stroke=\"#444\"/>",
             fmin(zero_px, end_px), y_px, fabs(end_px - zero_px), BAR, fills[place]);
     if (effect->has_interval)
-        draw_interval(panel, effect, y_px, out);
+        draw_interval(column, effect, y_px, out);
     fprintf(out, "\n");
-    draw_number(panel, effect->mean, y_px, out);
+    draw_number(column, effect->mean, y_px, out);
 }
 
-static void draw_row(const struct panel *panel, int row, FILE *out)
+/* The words of a text in lines of a width. The font size is of the enclosing element. Returns the
+ * foot of the last line. */
+static double draw_words(const char *text, double x_px, double width_px, double y_px, FILE *out)
 {
-    const int part = panel->rows[row];
-    const double y_px = panel->top_px + ROW * row;
-    const struct neph_ablation_effect *effect = effect_of(panel, part, NEPH_ABLATION_IN_PRESET);
-    const bool is_bold = effect && (effect->verdict == NEPH_ABLATION_BUYS ||
-                                    effect->verdict == NEPH_ABLATION_COSTS);
-    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\"%s>", LEFT - 8, y_px + 23.0,
-            is_bold ? " font-weight=\"bold\"" : "");
-    neph_svg_print_escaped(neph_ablation_parts[part].name, out);
-    fprintf(out, "</text>\n");
-    for (int place = 0; place < NEPH_ABLATION_PLACES; place++)
-        draw_bar(panel, effect_of(panel, part, place), place, y_px + 5.0 + (BAR + 2.0) * place,
-                 out);
-}
-
-/* Words in lines that are as wide as the picture; the foot of the line below. */
-static double draw_words(const char *const *words, int count, double y_px, FILE *out)
-{
-    const double most = (WIDTH - 2 * MARGIN) / letter_px;
+    const double most = width_px / letter_px;
     double used = 0.0;
-    for (int i = 0; i < count; i++) {
-        const double length = (double)strlen(words[i]) + 1.0;
-        if (i == 0 || used + length > most) {
-            fprintf(out, "%s<text x=\"%d\" y=\"%.1f\">", i ? "</text>\n" : "", MARGIN, y_px);
+    bool is_open = false;
+    while (*text) {
+        const int length = (int)strcspn(text, " ");
+        if (!is_open || used + length > most) {
+            fprintf(out, "%s<text x=\"%.1f\" y=\"%.1f\">", is_open ? "</text>\n" : "", x_px, y_px);
             y_px += LINE;
             used = 0.0;
+            is_open = true;
         }
-        used += length;
-        neph_svg_print_escaped(words[i], out);
-        fputc(' ', out);
+        used += length + 1;
+        fprintf(out, "%.*s ", length, text);
+        text += length + (text[length] == ' ');
     }
-    fprintf(out, "%s", count ? "</text>\n" : "");
+    fprintf(out, "%s", is_open ? "</text>\n" : "");
     return y_px;
 }
 
-static double draw_quiet(const struct panel *panel, double y_px, FILE *out)
+static void draw_column(const struct chart *chart, int number, FILE *out)
 {
-    static const char *const heads[][5] = {{"Less", "than", "5 %:"}, {"Not", "told", "from", "0:"}};
-    const char *const *head = heads[neph_ablation_measures[panel->measure].is_time];
-    const char *words[NEPH_ABLATION_PARTS_MAX + 5];
-    int count = 0;
-    if (panel->quiet_count == 0)
+    const double width_px = (WIDTH - LEFT - MARGIN) / (double)chart->measure_count;
+    struct column column = {.chart = chart,
+                            .measure = chart->measures[number],
+                            .left_px = LEFT + width_px * number + GAP,
+                            .right_px = LEFT + width_px * (number + 1)};
+    fit_axis(&column);
+    draw_words(neph_ablation_measures[column.measure].title, column.left_px,
+               column.right_px - column.left_px, chart->top_px - HEAD, out);
+    draw_ticks(&column, out);
+    for (int row = 0; row < chart->row_count; row++)
+        for (int place = 0; place < NEPH_ABLATION_PLACES; place++)
+            draw_bar(&column, cell(&column, row, place), place,
+                     chart->top_px + ROW * row + 3.0 + (BAR + 1.0) * place, out);
+}
+
+static bool is_certain(const struct chart *chart, int part)
+{
+    for (int m = 0; m < chart->measure_count; m++) {
+        const struct neph_ablation_effect *effect = find_effect(chart->ablation, chart->measures[m],
+                                                                part, NEPH_ABLATION_IN_PRESET);
+        if (effect &&
+            (effect->verdict == NEPH_ABLATION_BUYS || effect->verdict == NEPH_ABLATION_COSTS))
+            return true;
+    }
+    return false;
+}
+
+static void draw_names(const struct chart *chart, FILE *out)
+{
+    for (int row = 0; row < chart->row_count; row++) {
+        const double y_px = chart->top_px + ROW * row;
+        if (row % 2)
+            fprintf(out, "<rect x=\"0\" y=\"%.1f\" width=\"%d\" height=\"%d\" fill=\"#f4f4f4\"/>",
+                    y_px, WIDTH, ROW);
+        fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\"%s>%s</text>\n", LEFT - 4,
+                y_px + 15.0, is_certain(chart, chart->rows[row]) ? " font-weight=\"bold\"" : "",
+                neph_ablation_parts[chart->rows[row]].name);
+    }
+}
+
+/* The parts without a row. Returns the foot of the last line. */
+static double draw_quiet(const struct chart *chart, double y_px, FILE *out)
+{
+    char words[64 * NEPH_ABLATION_PARTS_MAX] = "Less than 5 % in every measure:";
+    if (chart->quiet_count == 0)
         return y_px;
-    while (*head)
-        words[count++] = *head++;
-    for (int i = 0; i < panel->quiet_count; i++)
-        words[count++] = neph_ablation_parts[panel->quiet[i]].name;
-    return draw_words(words, count, y_px + LINE, out);
+    for (int i = 0; i < chart->quiet_count; i++) {
+        const size_t used = strlen(words);
+        snprintf(words + used, sizeof(words) - used, " %s",
+                 neph_ablation_parts[chart->quiet[i]].name);
+    }
+    return draw_words(words, MARGIN, WIDTH - 2 * MARGIN, y_px + LINE, out);
 }
 
-/* From a height on; the height below it. */
-static double draw_panel(const struct neph_ablation *ablation, int measure, double y_px, FILE *out)
-{
-    struct panel panel = {.ablation = ablation, .measure = measure};
-    sort_parts(&panel);
-    fit_axis(&panel);
-    fprintf(out, "<text x=\"%d\" y=\"%.1f\" font-size=\"18\" font-weight=\"bold\">%s</text>\n",
-            MARGIN, y_px + 20.0, neph_ablation_measures[measure].title);
-    panel.top_px = panel.bottom_px = y_px + 50.0;
-    if (panel.row_count == 0)
-        return draw_quiet(&panel, y_px + 24.0, out) + 14.0;
-    panel.bottom_px += ROW * panel.row_count;
-    draw_ticks(&panel, out);
-    for (int row = 0; row < panel.row_count; row++)
-        draw_row(&panel, row, out);
-    return draw_quiet(&panel, panel.bottom_px, out) + 14.0;
-}
-
+/* Title, key and conditions of the measurement. Returns the foot of the last line. */
 static double draw_legend(const struct neph_ablation *ablation, FILE *out)
 {
     const struct neph_flicker_study_params *params = ablation->study.params;
-    fprintf(out, "<text x=\"%d\" y=\"30\" font-size=\"20\" font-weight=\"bold\">What parts of ",
-            MARGIN);
+    fprintf(out, "<text x=\"%d\" y=\"26\" font-size=\"18\" font-weight=\"bold\">Parts of ", MARGIN);
     neph_svg_print_escaped(ablation->preset, out);
     fprintf(out,
-            " change</text>\n"
-            "<rect x=\"%d\" y=\"47\" width=\"30\" height=\"%d\" fill=\"#999\" stroke=\"#444\"/>"
-            "<text x=\"%d\" y=\"58\">in the preset: with it over without it</text>\n"
-            "<rect x=\"%d\" y=\"69\" width=\"30\" height=\"%d\" fill=\"#fff\" stroke=\"#444\"/>"
-            "<text x=\"%d\" y=\"80\">alone, in the pipeline without all parts</text>\n"
-            "<path d=\"M%d 97 h30\" stroke=\"#000\" stroke-width=\"2\"/>"
-            "<text x=\"%d\" y=\"102\">95 %% interval over scenes</text>\n"
-            "<text x=\"%d\" y=\"124\">To the left less: the part buys. Bold: certain, of %d "
-            "numbers.</text>\n"
-            "<text x=\"%d\" y=\"146\" font-size=\"13\">%dx%d, %d steps, %d frames, %d seed%s, %d "
+            ": the change that each makes</text>\n"
+            "<rect x=\"%d\" y=\"38\" width=\"30\" height=\"%d\" fill=\"#888\" stroke=\"#444\"/>"
+            "<text x=\"%d\" y=\"46\">in the preset: with the part over without it</text>\n"
+            "<rect x=\"%d\" y=\"38\" width=\"30\" height=\"%d\" fill=\"#fff\" stroke=\"#444\"/>"
+            "<text x=\"%d\" y=\"46\">the part as the only one</text>\n"
+            "<path d=\"M%d 42 h30\" stroke=\"#000\" stroke-width=\"1.2\"/>"
+            "<text x=\"%d\" y=\"46\">95 %% interval over scenes</text>\n"
+            "<text x=\"%d\" y=\"64\">A bar to the left: less, which is better. Bold: certain. No "
+            "bar: less than 5 %%, or an uncertain time.</text>\n"
+            "<text x=\"%d\" y=\"26\" text-anchor=\"end\">%dx%d, %d steps, %d frames, %d seed%s, %d "
             "scenes; ",
-            MARGIN, BAR, MARGIN + 40, MARGIN, BAR, MARGIN + 40, MARGIN, MARGIN + 40, MARGIN,
-            ablation->judged_count, MARGIN, params->width_px, params->height_px, params->steps,
+            MARGIN, BAR, MARGIN + 38, MARGIN + 350, BAR, MARGIN + 388, MARGIN + 600, MARGIN + 638,
+            MARGIN, WIDTH - MARGIN, params->width_px, params->height_px, params->steps,
             params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
             params->scene_count);
-    char device[sizeof(ablation->study.device)]; /* its driver is in the tables */
+    char device[sizeof(ablation->study.device)]; /* the tables have its driver */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);
     neph_svg_print_escaped(device, out);
     fprintf(out, "</text>\n");
-    return 164.0;
+    return 64.0;
 }
 
 static bool has_numbers(const struct neph_ablation *ablation, int measure)
@@ -284,25 +327,36 @@ static bool has_numbers(const struct neph_ablation *ablation, int measure)
     return false;
 }
 
+static double draw_chart(const struct neph_ablation *ablation, FILE *out)
+{
+    struct chart chart = {.ablation = ablation};
+    for (int m = 0; neph_ablation_measures[m].name; m++)
+        if (has_numbers(ablation, m))
+            chart.measures[chart.measure_count++] = m;
+    sort_parts(&chart);
+    chart.top_px = draw_legend(ablation, out) + LINE + HEAD + LINE;
+    draw_names(&chart, out);
+    for (int i = 0; i < chart.measure_count && chart.row_count > 0; i++)
+        draw_column(&chart, i, out);
+    return draw_quiet(&chart, chart.top_px + ROW * chart.row_count, out) + MARGIN;
+}
+
 enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag)
 {
-    char *panels = NULL;
+    char *body = NULL;
     size_t size;
-    FILE *memory = open_memstream(&panels, &size);
+    FILE *memory = open_memstream(&body, &size);
     if (!memory)
         return neph_fail_memory(diag);
-    double height_px = draw_legend(ablation, memory);
-    for (int m = 0; neph_ablation_measures[m].name; m++)
-        if (has_numbers(ablation, m))
-            height_px = draw_panel(ablation, m, height_px, memory);
+    const double height_px = draw_chart(ablation, memory);
     const bool is_cut = ferror(memory) != 0, is_closed = fclose(memory) == 0;
     if (!is_cut && is_closed)
         fprintf(out,
                 "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" "
-                "viewBox=\"0 0 %d %.0f\" font-family=\"sans-serif\" font-size=\"16\">\n"
+                "viewBox=\"0 0 %d %.0f\" font-family=\"sans-serif\" font-size=\"12\">\n"
                 "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n%s</svg>\n",
-                WIDTH, height_px, WIDTH, height_px, panels);
-    free(panels);
+                WIDTH, height_px, WIDTH, height_px, body);
+    free(body);
     return !is_cut && is_closed ? NEPH_OK : neph_fail_memory(diag);
 }

@@ -34,7 +34,7 @@ class Ablate(StudyCase):
         self.scenes = [self.put("rest.yaml", REST), self.put("backlit.yaml", BACKLIT)]
 
     def ablate(self, *arguments):
-        done = self.neph("ablate", *arguments, "--only", "split", "--all", *SIZE)
+        done = self.neph("ablate", *arguments, "--only", "split", *SIZE)
         return done.stdout, json.loads((self.folder / "out/ablate/ablation.json").read_text())
 
     def stored(self):

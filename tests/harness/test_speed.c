@@ -119,8 +119,8 @@ static void test_noise_is_not_taken_for_a_fall(void **state)
         falls += neph_speed_falls(even, POINTS, &earlier) >= 0;
         found += neph_speed_falls(cold, POINTS, &earlier) >= 0;
     }
-    assert_in_range(falls, 0, SERIES / 20);
-    assert_in_range(found, SERIES * 9 / 10, SERIES);
+    neph_assert_in_range(falls, 0, SERIES / 20);
+    neph_assert_in_range(found, SERIES * 9 / 10, SERIES);
 }
 
 #include "tests/main.h"
