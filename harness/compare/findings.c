@@ -13,18 +13,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_FLICKER_KIND_COUNT == 3, "a new kind");
 
-/* The one who tells: from which numbers, of what at the moment, and where to. */
+/* Context for making findings: the numbers, the current quantity and mask, and the output. */
 struct teller {
     const struct neph_measurements *numbers;
     const struct neph_quantity *quantity;
     const char *mask;
     double frame_rate_hz;
     struct neph_findings *out;
-    struct neph_finding lost; /* stands in where there was no memory for one */
+    struct neph_finding lost; /* replaces a finding when memory is short */
     bool failed;
 };
 
@@ -51,7 +51,7 @@ static bool value_of(const struct teller *teller, const char *metric, double *va
 static struct neph_finding *tell(struct teller *teller, const char *name, const char *verdict,
                                  const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* A finding of the quantity and mask at hand. */
+/* Add a finding for the current quantity and mask. */
 static struct neph_finding *tell(struct teller *teller, const char *name, const char *verdict,
                                  const char *format, ...)
 {
@@ -100,7 +100,7 @@ static void add_flicker(struct teller *teller, bool frozen)
     stand_on(item, "restless_share", restless);
 }
 
-/* What a person sees of it; where and what of the whole picture alone. */
+/* Visible flicker; its frequency and place only for the whole frame. */
 static void add_seen(struct teller *teller)
 {
     double share, less, more, contrast;
@@ -143,7 +143,7 @@ static int stronger_first(const void *a, const void *b)
 
 enum { CYCLES_MAX = NEPH_CYCLE_PERIOD_MAX + NEPH_CYCLE_LONG_COUNT, CYCLES_TOLD = 3 };
 
-/* False when it has none, or it is not known. */
+/* Read a period. False when the mask has none, or it is unknown. */
 static bool find_cycle(const struct teller *teller, int which, struct cycle *cycle)
 {
     const bool is_long = which > NEPH_CYCLE_PERIOD_MAX;
@@ -182,7 +182,7 @@ static void add_cycles(struct teller *teller, const struct neph_cycle_declared *
     }
 }
 
-/* Periods that the frames do not tell from those that were found. */
+/* Report periods that this number of frames cannot distinguish from the periods found. */
 static void add_unseparated(struct teller *teller)
 {
     char periods[160] = "";
@@ -253,7 +253,8 @@ static void add_noise_floor(struct teller *teller)
              error, noise);
 }
 
-/* The last number that tells of pixels beyond the bound: those of all frames are the last. */
+/* The last number with pixels beyond the bound; numbers of all frames are at the end of the
+ * list. */
 static const struct neph_measurement *find_clipped(const struct teller *teller,
                                                    enum neph_display_bound bound)
 {
@@ -283,8 +284,8 @@ static void add_clipped(struct teller *teller, enum neph_display_bound bound)
         ->clipped = number->clipped;
 }
 
-/* How the test follows light that goes up and down. The shortest swing and the latest that still
- * count as following are ours: a tenth of the light, one frame. */
+/* Report how the test follows light that oscillates. Our own thresholds for "follows": at least 0.9
+ * of the amplitude and a lag below one frame. */
 static bool add_follow(struct teller *teller, int which)
 {
     static const char *const parts[] = {"follow_period_%d", "follow_share_%d", "follow_gain_%d_p50",
@@ -320,7 +321,7 @@ static bool add_follow(struct teller *teller, int which)
     return true;
 }
 
-/* After a step of the light, or a cut. */
+/* Report residual light after a step of the light, or a cut. */
 static void add_unsettled(struct teller *teller)
 {
     double never, after_4, after_16, end;
@@ -352,7 +353,7 @@ static void add_edge_ghost(struct teller *teller)
     stand_on(item, "frames", frames);
 }
 
-/* Flicker is never told without the price at which it may have been bought. */
+/* Report the lag together with flicker, because averaging reduces flicker at the cost of lag. */
 static void add_half_life(struct teller *teller, bool is_followed)
 {
     double a4, frames, unsettled = 0.0;
@@ -374,7 +375,7 @@ static void add_half_life(struct teller *teller, bool is_followed)
              "lag:step_frame=N, or with light of a known period, and -s follow:period_1=N");
 }
 
-/* Whether a mask has been met before the number at `index`. */
+/* True when the mask of the number at `index` occurs before it. */
 static bool is_known_mask(const struct neph_measurements *numbers, int index)
 {
     for (int i = 0; i < index; i++)
@@ -438,7 +439,7 @@ void neph_findings_finish(struct neph_findings *findings)
     *findings = (struct neph_findings){0};
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *finding_json(const struct neph_finding *finding)
 {

@@ -17,8 +17,8 @@
 static const struct label {
     const char *attribute; /* of an image, base/exr.h */
     const char *what, *usual, *hint;
-    const char *same;   /* what a pair is not of; NULL: pairs are looked at elsewhere */
-    bool is_of_colours; /* of no account where there are none */
+    const char *same;   /* word for the message about a pair; NULL: pairs are checked elsewhere */
+    bool is_of_colours; /* irrelevant without colours */
 } labels[NEPH_FRAME_LABELS] = {
     {"crop", "the data window", "the whole picture", PLACE_HINT, "place", false},
     {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels", "place",
@@ -63,8 +63,9 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Names of the channels that all frames have to have, in order, a line each. A frame without a
- * channel of a mask has no pixel inside it, as where the sun is not in sight. */
+/* Sorted names of the channels that all frames must have, one on each line. Mask channels are
+ * exempt: a frame without one has no pixel in that mask, for example when the sun is not
+ * visible. */
 static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
@@ -86,7 +87,7 @@ static const char *list_channels(const struct neph_image *image, struct neph_are
     return list;
 }
 
-/* The first line of `list` that `other` does not have; its length, or 0. */
+/* Find the first line of `list` that `other` lacks; returns its length, or 0. */
 static size_t first_missing(const char *list, const char *other, const char **line)
 {
     while (*list) {

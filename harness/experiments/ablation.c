@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph ablate [SCENE...]`: what each part of the real-time renderer buys, and costs.
+ * `neph ablate [SCENE...]`: benefit and cost of each part of the real-time renderer.
  */
 #include "harness/experiments/ablation.h"
 
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
 _Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
 _Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
@@ -24,7 +24,7 @@ struct request {
     const char *preset;
     struct neph_cli_list only;
     bool list;
-    struct neph_ablation ablation; /* planned; a part borrows it */
+    struct neph_ablation ablation; /* planned; a part of the job borrows it */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
@@ -135,7 +135,7 @@ void neph_ablation_list(const struct neph_ablation *ablation, FILE *out)
 
 /* ---- sentences ------------------------------------------------------------------------------- */
 
-/* `text`, followed by the measures with a verdict: "; lowers flicker seen (-12 %), half-life (-3.1
+/* Append the measures with a verdict to `text`: "; lowers flicker seen (-12 %), half-life (-3.1
  * %)". */
 static const char *add_verdict(const struct neph_ablation_comparison *of,
                                enum neph_ablation_verdict verdict, const char *text,
@@ -160,10 +160,10 @@ static const char *add_verdict(const struct neph_ablation_comparison *of,
     return text;
 }
 
-/* What a part does in a single scene is worth a word from a fifth on. */
+/* Least change in a single scene that is mentioned: 0.1 decades, about a fifth. */
 static const double worth_naming_decades = 0.1;
 
-/* The first measure that a part lowers by so much in a scene; -1: none. */
+/* The first measure that a part lowers by at least that much in some scene; -1: none. */
 static int worth_naming(const struct neph_ablation_comparison *of)
 {
     for (int m = 0; neph_ablation_measures[m].metric; m++) {
@@ -174,7 +174,7 @@ static int worth_naming(const struct neph_ablation_comparison *of)
     return -1;
 }
 
-/* What a part does in the preset, without an end. */
+/* The effect of a part in the preset, as a sentence without its full stop. */
 static const char *sentence(const struct neph_ablation *ablation,
                             const struct neph_ablation_comparison *in_preset,
                             struct neph_arena *arena)
@@ -318,7 +318,7 @@ static void print_verdicts(const struct neph_ablation *ablation,
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* "keep history, jitter; leave out x" */
+/* Appends "; keep: history, jitter". */
 static void append_advice(const struct neph_ablation *ablation, enum neph_ablation_advice advice,
                           char *text, size_t size)
 {
@@ -382,7 +382,7 @@ static void begin_effects(struct neph_table *table)
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
 
-/* "-12 % [-20 %, -3.1 %]" */
+/* Formats "-12 % [-20 %, -3.1 %]". */
 static const char *change_text(const struct neph_ablation_effect *effect, struct neph_arena *arena)
 {
     char mean[NEPH_ABLATION_CHANGE_SIZE], low[NEPH_ABLATION_CHANGE_SIZE],
@@ -448,7 +448,7 @@ static void add_effect(const struct neph_ablation *ablation,
     neph_table_word(table, scene_text(ablation, effect, effect->worst_scene, arena));
 }
 
-/* Rows of a part in all places; part -1: all parts at once. */
+/* Fill the rows of a part in all places; part -1: all parts at once. */
 static void fill_effects(const struct neph_ablation *ablation, int part, struct neph_table *table)
 {
     begin_effects(table);
@@ -491,7 +491,7 @@ static void print_text(const struct neph_ablation *ablation, struct neph_publica
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
 
-/* `scene` NULL: a number over all scenes. */
+/* Add a number of one scene; `scene` NULL: of all scenes. */
 static void add_number(const struct neph_ablation_comparison *of, int measure, const char *scene,
                        double decades, struct neph_table *table)
 {
@@ -599,7 +599,7 @@ static json_t *ablation_json(const struct neph_ablation *ablation, struct neph_a
                      "all", effects_json(ablation, -1), "parts", parts);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------- */
+/* ---- the experiment -------------------------------------------------------------------------- */
 
 enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
                                        struct neph_publication *publication, struct neph_diag *diag)
@@ -623,7 +623,7 @@ static enum neph_status plan(struct request *request, struct neph_diag *diag)
                               &request->ablation, diag);
 }
 
-/* Sine and cut have no measure. */
+/* Only flicker and step have measures, sine and cut have none. */
 enum { TAKES = NEPH_STUDY_STEP + 1 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)

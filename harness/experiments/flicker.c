@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study flicker [SCENE...]`: which preset of the real-time renderer flickers and lags less.
+ * `neph study flicker [SCENE...]`: flicker and lag of real-time presets, compared in pairs.
  */
 #include "harness/experiments/flicker.h"
 
@@ -97,7 +97,7 @@ void neph_flicker_check_scenes(const void *request_, const struct argp_state *st
         argp_error(state, "a suite or scenes by name, not both");
 }
 
-/* Takes are the first `take_count` of the table. */
+/* Takes must be among the first `take_count` of the table. */
 static enum neph_status check_takes(const struct neph_cli_list *takes, int take_count,
                                     struct neph_diag *diag)
 {
@@ -162,10 +162,10 @@ void neph_flicker_free(struct neph_flicker_request *request)
     neph_arena_finish(&request->arena);
 }
 
-/* ---- the text: its head ---------------------------------------------------------------------- */
+/* ---- text: head ------------------------------------------------------------------------------ */
 
-/* The longest period P that `frame_count` frames tell from P - 1: their frequencies are
- * 1 / (P (P - 1)) apart, and a bin is 1 / N. */
+/* The longest period P that `frame_count` frames distinguish from P - 1: the two frequencies differ
+ * by 1 / (P (P - 1)), and the frequency resolution is 1 / N. */
 static int longest_period(int frame_count)
 {
     int period = 2;
@@ -188,7 +188,7 @@ static void print_head(const struct neph_flicker_study *study, FILE *out)
             params->frame_count, longest_period(params->frame_count));
 }
 
-/* People do not see the number before where the scene was left out. */
+/* Hide the number just added from the text when the scene was left out. */
 static void show_nothing(struct neph_table *table, const char *left_out)
 {
     if (left_out)
@@ -249,7 +249,7 @@ static void print_scenes(const struct neph_flicker_study *study,
     }
 }
 
-/* ---- the text: a table for each metric ------------------------------------------------------- */
+/* ---- text: a table for each metric ----------------------------------------------------------- */
 
 static bool was_asked_for(const struct neph_flicker_study *study, int metric)
 {
@@ -267,7 +267,7 @@ first_that_does_not_count(const struct neph_flicker_study *study, int metric, in
     return NULL;
 }
 
-/* Means over seeds of the numbers, whether they count or not; none when a seed has none. */
+/* Add means over seeds, valid or not; no mean when a seed has no number. */
 static void add_means(const struct neph_flicker_study *study, int metric, int scene, int preset,
                       struct neph_table *table)
 {
@@ -292,7 +292,7 @@ static void add_means(const struct neph_flicker_study *study, int metric, int sc
                          scale * (centre / seed_count));
 }
 
-/* Why numbers of a metric do not count, once for each scene. */
+/* Print once for each scene why numbers of a metric are not valid. */
 static void print_reasons(const struct neph_flicker_study *study, int metric, FILE *out)
 {
     for (int scene = 0; scene < study->params->scene_count; scene++)
@@ -353,7 +353,7 @@ static void begin_pairs(struct neph_table *table)
     neph_table_columns(table, columns, sizeof(columns) / sizeof(columns[0]));
 }
 
-/* Without memory the table is short. */
+/* When memory is short, the table's arena reports it. */
 static struct neph_study_pair pair_of(const struct neph_flicker_study *study, int metric,
                                       int display, int first, int second, struct neph_table *table)
 {
@@ -363,7 +363,7 @@ static struct neph_study_pair pair_of(const struct neph_flicker_study *study, in
     return pair;
 }
 
-/* A verdict, and of metrics of the eye at how many displays it is the same. */
+/* A verdict; for eye metrics with the number of displays that agree. */
 static const char *verdict_text(const struct neph_flicker_study *study, int metric, int first,
                                 int second, int verdict, struct neph_table *table)
 {
@@ -408,7 +408,7 @@ static void add_pair(const struct neph_flicker_study *study, int metric, int dis
     neph_table_word(table, verdict_text(study, metric, first, second, verdict, table));
 }
 
-/* Pairs of a metric at the first displays. */
+/* Add the pairs of a metric for the first `display_count` displays. */
 static void add_pairs(const struct neph_flicker_study *study, int metric, int display_count,
                       struct neph_table *table)
 {

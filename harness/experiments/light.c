@@ -105,7 +105,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
-/* Elevation and azimuth. */
+/* Parse "ELEVATION:AZIMUTH" in degrees. */
 static enum neph_status read_sun(const char *word, double sun_deg[2], struct neph_diag *diag)
 {
     char *end;
@@ -126,7 +126,7 @@ static int copy_numbers(const struct neph_cli_list *list, double numbers[NEPH_LI
     return list->count;
 }
 
-/* The scenes that were named, each with the sweep. */
+/* The named scenes, each with the sweep. */
 static enum neph_status list_entries(struct neph_light_request *request, struct neph_diag *diag)
 {
     const struct neph_cli_shared *shared = &request->shared;
@@ -177,7 +177,7 @@ static void finish(void *request)
     neph_arena_finish(&((struct neph_light_request *)request)->arena);
 }
 
-/* A cell; the laws are one more. */
+/* A job for each cell, and one for the laws. */
 static bool part(void *request_, int index)
 {
     struct neph_light_request *request = request_;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph pick SCENE`: the cheapest configuration that is good enough; and `neph pick --preset A,B
- * [SCENE...]`: a preset out of several, over many scenes.
+ * `neph pick SCENE`: the cheapest configuration within given limits. `neph pick --preset A,B
+ * [SCENE...]`: one of several presets, chosen over many scenes.
  */
 #include "base/path.h"
 #include "harness/experiments/experiments.h"
@@ -17,17 +17,17 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
 _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
 
 struct request {
-    struct neph_cli_shared shared; /* operands: a scene; with presets, scenes */
-    struct neph_choice choice;     /* its budget is that of a single scene, too */
+    struct neph_cli_shared shared; /* operands: one scene; with presets several */
+    struct neph_choice choice;     /* its limits apply to a single scene as well */
     struct neph_cli_list presets, engines, only;
     const char *suite, *least;
     int seed, seeds, frames, steps;
-    struct neph_arena arena; /* of the suite's scenes */
+    struct neph_arena arena; /* for the suite's scenes */
     const char *const *scenes;
     int scene_count;
 };
@@ -95,7 +95,7 @@ static int given_or(int given, int otherwise)
     return given >= 0 ? given : otherwise;
 }
 
-/* Options of presets, given without any. */
+/* An option that requires --preset, given without it; NULL: none. */
 static const char *misplaced(const struct request *request)
 {
     const double *budget = request->choice.budget;
@@ -198,7 +198,7 @@ static void finish(void *request_)
     neph_arena_finish(&request->arena);
 }
 
-/* A scene, of presets. */
+/* With presets, a job for each scene. */
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
@@ -247,7 +247,7 @@ static void print_variants(const struct neph_pick *pick, bool kept, const char *
             continue;
         if (title)
             fprintf(out, "\n%s:\n", title);
-        title = NULL; /* once */
+        title = NULL; /* print the title once */
         fprintf(out, "  %-34s ", left->what);
         if (isnan(left->with.error))
             fprintf(out, "cannot be rendered with this light");

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study post SCENE...`: what each stage of the picture chain, on and off, makes of the error
- * and the flicker of a real-time renderer.
+ * `neph study post SCENE...`: the influence of each stage of the post-processing chain on error and
+ * flicker of a real-time renderer, with the stage alone on the tone curve and removed from the
+ * whole chain.
  */
 #include "harness/experiments/experiments.h"
 
@@ -25,7 +26,7 @@ enum { ROWS_MAX = 40, SCENES_MAX = 32, SETTINGS_MAX = 400 };
 
 struct request {
     struct neph_cli_shared shared; /* operands: the scenes */
-    struct neph_cli_list chains;   /* words in their names; none: all */
+    struct neph_cli_list chains;   /* texts in their names; none: all chains */
     const char *preset;            /* of realtime: "NAME" or "NAME+KEY=VALUE+..." */
     int frames, warm_up, steps, seed;
     double rate_hz;
@@ -91,7 +92,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* ---- chains ---------------------------------------------------------------------------------- */
 
-/* The row that others are over. */
+/* The base row of the comparison. */
 #define BASE "Unreal's curve"
 #define WHOLE                                                                                      \
     "tone_map=unreal lut=on grain=1 vignette=0.5657 auto_exposure=on "                             \
@@ -148,12 +149,12 @@ struct study {
     const struct neph_experiment_run *run;
     struct neph_progress progress;
     struct neph_open_device *device;
-    struct neph_engine_info info;            /* of realtime */
-    struct neph_post_row rows[ROWS_MAX + 1]; /* that were chosen; ends with a NULL name */
+    struct neph_engine_info info;            /* of the realtime engine */
+    struct neph_post_row rows[ROWS_MAX + 1]; /* the chosen rows; ends with a NULL name */
     int row_count;
     char *names[SCENES_MAX]; /* of the scenes; owned */
     struct neph_post_numbers numbers[SCENES_MAX][ROWS_MAX];
-    int scene; /* at hand */
+    int scene; /* index of the current scene */
     struct neph_image **references;
 };
 
@@ -266,7 +267,7 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
     enum neph_status status = neph_experiment_job(study->run, scene, &frames, &study->info,
                                                   &take.job, diag);
     study->progress.kind = KIND_REFERENCE;
-    if (!status) /* a step of this kind was expected of each scene */
+    if (!status) /* one step of this kind was already expected for each scene */
         neph_progress_expect(&study->progress, KIND_REFERENCE,
                              neph_reference_picture_count(scene, 0, take.frame_count) - 1, 0.0);
     if (!status)
@@ -363,7 +364,7 @@ static const struct neph_field numbers[] = {
 #undef AT
 enum { NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
 
-/* Which rows a table has. */
+/* The rows of a table. */
 enum part { ALONE, OF_WHOLE, ALL };
 
 static void add_rows(const struct study *study, int scene, enum part part, struct neph_table *table)
@@ -446,7 +447,8 @@ static void print_csv(const struct study *study, struct neph_publication *public
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* A chain over the curve alone: factors of flicker and FLIP, geometric means over the scenes. */
+/* A chain relative to the tone curve by itself: factors of flicker and FLIP, geometric means over
+ * the scenes. */
 struct factors {
     int row;
     double seen, flip;
@@ -464,7 +466,8 @@ static double factor_of(const struct study *study, int row, int base, size_t at)
     return exp(sum / count);
 }
 
-/* Chains by what they make of flicker, the most first. Returns how many have a number. */
+/* Sort chains by their flicker factor, largest first. Returns the number of chains with a
+ * number. */
 static int sort_chains(const struct study *study, int base, struct factors list[ROWS_MAX])
 {
     int count = 0;

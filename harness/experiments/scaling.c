@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph scaling SCENE`: how cost grows with pixels, steps, voxels, density and frames in a row.
+ * `neph scaling SCENE`: growth of the cost with pixels, steps, voxels, density and number of
+ * frames.
  */
 #include "harness/experiments/experiments.h"
 
@@ -10,14 +11,14 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_EXPONENT_VERDICTS == 4, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
     struct neph_scaling_params params;
     const char *against;
-    json_t *there; /* what `against` holds; owned */
+    json_t *there; /* contents of the file `against`; owned */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
@@ -190,7 +191,7 @@ static json_t *scaling_json(const struct neph_scaling *scaling)
 
 /* ---- another device -------------------------------------------------------------------------- */
 
-/* The seconds there of the same picture; NaN: it was not timed. */
+/* The time of the same frame on the other device; NaN: not timed. */
 static double seconds_there(const json_t *document, const char *series, const char *axis, double x)
 {
     const json_t *lines = json_object_get(document, "lines");
@@ -268,7 +269,7 @@ static void answer(const struct neph_scaling *scaling, struct neph_answer *answe
                     scaling->scene, counts[NEPH_EXPONENT_EXPECTED],
                     2 * scaling->line_count - counts[NEPH_EXPONENT_NONE],
                     counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNTOLD]);
-    for (int worst = 1; worst >= 0; worst--) /* what is not as expected comes first */
+    for (int worst = 1; worst >= 0; worst--) /* unexpected exponents first */
         for (int i = 0; i < scaling->line_count; i++) {
             const struct neph_scaling_line *line = &scaling->lines[i];
             const bool is_other = line->work_verdict == NEPH_EXPONENT_OTHER ||
@@ -282,7 +283,7 @@ static void answer(const struct neph_scaling *scaling, struct neph_answer *answe
         }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the experiment -------------------------------------------------------------------------- */
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study screen [SCENE...]`: passes on a G-buffer against engine surfaces (screen.h).
+ * `neph study screen [SCENE...]`: screen-space passes on a G-buffer against engine surfaces
+ * (screen.h).
  */
 #include "harness/experiments/screen.h"
 
@@ -105,7 +106,7 @@ static void finish(void *request_)
         neph_scene_destroy(request->scenes[i]);
 }
 
-/* A scene. */
+/* A job for each scene. */
 static bool part(void *request_, int index)
 {
     struct neph_screen_request *request = request_;
@@ -258,7 +259,7 @@ static void print_flicker(const struct neph_screen_study *study,
     neph_table_columns(&table, name_columns, 2);
     neph_table_column(&table, frames);
     neph_table_fields(&table, flicker_fields + 1, FLICKER_FIELDS - 1);
-    neph_table_fields(&table, flicker_fields, 1); /* milliseconds, which are first in JSON */
+    neph_table_fields(&table, flicker_fields, 1); /* the first column of the JSON */
     for (int s = 0; s < request->scene_count; s++)
         for (int m = 0; m < request->models.count; m++) {
             const struct neph_post_numbers *numbers = &study->flicker[s][m];
@@ -357,8 +358,8 @@ static json_t *scene_json(const struct neph_screen_study *study, int s)
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* A part's mean error over the scenes that have it; NaN: none has. `model` -1: what no model can
- * know. */
+/* Mean error of a part over the scenes that have it; NaN: none. `model` -1: the error that no model
+ * can avoid. */
 static double mean_error(const struct neph_screen_study *study, int part, int model, int *count)
 {
     double sum = 0.0;
@@ -375,7 +376,7 @@ static double mean_error(const struct neph_screen_study *study, int part, int mo
     return *count > 0 ? sum / *count : NAN;
 }
 
-/* The model with the least error in a part; -1: none has a number. */
+/* The model with the smallest error in a part; -1: none was measured. */
 static int best_model(const struct neph_screen_study *study, int part)
 {
     int best = -1, count;

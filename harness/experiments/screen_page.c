@@ -13,14 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_SCREEN_LOSSES == 3, "a new kind");
 _Static_assert(NEPH_SCREEN_PARTS == 3, "a new kind");
 
-/* Frames are small: each of their pixels is a square of so many. */
+/* Frames are small, so each pixel is enlarged to a square of this side. */
 enum { SQUARE_PX = 4 };
 
-/* Okabe's and Ito's, and so that they differ in grey, too. */
+/* Colours of Okabe and Ito, chosen to differ in grey as well. */
 static const struct {
     uint8_t rgb[3];
     const char *css, *name, *why;
@@ -48,7 +48,7 @@ static const char *const part_files[NEPH_SCREEN_PARTS] = {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* A lost pixel shows through a little. */
+/* A lost pixel is a quarter grey image, three quarters colour of its reason. */
 static void paint(uint8_t grey, uint8_t mark, uint8_t rgb[3])
 {
     for (int c = 0; c < 3; c++)
@@ -91,7 +91,8 @@ static enum neph_status write_frames(const struct neph_screen_study *study, cons
 
 /* ---- the chart ------------------------------------------------------------------------------- */
 
-/* What a model is set to, or beyond the first one: names have little room. */
+/* A short model name: its settings, or only those that it adds to the first model. Labels have
+ * little space. */
 static const char *short_name(const char *model, const char *first)
 {
     static const char engine[] = "screen+";

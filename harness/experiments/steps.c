@@ -11,17 +11,17 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_STUDY_VERDICT_COUNT == 3, "a new kind");
 
 struct request {
-    struct neph_cli_shared shared; /* operands: the engine and the scene; of --renew the scenes */
+    struct neph_cli_shared shared; /* operands: engine and scene; with --renew scenes */
     bool renew;
-    char **names;             /* of the catalogue; owned */
+    char **names;             /* scenes of the catalogue; owned */
     struct neph_scene *scene; /* owned */
     struct neph_job job;
-    bool is_part; /* for --jobs: of one scene, or .. */
-    int part;     /* .. one job of the study */
+    bool is_part; /* a job of --jobs: one scene, or */
+    int part;     /* one frame of the study */
 };
 
 static const struct neph_cli_option options[] = {
@@ -129,7 +129,7 @@ static enum neph_status list_scenes(struct request *request, struct neph_diag *d
 {
     struct neph_cli_shared *shared = &request->shared;
     enum neph_status status = NEPH_OK;
-    shared->json = false; /* renewal has none */
+    shared->json = false; /* --renew has no JSON output */
     if (shared->operand_count == 0) {
         status = neph_data_list_scenes(NEPH_DATA_CATALOG, &request->names, &shared->operand_count,
                                        diag);

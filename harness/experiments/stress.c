@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_STRESS_PICTURES_COUNT == 4, "a new kind");
 
 enum neph_stress_pictures neph_stress_pictures_of(const char *word)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
+ * `neph sweep SCENE`: cost and error of engines and their settings in a scene.
  */
 #include "base/path.h"
 #include "harness/experiments/experiments.h"
@@ -26,11 +26,11 @@ enum { SEEDS_MAX = 16 };
 
 struct request {
     struct neph_cli_shared shared;
-    struct neph_sweep_params params; /* with its seed, the first of `seeds` */
+    struct neph_sweep_params params; /* its seed is the first of `seeds` */
     const char *plan_name;
     struct neph_cli_list only;
-    double error; /* of the answer */
-    int seeds;    /* -1: one sweep */
+    double error; /* target error of the answer */
+    int seeds;    /* -1: a single sweep */
     struct neph_sweep_plan plan;
 };
 
@@ -142,7 +142,7 @@ static enum neph_status write_files(const struct neph_report_folder *page, const
     return status;
 }
 
-/* `sweep` is to be finished in any case. */
+/* Run one sweep. Always free `sweep` with neph_sweep_finish(). */
 static enum neph_status run_in(const char *folder, const struct neph_sweep_params *asked,
                                struct neph_sweep *sweep, struct neph_diag *diag)
 {
@@ -154,7 +154,8 @@ static enum neph_status run_in(const char *folder, const struct neph_sweep_param
     struct neph_times times = {NULL};
     struct neph_sweep_params params = *asked;
     struct neph_store *store = NULL;
-    struct neph_report_folder *page = NULL; /* opened first: a folder of others is refused early */
+    struct neph_report_folder *page = NULL; /* opened first, so that a foreign folder is refused
+                                               early */
     enum neph_status status = neph_arena_check(&arena, diag);
     params.times = &times;
     if (!status)
@@ -202,7 +203,7 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
             look ? "  " : "", look ? look : "");
 }
 
-/* On one's front, by their cost: time where there is one, else work. */
+/* Order of points on a front: by time if both have one, else by density evaluations. */
 static int by_cost(const void *a_, const void *b_)
 {
     const struct neph_sweep_point *a = *(const struct neph_sweep_point *const *)a_,
@@ -214,7 +215,7 @@ static int by_cost(const void *a_, const void *b_)
     return (of_a > of_b) - (of_a < of_b);
 }
 
-/* "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128" */
+/* Prints "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128". */
 static void print_front(const struct neph_sweep *sweep, enum neph_sweep_number number, FILE *out)
 {
     const struct neph_sweep_point *points[NEPH_SWEEP_POINTS_MAX];
@@ -295,7 +296,7 @@ static void print_csv(const struct neph_sweep *sweep, FILE *out)
     }
 }
 
-/* ---- one, or several with other seeds -------------------------------------------------------- */
+/* ---- one sweep, or several with different seeds ---------------------------------------------- */
 
 static enum neph_status run_one(const struct request *request, struct neph_publication *publication,
                                 struct neph_diag *diag)

@@ -14,8 +14,8 @@
 
 /* ---- tiers ----------------------------------------------------------------------------------- */
 
-/* A cloud is by the engines of all orders of scattering, of which those that take steps through it
- * leave out its transmittance, which Cycles needs most of its time for. */
+/* The cloud scene uses engines with multiple scattering. Cycles renders its radiance only: the
+ * transmittance would take most of its time. */
 static const char *const cloud_engines[] = {"tracer",   "march_octaves", "march_octaves_fitted",
                                             "realtime", "cycles",        NULL};
 static const char *const cloud_settings[] = {"tracer:samples=128", "realtime:lighting=traced",
@@ -27,8 +27,9 @@ static const char *const fog_engines[] = {"exact",  "tracer", "march", "realtime
 
 static const char *const shaft_settings[] = {"tracer:samples=128", NULL};
 
-/* What a report shows best, large: a cloud of all orders and shafts in fog. Small, since they only
- * have numbers to show: a fog and a slab with closed forms. */
+/* Large frames: the scenes that look best in a report, a cloud with multiple scattering and light
+ * shafts in fog. Small frames: scenes that only contribute numbers, a fog and a slab with closed
+ * forms. */
 static const struct neph_scene_plan quick_scenes[] = {
     {"cumulus", 320, 180, cloud_engines, cloud_settings, cloud_light_only},
     {"colonnade", 320, 180, fog_engines, shaft_settings, NULL},
@@ -56,7 +57,7 @@ static const struct neph_validate_tier tiers[TIER_COUNT] = {
         {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
 };
 
-/* NULL: there is none. */
+/* NULL: unknown tier. */
 static const struct neph_validate_tier *find_tier(const char *name)
 {
     for (int i = 0; i < TIER_COUNT; i++)
@@ -65,7 +66,7 @@ static const struct neph_validate_tier *find_tier(const char *name)
     return NULL;
 }
 
-/* Without --tier scenes that are named get all engines, as in the full tier. */
+/* Without --tier, named scenes get all engines, as in the full tier. */
 const struct neph_validate_tier *neph_validate_tier(const struct neph_validate_request *request)
 {
     if (request->tier)
@@ -165,7 +166,7 @@ static const struct {
               {"stress", &neph_experiment_stress},
               {"failure", &neph_experiment_stress_by_old_name}};
 
-/* NULL: there is no such suite. */
+/* NULL: unknown suite. */
 static const struct neph_experiment *choose(const void *request_)
 {
     const struct neph_validate_request *request = request_;
@@ -186,7 +187,7 @@ static bool is_stress(const struct neph_validate_request *request)
     return chosen == &neph_experiment_stress || chosen == &neph_experiment_stress_by_old_name;
 }
 
-/* What belongs to the stress tests, and what does not. */
+/* Reject options of the stress tests without that suite, and other options with it. */
 static void check_stress(const struct neph_validate_request *request,
                          const struct argp_state *state)
 {
@@ -275,7 +276,7 @@ static const struct neph_cli_syntax syntax = {
 const struct neph_experiment neph_experiment_validate = {
     .syntax = &syntax, .request_size = sizeof(struct neph_validate_request), .choose = choose};
 
-/* ---- the report of the catalogue and of the physics suite ------------------------------------ */
+/* ---- report of the catalogue and the physics suite ------------------------------------------- */
 
 enum neph_status neph_validate_open_report(void *request_, struct neph_diag *diag)
 {

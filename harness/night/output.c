@@ -16,7 +16,7 @@ enum { TOLD = 3 }; /* findings in the paragraph */
 
 /* ---- growing text ---------------------------------------------------------------------------- */
 
-/* What is printed, with a step or a tier. */
+/* The context of the printing functions: a run, and the name of a step or tier. */
 struct printed {
     const struct neph_night *night;
     const char *word;
@@ -30,7 +30,8 @@ static int count_found(const struct neph_night *night, enum neph_found found)
     return count;
 }
 
-/* What renders a step's numbers again; "" of what is of several. */
+/* Prints the command that renders a step's numbers again; nothing for an unknown step ("" of a
+ * finding over several steps). */
 static void print_command(const struct neph_night *night, const char *step, FILE *out)
 {
     const struct neph_night_step *s = neph_night_plan_find(&night->plan, step);
@@ -71,7 +72,7 @@ static void print_counts(const struct neph_night *night, FILE *out)
             night->plan.count, night->again_count, night->seconds / 60.0);
 }
 
-/* A step that is done has a reason when some of its numbers are not used. */
+/* Reasons of steps that are done: some of their numbers are not used. */
 static void print_reasons(const struct neph_night *night, FILE *out)
 {
     for (int i = 0; i < night->plan.count; i++) {
@@ -205,7 +206,8 @@ static bool is_of_series(const struct neph_night *night, const char *name)
     return false;
 }
 
-/* Findings of what is no series of tonight: steps, truths, missing numbers, means over scenes. */
+/* Findings without a row in the series table: steps, references, missing numbers, means over
+ * scenes. */
 static void add_others(const struct neph_night *night, struct neph_junit *junit)
 {
     for (int i = 0; i < night->comparison.finding_count; i++) {

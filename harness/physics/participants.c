@@ -7,14 +7,14 @@ const struct neph_participant neph_participants[NEPH_PARTICIPANTS] = {
     {.name = "exact", .engine = "exact", .refined = "", .rounding = 1e-6},
     {.name = "oracle", .engine = "oracle", .rounding = 1e-6},
     {.name = "tracer", .engine = "tracer", .rounding = 1e-6},
-    /* Homogeneous single scattering, where Cycles has no step, came out within 1e-4 in every case
-     * measured: its float32 sums, and paths that it ends below a throughput of 1e-6. */
+    /* Cycles has no step in homogeneous media. Its single scattering there was within 1e-4 in all
+     * measured cases: float32 sums, and paths ended below a throughput of 1e-6. */
     {.name = "cycles", .engine = "cycles", .settings = {"samples=256"}, .rounding = 1e-4},
     {.name = "povray",
      .engine = "povray",
      .refined = "intervals=100",
      .order = 2,
-     /* 16-bit pictures: half a step of a range that the brightest pixel fills. */
+     /* 16-bit images: half a quantization step of the range up to the brightest pixel. */
      .rounding = 2e-5},
     {.name = "march", .engine = "march", .refined = "steps=128", .order = 2, .rounding = 1e-6},
     {.name = "march octaves",
@@ -31,7 +31,7 @@ const struct neph_participant neph_participants[NEPH_PARTICIPANTS] = {
 
 enum when { ALWAYS, LOWERED, BAKED, STEPPED, DEEP, WHEN_COUNT };
 
-/* The first row that fits counts. A NULL participant fits all. */
+/* The first matching row applies. A NULL participant matches all. */
 static const struct {
     const char *participant;
     enum when when;

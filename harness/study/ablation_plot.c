@@ -304,11 +304,13 @@ static double draw_legend(const struct neph_ablation *ablation, FILE *out)
             "<path d=\"M%d 42 h30\" stroke=\"#000\" stroke-width=\"1.2\"/>"
             "<text x=\"%d\" y=\"46\">95 %% interval over scenes</text>\n"
             "<text x=\"%d\" y=\"64\">A bar to the left: less, which is better. Bold: certain. No "
-            "bar: less than "
-            "5 %%, or an uncertain time. %dx%d, %d steps, %d frames, %d seed%s, %d scenes; ",
+            "bar: less than 5 %%, or an uncertain time.</text>\n"
+            "<text x=\"%d\" y=\"26\" text-anchor=\"end\">%dx%d, %d steps, %d frames, %d seed%s, %d "
+            "scenes; ",
             MARGIN, BAR, MARGIN + 38, MARGIN + 350, BAR, MARGIN + 388, MARGIN + 600, MARGIN + 638,
-            MARGIN, params->width_px, params->height_px, params->steps, params->frame_count,
-            params->seed_count, params->seed_count == 1 ? "" : "s", params->scene_count);
+            MARGIN, WIDTH - MARGIN, params->width_px, params->height_px, params->steps,
+            params->frame_count, params->seed_count, params->seed_count == 1 ? "" : "s",
+            params->scene_count);
     char device[sizeof(ablation->study.device)]; /* the tables have its driver */
     snprintf(device, sizeof(device), "%.*s", (int)strcspn(ablation->study.device, "("),
              ablation->study.device);
