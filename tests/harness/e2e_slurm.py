@@ -167,7 +167,8 @@ class Queue(Nights):
         self.assertIn("gpu=FEATURE", self.neph(*sent, code=64, NEPH_VULKAN_DEVICE="geforce").stderr)
         self.assertIn("no such key", self.neph(*sent, "--slurm", "hosts=a", code=64).stderr)
         self.assertIn("local or slurm", self.neph(*sent, "--executor", "dask", code=64).stderr)
-        self.assertIn("has no jobs of this nightly run", self.neph(*sent, "--report", code=64).stderr)
+        self.assertIn("has no jobs of this nightly run",
+                      self.neph(*sent, "--report", code=64).stderr)
         self.assertIn("has no jobs of this nightly run",
                       self.neph(*sent, "--step", "failure fog_none", code=64).stderr)
         without = self.neph(*sent, code=69, PATH="/nonexistent")
