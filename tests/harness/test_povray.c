@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The POV-Ray engine: its brackets and digits, the text it writes, and, where POV-Ray is
- * installed, its frames against closed forms. Tolerances: what the midpoint rule and the 16-bit
- * brackets leave, as stated at each test.
+ * The POV-Ray engine: brackets and digits, the scene text and, where POV-Ray is installed, frames
+ * against closed forms. Tolerances: the midpoint rule and the 16-bit brackets, as stated at each
+ * test.
  */
 #include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
@@ -57,7 +57,7 @@ static struct neph_solid *add_sphere(struct test_scene *stage, struct neph_vec3 
 
 /* ---- Brackets ------------------------------------------------------------------------------- */
 
-/* What POV-Ray writes for a bracketed value. */
+/* POV-Ray's output for a bracketed value. */
 static void write_codes(double value, double gain, uint16_t codes[3])
 {
     for (int i = 0; i < 3; i++)
@@ -86,7 +86,7 @@ static void test_brackets_recover_values(void **state)
     }
 }
 
-/* Expose simulated pixels as the engine does; returns the number of renders. */
+/* Exposes simulated pixels as the engine does; returns the number of renders. */
 static int expose_simulated(const double *values, size_t count, double gain,
                             const struct neph_povray_target *target,
                             struct neph_povray_reading *readings)
@@ -193,7 +193,7 @@ static void test_phase_constants(void **state)
 
 static const struct neph_bounds room = {{-5.0, 0.0, -10.0}, {5.0, 4.0, -4.0}};
 
-/* Everything that a scene can hold. */
+/* All elements of a scene. */
 static void set_full_stage(struct test_scene *stage)
 {
     test_stage(stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
@@ -249,7 +249,7 @@ static bool is_known_word(const char *word, size_t length)
     return strstr(known, padded);
 }
 
-/* Every word outside comments is one of ours; every character is harmless. */
+/* Every word outside of comments is the engine's; every character is harmless. */
 static void assert_plain(const char *text)
 {
     for (const char *at = text; *at;) {
@@ -286,7 +286,8 @@ static void test_text_holds_no_string_of_the_scene(void **state)
     }
 }
 
-/* An eye on a face, a spot at the eye and lamps near rays: a face cut in doubles, a mask, cubes. */
+/* An eye on a face, a spot light at the eye, and point lights near rays: a face moved in double
+ * precision, a mask, cubes. */
 static void test_text_near_eyes_and_lights(void **state)
 {
     struct test_scene stage;
@@ -322,7 +323,7 @@ static void test_text_near_eyes_and_lights(void **state)
     }
 }
 
-/* Everything that surfaces can be in clear air: a mirror in the sun, noise, a checker. */
+/* All kinds of surfaces in clear air: a mirror in the sun, noise, a checker. */
 static void set_surfaces(struct test_scene *stage)
 {
     test_stage(stage, (struct neph_vec3){0.0, 1.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
@@ -336,8 +337,8 @@ static void set_surfaces(struct test_scene *stage)
     add_box(stage, (struct neph_bounds){{1, 0, -3}, {3, 2, -1}}, 0.9)->surface.metalness = 1.0;
 }
 
-/* Noise is declared once a seed, and of media or light between solids there is no word where there
- * is none. */
+/* Noise is declared once per seed; media and light between solids are not mentioned where there are
+ * none. */
 static void test_text_of_surfaces(void **state)
 {
     struct test_scene stage;
@@ -360,7 +361,7 @@ static void test_text_of_surfaces(void **state)
     }
 }
 
-/* Its file has the values, the last column and row again the first, and zeros around. */
+/* The noise file has the values, the first column and row repeated at the end, and zeros around. */
 static void test_noise_s_file(void **state)
 {
     const int n = NEPH_NOISE_CELLS;
@@ -390,20 +391,20 @@ static void test_text_refuses_what_is_not_a_number(void **state)
 static void test_faces_of_containers_stand_alone(void **state)
 {
     struct test_scene stage;
-    set_full_stage(&stage); /* both media share all faces and stand on the ground at y = 0 */
+    set_full_stage(&stage); /* both media share all faces and touch the ground at y = 0 */
     struct neph_povray_world world = world_of(&stage);
     const struct neph_bounds *a = &world.containers[0].bounds, *b = &world.containers[1].bounds;
     double gap_m = 1e-3 / world.units_per_m;
     assert_true(a->min_m.y < -gap_m && a->min_m.y > -1e-4);
     assert_true(b->min_m.y < a->min_m.y - gap_m && b->min_m.y > -1e-4);
     assert_true(b->max_m.x > a->max_m.x + gap_m);
-    assert_true(a->max_m.x == room.max_m.x); /* alone already: not moved */
+    assert_true(a->max_m.x == room.max_m.x); /* no other face there: not moved */
     assert_true(world.shift_error < 1e-6);
 }
 
 static const double inner_unit = 0.5 * 4e-3; /* half a step of a face, in units */
 
-/* A face moves outward from an eye on it or inside, inward from one outside, by one step; with a
+/* A face moves outward from an eye on it or inside, and inward from one outside, by one step; a
  * second medium on the same face by one more. */
 static void test_faces_keep_off_the_eye(void **state)
 {
@@ -426,7 +427,7 @@ static void test_faces_keep_off_the_eye(void **state)
 }
 
 /* Pixels of an orthographic camera whose rays begin 1e-4 m apart, in a world of 1e5 m, on both
- * sides of a face: the face has no place between them. */
+ * sides of a face: no position between them is left for the face. */
 static void test_crowds_of_origins_are_refused(void **state)
 {
     struct test_scene stage;
@@ -443,7 +444,7 @@ static void test_crowds_of_origins_are_refused(void **state)
     assert_non_null(strstr(diag.message, "the face y = 0 m of medium 1"));
 }
 
-/* From 1e-10 m above a ground POV-Ray does not see it; what is above it is rendered. */
+/* Within 1e-10 m above the ground POV-Ray does not see it; from higher up the scene is rendered. */
 static void test_eye_on_a_solid_is_refused(void **state)
 {
     struct test_scene stage;
@@ -458,7 +459,8 @@ static void test_eye_on_a_solid_is_refused(void **state)
     assert_non_null(strstr(diag.message, "an eye on a solid"));
 }
 
-/* A lamp in the fog on the ray of a pixel; a spot there that shines across the ray is none. */
+/* A point light in fog on a pixel's ray is refused; a spot light that shines across the ray is not.
+ */
 static void test_lights_on_rays_are_refused(void **state)
 {
     struct test_scene stage;
@@ -482,7 +484,7 @@ static void test_lights_on_rays_are_refused(void **state)
     neph_assert_ok(neph_povray_cut_rays(&world, &diag), &diag);
 }
 
-/* ---- What it can model ---------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------ */
 
 static void test_which_surfaces_it_can_render(void **state)
 {
@@ -491,7 +493,7 @@ static void test_which_surfaces_it_can_render(void **state)
     set_surfaces(&stage);
     struct neph_solid *mirror = &stage.solids[2];
     const struct {
-        const char *why; /* NULL: it can */
+        const char *why; /* NULL: supported */
         double roughness;
         int scattering, mirrors, lights;
     } rows[] = {
@@ -549,7 +551,7 @@ static void test_probe_without_povray(void **state)
 
 /* ---- Frames --------------------------------------------------------------------------------- */
 
-/* Render with POV-Ray in a scratch folder of an awkward name. `assignment`: NULL is fine. */
+/* Renders with POV-Ray in a scratch folder whose name needs quoting. `assignment` may be NULL. */
 static struct neph_image *render_with_setting(const struct test_scene *stage, unsigned layers,
                                               double intervals, const char *assignment)
 {
@@ -579,7 +581,7 @@ static struct neph_image *render(const struct test_scene *stage, unsigned layers
     return render_with_setting(stage, layers, intervals, NULL);
 }
 
-/* How a channel differs from the truth. */
+/* Difference of a channel from the truth. */
 struct difference {
     double mean, truth_mean, largest, largest_relative;
 };
@@ -591,8 +593,8 @@ static double value_of(struct neph_rgb colour, int channel)
 
 enum quantity { RADIANCE, VOLUME, TRANSMITTANCE, DEPTH };
 
-/* What each pixel's ray brings, for the caller to free. Without scattering when that is not looked
- * at: it is most of the work. */
+/* Exact light of each pixel's ray, for free(). Without scattering where it is not compared, as it
+ * takes most of the time. */
 static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_scattering scattering)
 {
     struct neph_ray_light *lights = calloc((size_t)WIDTH * HEIGHT, sizeof(*lights));
@@ -603,7 +605,7 @@ static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_sc
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
         struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH, p / WIDTH);
         lights[p] = neph_transport_ray(&scene, ray.origin_m, ray.direction);
-        lights[p].hit_m *= neph_vec3_dot(ray.direction, camera.forward); /* as depth is written */
+        lights[p].hit_m *= neph_vec3_dot(ray.direction, camera.forward); /* depth as in the file */
     }
     return lights;
 }
@@ -677,7 +679,7 @@ static void check_transmittance(const struct test_scene *stage, double intervals
     neph_image_destroy(frame);
 }
 
-/* Along a side, to optical depths of 10, and of 18, where the floor is 1e-8. */
+/* Along a side, to optical depths of 10 and 18, where the floor is 1e-8. */
 static void test_transmittance_of_boxes(void **state)
 {
     static const double extinctions_per_m[] = {0.5, 0.9};
@@ -692,7 +694,7 @@ static void test_transmittance_of_boxes(void **state)
 
 static void test_transmittance_of_height_fog(void **state)
 {
-    struct test_scene stage; /* camera inside; two layers; optical depths to about 5 */
+    struct test_scene stage; /* camera inside; two layers; optical depths up to about 5 */
     test_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
     struct neph_bounds bounds = {{-30.0, 0.0, -30.0}, {30.0, 10.0, 10.0}};
     struct neph_medium *fog = add_medium(&stage, bounds, 0.3, 0.5, 0.5);
@@ -702,7 +704,7 @@ static void test_transmittance_of_height_fog(void **state)
     check_transmittance(&stage, 50, 2e-4);
 }
 
-/* A fog without bounds, cut to the container that the scene chooses. */
+/* Fog without bounds, cut to the scene's container. */
 static void test_transmittance_of_open_fog(void **state)
 {
     struct test_scene stage;
