@@ -5,8 +5,8 @@
  * autoregressive series of first order), hosts drift, some runs are on a loaded machine, and some
  * durations are outliers.
  *
- *   test_backtest STORE.json    the same with runs that are drawn, three in a row, from the durations
- *                               of real ones, as `neph store export` prints them
+ *   test_backtest STORE.json    the same with runs that are drawn, three in a row, from the
+ *                               durations of real ones, as `neph store export` prints them
  */
 #include "tests/neph_test.h"
 

@@ -459,8 +459,7 @@ static void test_eye_on_a_solid_is_refused(void **state)
     assert_non_null(strstr(diag.message, "an eye on a solid"));
 }
 
-/* A point light in fog on a pixel's ray is refused; a spot light that shines across the ray is not.
- */
+/* A point light in fog on a pixel's ray is refused, a spot light that shines across it is not. */
 static void test_lights_on_rays_are_refused(void **state)
 {
     struct test_scene stage;
@@ -718,7 +717,7 @@ static void test_transmittance_of_open_fog(void **state)
     neph_image_destroy(frame);
 }
 
-/* The light of a plane-parallel slab, scattered once, seen from below. */
+/* Radiance of a plane-parallel slab with single scattering, seen from below. */
 static double slab_radiance(const struct test_scene *stage, struct neph_vec3 ray,
                             double thickness_m)
 {
@@ -774,13 +773,13 @@ static void check_light(const struct test_scene *stage, const struct neph_image 
         struct difference volume = compare_with(lights, frame, names[1][channel], VOLUME, channel);
         assert_true(fabs(all.mean) < 1e-3 * all.truth_mean);
         assert_true(fabs(volume.mean) < 1e-3 * volume.truth_mean);
-        assert_true(all.largest_relative < 0.02); /* midpoints beside shadow edges */
+        assert_true(all.largest_relative < 0.02); /* midpoints next to shadow edges */
     }
     free(lights);
 }
 
-/* Two overlapping media of different phase functions, a fog among them, a ground that touches
- * both, a sphere with its shadow, and colours that are not proportional. */
+/* Two overlapping media with different phase functions, one of them a fog; a ground that touches
+ * both, a sphere with its shadow, and coefficients with different colours. */
 static void test_full_scene(void **state)
 {
     struct test_scene stage;
@@ -794,7 +793,7 @@ static void test_full_scene(void **state)
     neph_image_destroy(frame);
 }
 
-/* The scene of before, seen by parallel rays. */
+/* The same scene with an orthographic camera. */
 static void test_orthographic_camera(void **state)
 {
     struct test_scene stage;
@@ -823,9 +822,9 @@ static void test_no_scattering(void **state)
     neph_image_destroy(frame);
 }
 
-/* Slabs that glow: a bracket leaves half a quantum of an eighth of full scale, 6.3e-5, and 200
- * midpoints leave h^2 / 24 of the optical depth h between them, on rays up to a quarter longer than
- * the slab is thick. */
+/* Slabs with emission. A bracket leaves half a quantum of an eighth of full scale, 6.3e-5. 200
+ * midpoints leave h^2 / 24, where h is the optical depth between them, on rays up to a quarter
+ * longer than the slab's thickness. */
 static void test_emission_of_slabs(void **state)
 {
     static const double extinctions_per_m[] = {0.01, 0.5, 5.0};
@@ -846,7 +845,7 @@ static void test_emission_of_slabs(void **state)
     }
 }
 
-/* The full scene with a fog and a box that glow in colours of their own. */
+/* The full scene with emission of different colours in a fog and a box. */
 static void test_emission_beside_the_sun(void **state)
 {
     struct test_scene stage;
@@ -858,7 +857,7 @@ static void test_emission_beside_the_sun(void **state)
     neph_image_destroy(frame);
 }
 
-/* An empty scene needs no render at all. */
+/* An empty scene needs no render. */
 static void test_empty_scene(void **state)
 {
     struct test_scene stage;
@@ -872,8 +871,8 @@ static void test_empty_scene(void **state)
     neph_image_destroy(frame);
 }
 
-/* Ground and a turned box with two patterns in the sun, the lines of the box's in its faces: at how
- * many of `count` pixels their light is the truth's. */
+/* Ground and a rotated box in the sun, each with a pattern; lines of the box's pattern lie in its
+ * faces. All of the `count` pixels except `may_differ` have the true light. */
 static void compare_patterns(enum neph_pattern pattern, int may_differ)
 {
     struct test_scene stage;
@@ -912,7 +911,7 @@ static void compare_patterns(enum neph_pattern pattern, int may_differ)
 
 static void test_checkers(void **state)
 {
-    compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a place on a line may round either way */
+    compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a point on a line may be rounded to either side */
 }
 
 static void test_noise(void **state)
@@ -920,8 +919,9 @@ static void test_noise(void **state)
     compare_patterns(NEPH_PATTERN_NOISE, 0);
 }
 
-/* A black floor and ball before a white mirror, under an even sky: a pixel of the mirror is black
- * or the sky's times its colour, as the mirrored ray meets a solid or none. */
+/* A black floor and ball in front of a white mirror, under a uniform sky. A pixel of the mirror is
+ * black where the mirrored ray hits a solid, and otherwise the sky's radiance times the mirror's
+ * colour. */
 static void test_a_mirror(void **state)
 {
     struct test_scene stage;
@@ -960,9 +960,9 @@ static void test_a_mirror(void **state)
     neph_image_destroy(frame);
 }
 
-/* The endless step of scenes/catalog/surface_step.yaml, nearly black: at a distance d from its foot
- * the plane sees (1 + d / sqrt(d^2 + h^2)) / 2 of the sky, and its light is that times the albedo;
- * what comes from the other surface adds half the albedo of the rest at most. */
+/* The infinite step of scenes/catalog/surface_step.yaml, nearly black. At a distance d from its
+ * foot the plane sees (1 + d / sqrt(d^2 + h^2)) / 2 of the sky; its radiance is this times the
+ * albedo. The other surface adds at most half the albedo of the remaining part. */
 static void test_radiosity_at_a_step(void **state)
 {
     const double albedo = 0.02;
@@ -1028,9 +1028,9 @@ static void test_export_runs_by_hand(void **state)
     neph_dir_remove(directory, NULL);
 }
 
-/* ---- A POV-Ray that fails: a shell script of the same name, first in PATH ------------------- */
+/* --- a POV-Ray that fails: a shell script of the same name, first in PATH -------------------- */
 
-/* Render the depth of a scene with the impostor; returns the status. */
+/* Renders the depth of a scene with the script in place of POV-Ray; returns the status. */
 static enum neph_status render_with(const char *script, double time_limit_s, char message[1024])
 {
     struct neph_diag diag = {0};
@@ -1066,7 +1066,7 @@ static void test_failures_are_told(void **state)
     assert_int_equal(render_with("#!/bin/sh\nexec sleep 60\n", 0.3, message), NEPH_ERR_TIMEOUT);
 }
 
-/* A version that was measured does not suffice: it must render. */
+/* A known version is not enough: the probe renders. */
 static void test_probe_tries_it(void **state)
 {
     const struct neph_engine *engine = &neph_engine_povray;
