@@ -285,7 +285,7 @@ static void test_what_is_no_sequence_is_refused(void **state)
     }
 }
 
-/* ---- by position ------------------------------------------------------------------------------- */
+/* ---- by position ----------------------------------------------------------------------------- */
 
 static const struct found by_position[] = {
     {{"f.0004.exr", "f.0000.exr", "f.0002.exr"},

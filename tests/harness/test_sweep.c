@@ -63,7 +63,7 @@ static void test_a_plan_is_read(void **state)
     neph_sweep_plan_finish(&plan);
 }
 
-/* The light of a plan applies to scenes with all orders of scattering, and to series without one. */
+/* The light of a plan applies to scenes with all orders of scattering, and to series without it. */
 static void test_the_light_is_that_of_the_scene(void **state)
 {
     struct neph_sweep_plan plan;
