@@ -10,7 +10,7 @@
 //               light
 //               /|\           h: height of the triangle over the step
 //              / | \          theta1 - theta0: angle at the light
-//             /  |h \
+//             /  |h \         (an angle)
 //   ray ----|----+---|---->
 //
 // so a step that passes close to a light neither misses it nor overestimates it. All other

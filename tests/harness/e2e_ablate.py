@@ -50,7 +50,7 @@ class Ablate(StudyCase):
         arguments = (*self.scenes, "--takes", "flicker")
         text, found = self.ablate(*arguments, "--all")
         for word in ("preset ours, 32x16, 3 steps", "Scenes: rest backlit.", "\n| split | ",
-                     "\n- split: lowers density evaluations a pixel (-94 %)",
+                     "\n- split: lowers density evaluations per pixel (-94 %)",
                      "not in this preset: upscale_dither"):
             self.assertIn(word, text)
         # A ray in 4x4 pixels; every ray has its steps.

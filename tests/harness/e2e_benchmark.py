@@ -298,7 +298,7 @@ class Benchmark(NephCase):
 
     def test_wrong_requests_are_refused_in_words(self):
         for arguments, code, word in (
-                (("slab_multiple_thin", "-e", "exact"), 64, "no chance"),
+                (("slab_multiple_thin", "-e", "exact"), 64, "is deterministic"),
                 (("slab_multiple_thin", "-e", "magic"), 64, "neph engines"),
                 (("slab_multiple_thin", "--seconds", "nan"), 64, "0.01..10000"),
                 (("slab_multiple_thin", "-e", "march", "--repeat", "0"), 64, "1.."),

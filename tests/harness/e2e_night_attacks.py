@@ -318,7 +318,7 @@ class Attacks(unittest.TestCase):
         database.close()
         self.program(BAD)
         found = self.history_night()
-        self.assertIn("is not as its document", found["history damaged"]["night-000001.json"])
+        self.assertIn("differs from its document", found["history damaged"]["night-000001.json"])
         self.neph("store", "check", code=1)
         self.neph("store", "check", "--repair", code=1)
         self.assertIn(self.series("zz_haze"), self.history_night()["worse"])

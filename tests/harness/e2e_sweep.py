@@ -185,7 +185,7 @@ class Sweep(NephCase):
         self.sweep("--only", "nothing", code=64, said="march, ours, fitted")
         self.sweep("--plan", "no_such", code=66)
         self.sweep("-o", "", code=64)
-        self.sweep(scene="camera_dolly", code=2, said="moves for 8 pictures")
+        self.sweep(scene="camera_dolly", code=2, said="moves for 8 frames")
         self.sweep("--size", "5000x9", code=64, said="march renders sides of 1..4096 pixels")
         # Somebody's folder is left alone, and before anything is rendered.
         mine = self.put("out/sweep/sweep/mine.txt")

@@ -54,7 +54,7 @@ class Verdict(NephCase):
         shutil.rmtree(self.folder / "out/store/index")
         done = self.neph("store", "check", "-o", self.folder / "out", code=None)
         self.assertIn("had no database (it was removed, or ", done.stderr)
-        self.assertIn("a new one is made of its 2 frames", done.stderr)
+        self.assertIn("a new one is built from its 2 frames", done.stderr)
 
     @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
     def test_what_did_not_fit_its_budget_is_in_the_verdict(self):

@@ -212,7 +212,7 @@ static void test_a_database_of_a_later_neph_is_refused(void **state)
     neph_database_close(database);
     assert_int_equal(neph_store_open(scratch_path(state, folder, "store"), &store, &diag),
                      NEPH_ERR_USAGE);
-    assert_non_null(strstr(diag.message, "form 4"));
+    assert_non_null(strstr(diag.message, "version 4"));
 }
 
 /* Steps that fail leave the form that was there. */

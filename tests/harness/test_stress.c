@@ -178,7 +178,7 @@ static void test_measures_are_read(void **state)
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "seen_contrast", NAN, NULL, 0, why)));
     assert_string_equal(why, "it cannot be told");
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "other", 1, NULL, 0, why)));
-    assert_string_equal(why, "the mask is empty, or the whole picture");
+    assert_string_equal(why, "the mask is empty, or the whole frame");
 }
 
 static void test_measures_are_of_metrics_that_there_are(void **state)

@@ -132,8 +132,8 @@ static void test_bad_plans_are_refused(void **state)
         const char *text, *said;
     } bad[] = {
         {HEAD "- {name: a, engine: marsh}\n", "no engine 'marsh'"},
-        {HEAD "- {name: a, engine: march, vary: steps}\n", "come together"},
-        {HEAD "- {name: a, engine: march, values: 3 4}\n", "come together"},
+        {HEAD "- {name: a, engine: march, vary: steps}\n", "need each other"},
+        {HEAD "- {name: a, engine: march, values: 3 4}\n", "need each other"},
         {HEAD "- {name: a, engine: march, vary: stepps, values: 4}\n", "stepps"},
         {HEAD "- {name: a, engine: march, vary: steps, values: 0}\n", "1..65536"},
         {HEAD "- {name: a, engine: march, vary: steps, values: 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 "
