@@ -115,7 +115,7 @@ class StudyScreen(StudyCase):
     @night.of_the_night
     def test_cycles_is_a_witness(self):
         """Another program says the same, of the truth and so of a screen: within 4.5 standard
-        errors, which docs/surfaces.md has for four times as many pixels."""
+        errors, which docs/screen.md has for four times as many pixels."""
         found = self.json("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
                           "1024", "--cycles", "1024", "--model", "screen", "--quiet")["scenes"]
         for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),
