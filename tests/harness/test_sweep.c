@@ -277,8 +277,8 @@ static void test_names_lie_on_nothing(void **state)
     assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
 }
 
-/* Of two positions that differ only by a line, the label takes the one without. A label far from
- * its mark gets a leader line. */
+/* A label takes the position without a line where two positions differ only by a line. A label far
+ * from its mark gets a leader line. */
 static void test_names_keep_off_lines(void **state)
 {
     const struct neph_label_line line = {100.0, 100.0, 300.0, 100.0};
