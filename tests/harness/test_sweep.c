@@ -275,7 +275,7 @@ static void test_names_lie_on_nothing(void **state)
     assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
 }
 
-/* Of two positions that differ only by a line, the label takes the one without. A label far from
+/* The label takes a position without a line if another differs only by a line. A label far from
  * its mark gets a leader line. */
 static void test_names_keep_off_lines(void **state)
 {
