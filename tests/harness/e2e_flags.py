@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""One vocabulary of flags over all verbs, as docs/flags.md has it; old names warn."""
+"""The vocabulary of flags over all verbs, as in docs/flags.md; deprecated names warn."""
 import collections
 import pathlib
 import re
@@ -12,10 +12,10 @@ from neph_case import ROOT
 OPTION = re.compile(r"^  (?:-(?P<letter>\S), |    )--(?P<name>[\w-]+)(?:=(?P<argument>\S+))?"
                     r"(?: +(?P<text>.*))?$")
 TEXT_COLUMN = 29
-# Verbs with one table of options, or one after the other in one folder.
+# Verbs that share a table of options, or run one after the other in one folder.
 FAMILIES = {"export": "render", "flicker": "compare"}
-# Names that look like the plural of another and have a meaning of their own: how many frames, seeds
-# or steps of a ray there are; a list of masks.
+# Names that look like the plural of another and have a meaning of their own: the number of frames,
+# seeds or steps of a ray; a list of masks.
 PLURALS = {"frames", "seeds", "steps", "masks"}
 
 Flag = collections.namedtuple("Flag", "verb letter argument text")
@@ -28,7 +28,7 @@ def ask(*words):
 
 
 def verbs():
-    """The words of each verb; a kind of study is one."""
+    """The words of each verb; each kind of study counts as one."""
     names = re.findall(r"^  (\w+) +", ask().split("\n\n`neph")[0], re.MULTILINE)
     kinds = re.findall(r"^  (\w+) +", ask("study").split("\n\nExamples")[0], re.MULTILINE)
     return [(name,) for name in names if name != "study"] + [("study", kind) for kind in kinds]
@@ -51,14 +51,14 @@ def options(words):
 
 
 def rows(heading):
-    """The cells of the table behind a heading of the page."""
+    """The cells of the table below a heading of the page."""
     text = (ROOT / "docs/flags.md").read_text().split(heading)[1]
     table = re.search(r"\n\|.*?\n\n", text, re.DOTALL)[0].strip().splitlines()[2:]
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table]
 
 
 def documented():
-    """{name: (letter, argument, defaults)} of the page."""
+    """{name: (letter, argument, defaults)} on the page."""
     found = {}
     for flag, defaults, _ in rows("# One vocabulary"):
         option = re.fullmatch(r"`(?:-(\w), )?--([\w-]+)(?:=(\S+))?`", flag)
@@ -67,7 +67,8 @@ def documented():
 
 
 def form(argument):
-    """One form for what settings are of: an engine that may be left out, an extractor, a chain."""
+    """One form for the argument of settings: an engine that may be omitted, an extractor, a
+    chain."""
     return re.sub(r"^(\[ENGINE:\]|ENGINE:|EXTRACTOR:)?KEY=VALUE$", "KEY=VALUE", argument or "")
 
 
@@ -85,7 +86,7 @@ class Flags(unittest.TestCase):
         cls.flags = dict(cls.flags)
 
     def shared(self):
-        """Names that more than one family of verbs has."""
+        """Names that belong to more than one family of verbs."""
         return {name: flags for name, flags in self.flags.items()
                 if len({FAMILIES.get(flag.verb, flag.verb) for flag in flags}) > 1}
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The words of the house: one file is read without a key, and no line is wider than a page."""
+"""The project's language rules: every file is understandable by itself, and no line is wider than a
+page."""
 import os
 import pathlib
 import re
@@ -14,14 +15,14 @@ WIDTH = 100
 
 COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
 COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*", re.DOTALL)
-# Steps and faults of the articles had such numbers once.
+# Labels of steps and faults that earlier articles used.
 CODE = re.compile(r"\b(?:[AX](?:[1-9]|1[0-9]|2[0-6])|D(?:[1-9]|10))\b")
 # Notes lie outside of the repository.
 NOTE = re.compile(r"(?<![\w./-])notes/\w")
-# What a page names of the repository: links, and paths in backticks but for those with a NAME.
+# The files that a page names: links, and paths in backticks except ones with a NAME.
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)\)")
 PATH = re.compile(r"`((?:%s)/(?!\S*NAME)[\w./-]*)`" % "|".join(FOLDERS))
-# A comment that goes on with a sentence somewhere above it.
+# A comment that continues a sentence from a comment above.
 GOES_ON = re.compile(
     r"^(?:/\*|//)\s*(?:Of\b|The same(?:\.| (?:again|as|at|by|for|of|to|with|where)\b))")
 
@@ -35,7 +36,7 @@ def files(kinds):
 
 
 def spoken(name, text):
-    """What of a file is said to people, each with its line."""
+    """The parts of a file that are text for readers, each with its line."""
     kind = pathlib.Path(name).suffix
     if kind in SCRIPT:
         return list(enumerate(text.split("\n"), 1))
@@ -55,7 +56,7 @@ class Words(unittest.TestCase):
     maxDiff = None
 
     def refuse(self, kinds, pattern):
-        """All places that say what the pattern matches."""
+        """Fails for all places that match the pattern."""
         said = [(name, line, words) for name, text in files(kinds)
                 for line, words in spoken(name, text)]
         self.assertGreater(len(said), 1000)

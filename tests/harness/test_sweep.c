@@ -277,8 +277,8 @@ static void test_names_lie_on_nothing(void **state)
     assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
 }
 
-/* A label takes the position without a line where two positions differ only by a line. A label far
- * from its mark gets a leader line. */
+/* The label takes a position without a line if another differs only by a line. A label far from
+ * its mark gets a leader line. */
 static void test_names_keep_off_lines(void **state)
 {
     const struct neph_label_line line = {100.0, 100.0, 300.0, 100.0};
