@@ -95,8 +95,8 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
     return NEPH_ERR_INPUT;
 }
 
-/* Codes of the attribute `compression` that the current library does not know; it reads an unknown
- * code as ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+/* Codes of the attribute `compression` beyond DWAB. A library that does not know a code reads it as
+ * ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
     const char *name;
@@ -124,7 +124,7 @@ static enum neph_status check_compression(const char *path, const char *header, 
     struct neph_exr_attribute attribute;
     for (size_t at = 0; neph_exr_next_attribute(header, size, &at, &attribute);)
         if (strcmp(attribute.name, "compression") == 0 && attribute.value_bytes == 1 &&
-            attribute.value[0] >= EXR_COMPRESSION_LAST_TYPE)
+            attribute.value[0] > EXR_COMPRESSION_DWAB)
             return refuse_compression(path, attribute.value[0], diag);
     return NEPH_OK;
 }
