@@ -99,7 +99,7 @@ class Metrics(neph_case.NephCase):
                          ("2.500000e-01", "undefined"), done.stdout)
 
     def test_conventions_can_be_asked_for(self):
-        for name, words in (("motion", ("motion.x, motion.y", "minus where", "y down")),
+        for name, words in (("motion", ("motion.x, motion.y", "minus its", "y down")),
                             ("lag", ("last crossing", "logarithm")),
                             ("flicker", ("2 / N", "d: luma")),
                             ("seen", ("0.5^(R^2)", "below 0.5 Hz"))):

@@ -54,7 +54,8 @@ class StudyFog(StudyCase):
     def test_a_scene_is_told_in_three_worlds(self):
         done = self.neph("scenes", "fog_look_ridge")
         for words in ("physical               Unreal                 Filament", "655.36",
-                      "of the look no medium has:", "of the medium no look has:"):
+                      "controls of the fog model without a counterpart",
+                      "properties of the medium without a counterpart"):
             self.assertIn(words, done.stdout)
         fog = self.json("scenes", "fog_look_ridge")["fog"]
         on = [control["name"] for control in fog["look"]["controls"] if control["on"]]

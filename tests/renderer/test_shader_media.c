@@ -13,6 +13,8 @@
 
 static const uint32_t probe_code[] = {
 #include "shaders/probe_media.comp.inc"
+
+#include <float.h>
 };
 
 /* layout of shaders/probe_media.comp */
