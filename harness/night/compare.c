@@ -259,7 +259,7 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
         return lost->other
                    ? neph_arena_format(arena,
                                        "the accepted run measured it, but this run's plan has no "
-                                       "step '%s'; step '%s' measures the same scene",
+                                       "step '%s'; this run measures the same scene as '%s'",
                                        lost->step, lost->other)
                    : neph_arena_format(arena,
                                        "the accepted night has measured it, and tonight's plan has "
