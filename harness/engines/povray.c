@@ -561,7 +561,7 @@ const struct neph_engine neph_engine_povray = {
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
-            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
+            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/screen.md",
     .options = options,
     .version = 4,
     /* POV-Ray aborts above 256 intervals. */
