@@ -94,7 +94,7 @@ static const struct neph_cli_option options[] = {
      .maximum = 1000000},
     {"only", 0, NULL,
      "Of the stress tests: only these scenarios, whatever their tier. Of the physics suite: only "
-     "checks with one of these texts in their name or rung",
+     "checks with one of these texts in their name or group",
      NEPH_CLI_NAMES, .at = offsetof(struct neph_validate_request, only)},
     {"preset", 0, NULL,
      "Of the stress tests: only these presets, or PRESET+KEY=VALUE; without it, the full tier has "

@@ -261,10 +261,10 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
                                        "the accepted run measured it, but this run's plan has no "
                                        "step '%s'; this run measures the same scene as '%s'",
                                        lost->step, lost->other)
-                   : neph_arena_format(arena,
-                                       "the accepted night has measured it, and tonight's plan has "
-                                       "no step '%s'",
-                                       lost->step);
+                   : neph_arena_format(
+                         arena,
+                         "the accepted run measured it, but this run's plan has no step '%s'",
+                         lost->step);
     case NEPH_LOSS_SERIES:
         return "the accepted run measured it, and this run did not";
     case NEPH_LOSS_OVERDUE:
