@@ -326,8 +326,8 @@ static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* True when the scene's terms equal those of the run that is the baseline for its gates. Gates may
- * have been accepted separately from other series. */
+/* True when the scene's terms equal the terms in the baseline run of its gates. Gates may have been
+ * accepted separately from other series. */
 static enum neph_status are_terms_accepted(struct work *work, const char *step, const char *version,
                                            const char *terms, bool *accepted,
                                            struct neph_diag *diag)
