@@ -113,7 +113,7 @@ class Ablate(StudyCase):
             (64, ("'bux'", "box"), (rest, "--only", "box,bux")),
             (64, "'box' is twice", (rest, "--only", "box,box")),
             (64, ("override=none", "--list"), (rest, "--preset", "ue", "--only", "override")),
-            (64, ("'sine'", "flicker and step"), (rest, "--takes", "sine")),
+            (64, ("'sine'", "flicker or step"), (rest, "--takes", "sine")),
             (64, "multiple of 4", (rest, "--frames", "18")),
             (64, ("'0'", "1..64"), (rest, "--seeds", "0")),
             (66, "no_such", ("no_such",)),

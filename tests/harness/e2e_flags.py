@@ -158,6 +158,54 @@ class Flags(unittest.TestCase):
             self.assertEqual(neph_case.run(*verb.split(), f"--{new}{value}", "--help").stderr, "")
 
 
+def commands():
+    """(page, words) of every command of neph that a page shows in a block of code or in a line."""
+    pages = [ROOT / "README.md", ROOT / "scenes/README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    for path in pages:
+        text = path.read_text().replace("\\\n", " ")
+        blocks = re.findall(r"^```\w*\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+        lines = [line for block in blocks for line in block.splitlines()]
+        lines += [line.replace("\n", " ") for line in re.findall(r"`(neph [^`]+)`", text)]
+        for line in lines:
+            found = re.search(r"(?:^|[|&;(] ?|\w=\S+ )neph ((?:study )?[a-z]+\b[^|&;>#]*)", line)
+            if found:
+                yield path.name, found[1].split()
+
+
+class Pages(unittest.TestCase):
+    maxDiff = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.verbs = {" ".join(words): options(words) for words in verbs()}
+
+    def test_commands_of_the_pages_exist(self):
+        wrong, count = [], 0
+        for page, words in commands():
+            verb = " ".join(words[:2]) if words[0] == "study" else words[0]
+            flags = self.verbs.get(verb)
+            if flags is None:
+                if words[0] != "study" or len(words) > 1 and words[1].islower():
+                    wrong.append(f"{page}: neph {' '.join(words)}: no such verb")
+                continue
+            letters = {flag.letter for flag in flags.values()}
+            for word in words:
+                name = re.match(r"--([\w-]+)|-(\w)", word)
+                count += name is not None
+                if name and not (name[1] in {*flags, "help"} or name[2] in letters):
+                    wrong.append(f"{page}: neph {' '.join(words)}: no {word}")
+        self.assertEqual(wrong, [])
+        self.assertGreater(count, 50)
+
+    def test_the_manual_has_every_flag(self):
+        text = (pathlib.Path(neph_case.NEPH).parent / "neph.1").read_text().replace("\\-", "-")
+        for verb, flags in self.verbs.items():
+            section = text.split(f"\n.SH NEPH {verb.upper()}\n")[1].split("\n.SH ")[0]
+            for name, flag in flags.items():
+                argument = f"={flag.argument}" if flag.argument else ""
+                self.assertIn(f"--{name}{argument}", section, verb)
+
+
 class Commands(neph_case.NephCase):
     in_folder = True
 

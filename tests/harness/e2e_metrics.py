@@ -331,7 +331,7 @@ class Metrics(neph_case.NephCase):
         done = self.neph("compare", plain, named, "--exposure", 1, "-m", "mae")
         self.assertNotIn("alpha", done.stdout)
         self.neph("compare", plain, wide, code=65,
-                  said="pixel aspect ratio of the reference is 1, that of the other image 2")
+                  said="pixel aspect ratio of the reference is 1, of the other image 2")
         self.assertIn("pixels are taken for square",
                       self.neph("compare", wide, wide, "-m", "mae").stdout)
         for pair in ((plain, alpha), (alpha, plain)):
@@ -449,7 +449,7 @@ class Metrics(neph_case.NephCase):
                 4 - frame, 4, {c: [0.5] * (16 - 4 * frame) for c in "RGB"}, display=(8, 8)))
         self.neph("compare", self.folder / "cut", self.folder / "cut", code=65,
                   said=("the size changes: it is 4x4 pixels",
-                        "data windows that are equal to the display window"))
+                        "data windows equal to the display window"))
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT
@@ -630,7 +630,7 @@ class Metrics(neph_case.NephCase):
                     "ghost_area_frames": 0.25 * 32 + 0.75 * 10}
         self.assertEqual({name: values[name, "all"] for name in expected}, expected)
         self.assertEqual(findings["unsettled"]["verdict"], "unsettled")
-        self.assertIn("25 % of the picture never settles", findings["unsettled"]["text"])
+        self.assertIn("25 % of the frame never settles", findings["unsettled"]["text"])
 
     def test_ghosts_behind_a_card_in_words(self):
         """A card of 10 px moves right by 2 px a frame in front of a dark wall, followed by an
@@ -655,7 +655,7 @@ class Metrics(neph_case.NephCase):
         found = next(row for row in document["findings"]
                      if row["finding"] == "edge_ghost")
         self.assertEqual((found["verdict"],
-                          "27.5 % of what was in front is left after 4 frames" in found["text"]),
+                          "27.5 % of the old foreground is left after 4 frames" in found["text"]),
                          ("ghosts", True), found)
 
     def test_half_life_of_an_exponential_average(self):

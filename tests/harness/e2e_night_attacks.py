@@ -199,8 +199,8 @@ class Attacks(unittest.TestCase):
         self.assertEqual(list(found), ["edited"])
         [(before, words)] = found["edited"].items()
         self.assertEqual(before, self.series("zz_haze").split("/command")[0])
-        self.assertRegex(words, "numbers are those of catalog/zz_haze@[0-9a-f]{8}: tonight's "
-                                "program has rendered the accepted version once more, from '")
+        self.assertRegex(words, "numbers belong to catalog/zz_haze@[0-9a-f]{8}: this run's "
+                                "program rendered the accepted version again, from '")
         [copy] = self.out.glob(f"store/scenes/{before.split('@')[1]}-*/zz_haze.yaml")
         self.assertIn(str(copy), words)
         self.neph("store", "check")

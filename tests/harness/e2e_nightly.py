@@ -38,7 +38,7 @@ class Nightly(neph_case.NephCase):
         child = self.start(*QUICK)
         logs = self.folder / "nightly/logs"  # the second step has begun
         self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
-        self.neph(*QUICK, code=69, said="another night is at work")  # one at a time
+        self.neph(*QUICK, code=69, said="another nightly run is working")  # one at a time
         page = json.loads((self.folder / "nightly/report/data.json").read_text())
         self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
                          ("running", 1))
@@ -64,7 +64,7 @@ class Nightly(neph_case.NephCase):
         self.accept()
         second = self.neph(*QUICK)
         self.assertEqual(len(second.stdout.splitlines()), 1)  # one paragraph
-        self.assertIn(f"{self.data()['compared']} comparisons with night 1", second.stdout)
+        self.assertIn(f"{self.data()['compared']} comparisons with run 1", second.stdout)
         data = self.data()
         self.assertEqual((data["passes"], data["new"], data["findings"]), (True, 0, []))
         self.assertEqual(data["compared"], len(data["series"]))

@@ -314,7 +314,8 @@ volumes:
             for name, kind, value in further:
                 self.assertEqual(attribute(made, name, kind), value, name)
             self.assertNotIn(b"crop\0string", made.read_bytes())
-            self.neph("compare", made, out / "at_5.exr", code=65, said="not of the same place")
+            self.neph("compare", made, out / "at_5.exr", code=65,
+                      said="the images differ in the place")
             self.neph("compare", made, made, "-m", "mae")
         kept = frames.read_exr(self.folder / "out1/at_4.exr")[2]
         self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],

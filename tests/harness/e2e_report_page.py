@@ -253,7 +253,7 @@ def physics_data():
         finding(furnace, "march", -0.522, 0.0, cause="it models single scattering only",
                 lowered=True),
         finding(furnace, "march", 0.34, 0.001, participant="march octaves", look=True,
-                cause="a sum of octaves is a look: it does not conserve energy"),
+                cause="a sum of octaves is a non-physical model: it does not conserve energy"),
         finding(furnace, "povray", status="missing",
                 reason="the command povray is not on the path"),
         finding(slab, "exact", status="cannot", reason="cannot: multiple scattering"),

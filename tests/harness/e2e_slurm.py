@@ -158,7 +158,7 @@ class Queue(Nights):
         done = self.neph(*self.SENT, code=1, LOSE="1")
         [step] = json.loads((self.folder / "out/nightly/nightly.json").read_text())["steps"]
         self.assertEqual((step["done"], step["outcome"]), (False, "failed"), done.stderr)
-        self.assertIn("left no result", step["reason"])
+        self.assertIn("ended without a result", step["reason"])
 
     def test_what_cannot_be_sent_is_refused(self):
         sent = self.SENT
@@ -167,8 +167,9 @@ class Queue(Nights):
         self.assertIn("gpu=FEATURE", self.neph(*sent, code=64, NEPH_VULKAN_DEVICE="geforce").stderr)
         self.assertIn("no such key", self.neph(*sent, "--slurm", "hosts=a", code=64).stderr)
         self.assertIn("local or slurm", self.neph(*sent, "--executor", "dask", code=64).stderr)
-        self.assertIn("no jobs were sent", self.neph(*sent, "--report", code=64).stderr)
-        self.assertIn("no jobs were sent",
+        self.assertIn("has no jobs of this nightly run",
+                      self.neph(*sent, "--report", code=64).stderr)
+        self.assertIn("has no jobs of this nightly run",
                       self.neph(*sent, "--step", "failure fog_none", code=64).stderr)
         without = self.neph(*sent, code=69, PATH="/nonexistent")
         self.assertIn("apt-get install slurm-client", without.stderr)

@@ -94,7 +94,7 @@ class Study(StudyCase):
                                        "--all"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
         for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by",
-                     "16 frames tell periods of 2 to 4"):
+                     "16 frames resolve periods of 2 to 4"):
             self.assertIn(word, done.stdout)
         with open(self.folder / "all.csv", newline="") as file:
             rows = list(csv.DictReader(file))

@@ -101,7 +101,7 @@ class StudyLight(StudyCase):
         self.check_refusals(
             (64, "there is no suite 'both'", ("--suite", "both")),
             (64, "a suite or scenes by name", ("--suite", "test", "slab.yaml")),
-            (64, "what a fit is judged by", ("--fit", "x.inc")),
+            (64, "evaluates fits", ("--fit", "x.inc")),
             (64, "are of a SCENE", ("--suns", "50:180")),
             (64, "no elevation and azimuth", ("slab.yaml", "--suns", "50")),
             (64, "--sun-speed", ("slab.yaml", "--sun-speed", "51")),

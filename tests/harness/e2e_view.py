@@ -155,7 +155,7 @@ class View(neph_case.NephCase):
         self.refused(66, "there is no file", reference, self.folder / "nobody.exr")
         self.refused(65, "has 4x4 pixels", reference, self.folder / "small.exr")
         self.refused(65, "has no radiance: its channels are Z", self.folder / "depth.exr")
-        self.refused(65, "is a picture for a display", reference, self.folder / "picture.png")
+        self.refused(65, "is a display image", reference, self.folder / "picture.png")
         self.refused(65, "larger than 0.002 MB", reference, "--page-limit", "0.002")
         self.refused(64, "there is no map 'flop'", reference, reference, "--overlay", "flop")
         self.refused(64, "there is no quantity 'colour'", reference, "--quantity", "colour")

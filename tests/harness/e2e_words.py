@@ -44,6 +44,14 @@ def spoken(name, text):
     return [(text.count("\n", 0, found.start()) + 1, found[0]) for found in pattern.finditer(text)]
 
 
+def anchors(text):
+    """The anchors that GitHub gives the headings of a page."""
+    prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    headings = re.findall(r"^#+ (.+)$", prose, re.MULTILINE)
+    words = [re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower() for heading in headings]
+    return {re.sub(r"[^\w\- ]", "", word).strip().replace(" ", "-") for word in words}
+
+
 class Words(unittest.TestCase):
     maxDiff = None
 
@@ -72,6 +80,21 @@ class Words(unittest.TestCase):
             # tests/ mirrors the other folders.
             missing += [f"{name}: {path}" for path in PATH.findall(text)
                         if not any((ROOT / above / path).exists() for above in ("", "tests"))]
+        self.assertEqual(missing, [])
+
+    def test_links_meet_a_heading(self):
+        dead = []
+        for name, text in files({".md"}):
+            for path, anchor in re.findall(r"\]\((?!https?:)([^)#\s]*)#([^)]+)\)", text):
+                page = (ROOT / name).parent / path if path else ROOT / name
+                if page.suffix == ".md" and anchor not in anchors(page.read_text()):
+                    dead.append(f"{name}: {path}#{anchor}")
+        self.assertEqual(dead, [])
+
+    def test_code_names_pages_that_are_there(self):
+        missing = [f"{name}: {page}" for name, text in files(C | PAGE | {".py"})
+                   for page in re.findall(r"\bdocs/\w+\.md\b", text)
+                   if not (ROOT / page).exists() and "docs/NAME.md" != page]
         self.assertEqual(missing, [])
 
     def test_lines_are_as_wide_as_a_page(self):

@@ -320,11 +320,11 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
     }
     neph_assert_ok(neph_study_ranking(&study, 0, order, NULL), NULL);
     assert_true(order[0] == 2 && order[1] == 0 && order[2] == 1);
-    assert_text_has(&study, "The order holds at all 6 displays.");
+    assert_text_has(&study, "The order is the same at all 6 displays.");
     for (int s = 0; s < SCENES; s++)
         for (int seed = 0; seed < SEEDS; seed++)
             neph_study_cell_at(&study, s, 0, seed, metric)->displays[4] = 1e-2;
-    assert_text_has(&study, "The order holds at 5 of 6 displays: it is no ranking.");
+    assert_text_has(&study, "The order is the same at 5 of 6 displays: it is not a ranking.");
     neph_flicker_study_finish(&study);
 }
 
@@ -345,7 +345,7 @@ static void test_output_holds_every_number_and_says_why_some_do_not_count(void *
     const char *text = published_text(publication.text, &publication);
     assert_non_null(strstr(text, "three, b+\"x\"=1: reference-limited: for a test."));
     assert_non_null(strstr(text, "| three | 1 (1) | *1 (1) | 1 (1) |"));
-    assert_non_null(strstr(text, "64 frames tell periods of 2 to 8 frames apart"));
+    assert_non_null(strstr(text, "64 frames resolve periods of 2 to 8 frames"));
     const char *csv = published_text(publication.csv, &publication);
     assert_int_equal(count_of(csv, "\r\n"), 1 + count);
     assert_non_null(strstr(csv, "three,\"b+\"\"x\"\"=1\",1,"));

@@ -192,10 +192,10 @@ static void test_the_cause_is_what_was_measured(void **state)
     neph_ranking(&run.validation, list, FRAMES);
     const char *realtime = neph_ranked_cause(&list[0], &run.arena);
     const char *march = neph_ranked_cause(&list[1], &run.arena);
-    assert_non_null(strstr(march, "one offset of the whole picture, +2\u00a0%"));
-    assert_non_null(strstr(march, "Where: spread over the picture"));
-    assert_non_null(strstr(realtime, "march, which marches the same light"));
-    assert_non_null(strstr(realtime, "is off by 2\u00a0%: the error comes from the reuse"));
+    assert_non_null(strstr(march, "one offset of the whole frame, +2\u00a0%"));
+    assert_non_null(strstr(march, "Where: spread over the frame"));
+    assert_non_null(strstr(realtime, "march, the ray marcher with the same lighting"));
+    assert_non_null(strstr(realtime, "has an error of 2\u00a0%: the error comes from the reuse"));
     neph_measurements_finish(&run.frames[2].measurements);
     measure(&run.frames[2], "realtime", at_step, true);
     neph_ranking(&run.validation, list, FRAMES);

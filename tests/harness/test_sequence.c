@@ -239,7 +239,7 @@ static const struct refused {
     {{"f-1.exr", "f-2.exr", "f1.exr", "f2.exr"},
      {"f*"},
      NEPH_ERR_INPUT,
-     "'f*' holds more than one sequence"},
+     "'f*' has more than one sequence"},
     {{"f.0001.9e3779b1.exr", "f.0003.1b54a32d.exr"},
      {"f.*"},
      NEPH_ERR_INPUT,
@@ -260,11 +260,11 @@ static const struct refused {
     {{"d/f1.exr", "d/f2.exr", "d/z1.exr"},
      {"d"},
      NEPH_ERR_INPUT,
-     "'d' holds more than one sequence: 'd/f1.exr' and 'd/z1.exr'"},
+     "'d' has more than one sequence: 'd/f1.exr' and 'd/z1.exr'"},
     {{"f1.exr", "f1_a.exr", "f2.exr", "f2_a.exr"},
      {"f*"},
      NEPH_ERR_INPUT,
-     "'f*' holds more than one sequence"},
+     "'f*' has more than one sequence"},
 };
 
 static void test_what_is_no_sequence_is_refused(void **state)

@@ -187,7 +187,9 @@ static void test_the_plans_that_come_with_neph(void **state)
 static void test_the_manual_holds_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/sweep.md",
-                                        "<!-- written by tests/test_sweep --write -->\n",
+                                        "<!-- written by tests/test_sweep --write -->\n"
+                                        "| key | value | default | meaning |\n"
+                                        "| --- | --- | --- | --- |\n",
                                         "<!-- end -->\n", neph_sweep_plan_print_keys};
     check_readme(&table, *state);
 }

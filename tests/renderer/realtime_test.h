@@ -80,7 +80,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
         test->cpu.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
 }
 
-/* The same with the origin at the first corner, and settings from test_settings(). */
+/* test_passes_open() with the origin at the first corner, and settings from test_settings(). */
 static inline void test_open_words(struct neph_vulkan *vulkan, const int size_px[2], uint64_t seed,
                                    struct test_passes *test, const char *format, va_list arguments)
 {

@@ -13,8 +13,8 @@ enum { width = 61, height = 37, count = width * height };
 /* float32 through matrices, logarithms and powers; PQ's largest exponent is 78.8. */
 static const double shader_tolerance = 2e-5;
 
-/* Of light, relative to the largest channel: d log(light) / d code of PQ is up to 20 for visible
- * light. */
+/* Tolerance of light, relative to the largest channel: d log(light) / d code of PQ is up to 20 for
+ * visible light. */
 static const double light_tolerance = 20 * shader_tolerance;
 
 static void fill(float *rgb[3], double least_ev, double most_ev, uint64_t seed)

@@ -179,7 +179,9 @@ static void test_what_makes_no_sense_is_refused_by_line(void **state)
 static void test_the_manual_holds_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/post.md",
-                                        "<!-- written by tests/test_post_plan --write -->\n",
+                                        "<!-- written by tests/test_post_plan --write -->\n"
+                                        "| key | value | default | meaning |\n"
+                                        "| --- | --- | --- | --- |\n",
                                         "<!-- end -->\n", neph_post_plan_print_keys};
     check_readme(&table, *state);
 }
