@@ -365,7 +365,7 @@ enum neph_status neph_stress_run(const struct neph_stress_params *params, struct
     if (!status)
         status = neph_arena_check(&suite->arena, diag);
     if (status == NEPH_ERR_INTERRUPTED) {
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
         neph_interrupt_acknowledge();
     }
     if (!status)
