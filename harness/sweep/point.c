@@ -157,8 +157,8 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
-/* Reads the values of one seed's sequence: those of the document, and the error of its last frame,
- * whose evaluations are the point's where `counts`. */
+/* Reads the values of one seed's sequence: the document's values, and the error of its last frame.
+ * With `counts` the evaluations of this frame become the point's. */
 static enum neph_status read_sequence(struct neph_sweep_bench *bench,
                                       struct neph_sweep_point *point, const struct neph_take *take,
                                       const char *folder, bool counts,
