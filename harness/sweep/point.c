@@ -169,8 +169,7 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
     const struct neph_path last = neph_path_in(folder, "frame.exr");
     enum neph_status status = neph_take_document(folder, take->readings[0].name, &document, diag);
     if (!status) {
-        if (!point->job.engine->is_guest) /* the model of a user engine is not known, and so is its
-                                             shortcut error */
+        if (!point->job.engine->is_guest) /* the lighting model of a user's engine is unknown */
             numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
         numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
