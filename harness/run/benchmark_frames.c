@@ -228,7 +228,7 @@ static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_be
     march->evaluation_s += pass->gpu_s.median;
 }
 
-/* The device counts all density evaluations of a frame in one number: those of the marcher, of the
+/* The device counts all density evaluations of a frame in one number: of the marcher, of the
  * pass "scene" where it lights solids, and of the sun cache or the shadow map where a moving sun or
  * wind makes it refill. The count is dropped (NaN) where one of the passes has no time of its own.
  */

@@ -71,8 +71,8 @@ static void test_wrong_settings_are_refused_with_what_is_allowed(void **state)
     expect_refusal(&options[3], "steps=1", "no setting", "engine x has no settings");
 }
 
-/* With more names than a hint has room for, those that share the longest run of letters with the
- * key, but for runs of less than three. */
+/* If there are more names than fit into a hint, it has the names that share the longest run of
+ * letters with the key; runs of less than three are ignored. */
 static void test_of_many_settings_those_alike_are_named(void **state)
 {
     struct neph_option many[NEPH_OPTIONS_MAX + 1] = {{.name = NULL}};

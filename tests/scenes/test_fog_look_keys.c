@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The look of a fog in a scene file: read as it is written, refused with the way out, part of the
- * scene's identity where there is one, and what physics has for it.
+ * The non-physical controls of a fog in a scene file: read as written, refused with a way out, part
+ * of the scene's identity if present, and the physical value of each.
  */
 #include "tests/scene_builders.h"
 
@@ -53,7 +53,7 @@ static void test_what_is_left_out_is_off(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Each control by its key, and none of the others with it. */
+/* Each control by its key, and no other control with it. */
 static void test_each_control_has_its_key(void **state)
 {
     for (int c = 0; c < NEPH_FOG_CONTROL_COUNT; c++) {
@@ -95,7 +95,8 @@ static void test_refusals(void **state)
                    "not beyond 7");
 }
 
-/* Even scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase. */
+/* Isotropic scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase
+ * function. */
 static void test_what_physics_has_for_a_look(void **state)
 {
     struct neph_scene *scene = loaded("");
@@ -129,7 +130,7 @@ static void test_what_a_look_does_not_know(void **state)
     struct neph_scene *scene = loaded("fog_look: {inscattering_w_per_m2_sr: [1, 2, 3]}");
     struct neph_medium *medium = &scene->media[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
-    scene->medium_count = 0; /* in a picture that has them away */
+    scene->medium_count = 0; /* in a frame that shows the scene without media */
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
     scene->medium_count = 1;
     scene->light_count = 1;
