@@ -12,7 +12,7 @@
 enum { POINTS = 1 << 16, CHORDS_CLOSED = 1 << 14, CHORDS_QUADRATURE = 192, TRIES = 256 };
 static const uint64_t error_seed = 20150810;
 
-/* What is thinner than this part of the densest is not worth the nodes of a coarse grid. */
+/* Margins below this part of the largest extinction do not get nodes of the grid. */
 static const double thinnest_of_densest = 1e-5;
 
 /* ---- the lattice ----------------------------------------------------------------------------- */
@@ -49,8 +49,8 @@ static double *axis_of(struct neph_vec3 *v, int axis)
     return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z;
 }
 
-/* How far a face can move towards the opposite one while all that it leaves is thinner than
- * `limit_per_m`; found by halving. */
+/* Moves a face towards the opposite one while the excluded part stays thinner than `limit_per_m`;
+ * found by bisection. */
 static double trimmed_face_m(const struct neph_medium *medium, const struct neph_bounds *box,
                              int axis, bool is_low, double limit_per_m)
 {
@@ -103,8 +103,8 @@ struct sampling {
     struct neph_grid *grid;
 };
 
-/* A block of this many nodes along each side stays 0 where the bound of the medium is 0. Half of
- * the nodes around Horizon clouds lie in such blocks, and a bound costs as much as ten nodes. */
+/* Blocks of this many nodes along each side are 0 where the bound of the medium is 0. Half of the
+ * nodes around Horizon clouds lie in such blocks, and a bound costs as much as ten nodes. */
 enum { BLOCK = 4 };
 
 static struct neph_vec3 node_m(const struct neph_grid *grid, int i, int j, int k)
@@ -205,7 +205,7 @@ static struct neph_vec3 next_point(uint64_t *state, const struct neph_bounds *re
                               region->min_m.z + z * (region->max_m.z - region->min_m.z)};
 }
 
-/* The largest extinction that was met [1/m]. */
+/* Measures errors of extinction. Returns the largest sampled extinction [1/m]. */
 static double measure_extinction(const struct neph_medium *medium, const struct neph_medium *baked,
                                  const struct neph_bounds *region, struct neph_bake_error *error)
 {
@@ -235,7 +235,7 @@ struct chords {
     double *medium_depths, *baked_depths;
 };
 
-/* A place drawn in proportion to the extinction, by rejection. */
+/* A random point in proportion to the extinction, by rejection. */
 static struct neph_vec3 next_dense_point(uint64_t *state, const struct chords *chords)
 {
     struct neph_vec3 point_m = next_point(state, chords->region);
@@ -248,7 +248,7 @@ static struct neph_vec3 next_dense_point(uint64_t *state, const struct chords *c
     return point_m;
 }
 
-/* A line through a dense place and any other, through all of the region. */
+/* Measures a line through a dense point and a uniform one, through the whole region. */
 static void measure_chord(int chord, void *context)
 {
     const struct chords *chords = context;
@@ -316,7 +316,7 @@ static struct neph_bounds join(struct neph_bounds a, struct neph_bounds b)
     return a;
 }
 
-/* Over the box, trimmed or not, and the ramps of the grid that stick out of it. */
+/* Measures errors over the box and over the ramps of the grid that extend beyond it. */
 static enum neph_status measure(const struct neph_medium *medium, const struct neph_bounds *box,
                                 struct neph_bake *bake, struct neph_diag *diag)
 {

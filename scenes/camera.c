@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The camera: its keys in a scene file, the camera of a frame and the rays of its pixels. A new
- * field of it is a member in scenes/scene.h and a row here; the row reads it, hashes it and writes
- * it into variants of the file.
+ * The camera: its keys in a scene file, the camera of a frame and the rays of its pixels. To add a
+ * field, add a member in scenes/scene.h and a row here, which reads it, hashes it and writes it
+ * into variants of the file.
  */
 #include "scenes/keys.h"
 #include "scenes/load.h"
@@ -144,7 +144,7 @@ double neph_camera_half_height(const struct neph_camera *camera)
                                                : tan(0.5 * camera->vertical_fov_rad);
 }
 
-/* Pixels are square. Blender and POV-Ray were measured to use the same rays. */
+/* Pixels are square. Measurements showed the same rays in Blender and POV-Ray. */
 struct neph_pixel_ray neph_camera_ray(const struct neph_camera *camera, int width_px, int height_px,
                                       double i, double j)
 {

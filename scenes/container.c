@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
  * A finite box for an unbounded medium. Four cuts:
- * - top: where e^-16 of the optical depth above the eye is left, so that a ray slanted enough to
- *   see the rest is opaque before it gets there; for an eye in next to nothing, where a vertical
- *   ray meets less than 1e-8; higher where the sun's rays need it; where a fog is opaque upwards,
- *   no higher than that;
- * - bottom: where e^-18 of the light from the lowest eye is left;
- * - sides: widened until what they cost in transmittance is below 1e-7, or 1000 km are reached.
- * The error that comes with the box is not derived but measured: the largest difference in
- * transmittance over views of all slopes from the eyes.
+ * - top: where e^-16 of the optical depth above the camera remains, so that a ray which is slanted
+ *   enough to see the rest is opaque before it gets there; for a camera in nearly empty space,
+ *   where a vertical ray collects less than 1e-8; higher where the sun's rays need it; where a fog
+ *   is opaque upwards, not higher than that;
+ * - bottom: where e^-18 of the light from the lowest camera remains;
+ * - sides: moved outwards until their error in transmittance is below 1e-7, or 1000 km are reached.
+ * The error of the box is measured: the largest difference in transmittance over views of all
+ * slopes from the camera positions ("eyes" below).
  */
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
@@ -19,7 +19,7 @@ static const double top_optical_depth = 1e-8;
 static const double opaque_optical_depth = 18.0;
 static const double side_error = 1e-7;
 static const double reach_max_m = 1e6;
-static const double reach_min_m = 1.0; /* an eye is never on a face */
+static const double reach_min_m = 1.0; /* keeps cameras off the faces */
 
 struct eyes {
     double low_m, high_m;          /* heights */
@@ -51,8 +51,8 @@ static double height_of_depth_above(const struct neph_fog_layer *layer, double k
                layer->falloff_per_m;
 }
 
-/* How far a vertical ray from height y gets until it is opaque: the distance D with
- * sigma(y) (1 - e^{-b D}) / b = 18, b < 0 for the way down. +inf when it never is. */
+/* Distance D at which a vertical ray from height y is opaque: sigma(y) (1 - e^{-b D}) / b = 18,
+ * with b < 0 downwards. +inf when it never is. */
 static double opaque_distance_m(const struct neph_fog_layer *layer, double y_m, bool upwards)
 {
     const double b = layer->falloff_per_m;
@@ -84,13 +84,13 @@ static double layer_bottom_m(const struct neph_fog_layer *layer, double eye_m)
     if (layer->falloff_per_m > 0.0) {
         const double thin_m = height_of_depth_above(layer, 1.0, opaque_optical_depth);
         if (eye_m - thin_m > 30.0 / layer->falloff_per_m)
-            return fmax(thin_m, lowest_m); /* from so far above, the eye's own density is nothing */
+            return fmax(thin_m, lowest_m); /* so far above, the density at the eye is negligible */
     }
     const double reach_m = fmax(reach_min_m, opaque_distance_m(layer, eye_m, false));
     return fmax(eye_m - reach_m, lowest_m);
 }
 
-/* Top and bottom for all layers, as seen from where the eyes are nearest inside the medium. */
+/* Top and bottom for all layers, for the points inside the medium that are nearest to the eyes. */
 static void cut_heights(struct neph_bounds *box, const struct neph_scene *scene,
                         const struct neph_medium *medium, const struct eyes *eyes)
 {
@@ -116,7 +116,7 @@ static double transmittance(struct neph_medium medium, struct neph_bounds bounds
 }
 
 /* Difference between two bounds of one medium in the views that climb `slope` metres per metre to
- * each of the four sides, from the eye that is nearest to it. */
+ * each of the four sides, from the nearest eye. */
 static double slope_difference(const struct neph_medium *medium, struct neph_bounds a,
                                struct neph_bounds b, const struct eyes *eyes, double eye_y_m,
                                double slope)
@@ -153,8 +153,8 @@ static double largest_difference(const struct neph_medium *medium, struct neph_b
     return worst;
 }
 
-/* Towards the sun the box reaches as far as a sun ray from its lowest eye needs to leave by the
- * top: sunlight must cross the whole fog before it is scattered. */
+/* Extends the box towards the sun until a sun ray from its lowest eye leaves through the top:
+ * sunlight must cross the whole fog before it is scattered. */
 static void reach_towards_sun(struct neph_bounds *box, const struct neph_sun *sun, double eye_m)
 {
     if (!sun->present || sun->direction.y <= 0.0)
@@ -185,7 +185,7 @@ struct neph_bounds neph_fog_container(const struct neph_scene *scene,
                                       const struct neph_medium *medium, double *cut_error)
 {
     *cut_error = 0.0;
-    /* Parallel rays start from everywhere: there is no eye from which to cut. */
+    /* Parallel rays start anywhere: there is no eye to measure from. */
     if (is_finite(&medium->bounds) || scene->orthographic_height_m > 0.0)
         return medium->bounds;
     const struct eyes eyes = find_eyes(scene);
@@ -208,7 +208,7 @@ struct neph_bounds neph_fog_container(const struct neph_scene *scene,
         box = neph_bounds_hull(box, (struct neph_bounds){at_m, at_m});
     }
     box = neph_bounds_intersect(box, medium->bounds);
-    /* A tenth more than was found between steps of 3 % in slope, and the rounding of T. */
+    /* A tenth more than the maximum over steps of 3 % in slope, and the rounding of T. */
     const double found = largest_difference(medium, medium->bounds, box, &eyes, 1.03, 1.0);
     *cut_error = fmin(1.0, 1e-15 + 1.1 * found);
     return box;

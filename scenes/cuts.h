@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Places at which a ray is cut, so that quadrature of the light scattered along it misses nothing.
+ * Places at which a ray is split, so that quadrature of the light scattered along it resolves all
+ * features.
  */
 #ifndef NEPH_SCENES_CUTS_H
 #define NEPH_SCENES_CUTS_H
@@ -18,7 +19,7 @@ struct neph_cuts {
     double at_m[NEPH_CUTS_MAX];
 };
 
-/* Cut at t, if it lies inside and there is room but for the two ends. */
+/* Adds a cut at t if it lies inside the ray; the last two places are kept for the ends. */
 void neph_cut(struct neph_cuts *cuts, double t_m);
 
 /* The part of the ray inside the bounds; false when there is none. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the frames of a scene are displayed. No rendered value depends on it.
+ * Display settings of a scene's frames. No rendered value depends on them.
  */
 #ifndef NEPH_SCENES_DISPLAY_H
 #define NEPH_SCENES_DISPLAY_H
@@ -9,10 +9,10 @@
 
 struct neph_scene_display {
     double exposure_ev; /* display = radiance * 2^ev; frozen for all frames of the scene */
-    const char *chain;  /* the file of the picture chain that displays the frames; NULL: none */
+    const char *chain;  /* file of the post-processing chain that displays the frames; NULL: none */
 };
 
-/* An exposure of 0 and no chain for a scene that was built in memory. */
+/* Exposure 0 and no chain for a scene that was built in memory. */
 const struct neph_scene_display *neph_scene_display(const struct neph_scene *scene);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the scan of events keeps between two of them. */
+/* State of the scan of events. */
 struct scan {
     const char *file;
     const char *text;
@@ -21,7 +21,7 @@ static void locate_mark(const char *file, yaml_mark_t mark, struct neph_diag *di
         neph_locate(diag, file, (int)mark.line + 1, (int)mark.column + 1);
 }
 
-/* libyaml gives a byte offset, but no mark, for text that it cannot even read. */
+/* libyaml gives a byte offset, but no mark, for text that it cannot decode. */
 static yaml_mark_t mark_of_offset(const struct scan *scan, size_t offset)
 {
     yaml_mark_t mark = {0};
@@ -122,8 +122,8 @@ static enum neph_status check_event(struct scan *scan, const yaml_event_t *event
     return NEPH_OK;
 }
 
-/* One pass over the events before anything is built: it stops at the first thing that is refused,
- * so a hostile file costs no more than the part of it that was read. */
+/* One pass over the events before the tree is built. It stops at the first refused event, so a
+ * hostile file costs no more than the part that was read. */
 static enum neph_status scan_events(struct scan *scan, struct neph_diag *diag)
 {
     yaml_parser_t parser;
@@ -164,7 +164,7 @@ static enum neph_status load_tree(struct neph_document *document, const struct s
     return status;
 }
 
-/* The scan has refused lists and mappings as keys only by their depth; here by their kind. */
+/* Refuses lists and mappings as keys by their kind; the scan refuses them only by depth. */
 static enum neph_status check_keys(struct neph_document *document, struct neph_diag *diag)
 {
     yaml_document_t *yaml = &document->yaml;
@@ -240,7 +240,7 @@ static yaml_node_t *item_of(struct neph_document *document, const yaml_node_t *s
     return yaml_document_get_node(&document->yaml, sequence->data.sequence.items.start[index]);
 }
 
-/* As far as the file has the path; `*rest` is what it has not got of it. */
+/* Follows the path as far as the file has it; `*rest` receives the remaining part. */
 static yaml_node_t *walk(struct neph_document *document, const char *path, const char **rest)
 {
     yaml_node_t *node = neph_document_root(document);

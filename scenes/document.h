@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A YAML file as a tree that remembers lines and columns. Private to scenes/.
+ * A YAML file as a tree with lines and columns. Private to scenes/.
  */
 #ifndef NEPH_SCENES_DOCUMENT_H
 #define NEPH_SCENES_DOCUMENT_H
@@ -18,8 +18,8 @@ struct neph_document {
     yaml_document_t yaml;
 };
 
-/* Parse one YAML document. Refuses what a scene has no use for: nothing at all, a second document,
- * anchors and aliases, tags, keys that are lists, NUL characters, deep nesting. Free with
+/* Parses one YAML document. Refuses features that scenes do not use: an empty file, a second
+ * document, anchors and aliases, tags, keys that are lists, NUL characters, deep nesting. Free with
  * neph_document_finish(). */
 enum neph_status neph_document_init(struct neph_document *document, const char *file,
                                     const char *text, size_t size, int depth_max,
@@ -29,29 +29,29 @@ void neph_document_finish(struct neph_document *document);
 
 yaml_node_t *neph_document_root(struct neph_document *document);
 
-/* The node of a path such as "media[0].homogeneous.albedo[2]", or of the part of it that exists. */
+/* The node of a path such as "media[0].homogeneous.albedo[2]", or of its longest existing part. */
 yaml_node_t *neph_document_find(struct neph_document *document, const char *path);
 
-/* The node of exactly that path; NULL when the file has not got all of it. */
+/* The node of exactly that path; NULL when the file has only a part of it. */
 yaml_node_t *neph_document_exactly(struct neph_document *document, const char *path);
 
-/* Write a number in place of a scalar. NEPH_ERR_MEMORY. */
+/* Replaces a scalar by a number. NEPH_ERR_MEMORY. */
 enum neph_status neph_document_put_number(yaml_node_t *scalar, double number,
                                           struct neph_diag *diag);
 
-/* The value of a key of a mapping; NULL when it is not there. */
+/* The value of a key of a mapping; NULL when the key is absent. */
 yaml_node_t *neph_document_value(struct neph_document *document, const yaml_node_t *mapping,
                                  const char *key, size_t key_size);
 
-/* A scalar's text; always NUL-terminated, holds no NUL. */
+/* A scalar's text; always NUL-terminated, without inner NUL. */
 const char *neph_document_text(const yaml_node_t *scalar);
 
-/* Add the position of a node to a diag that holds a message. */
+/* Adds the position of a node to a diag that has a message. */
 void neph_document_locate(const struct neph_document *document, const yaml_node_t *node,
                           struct neph_diag *diag);
 
 /* A short printable copy of a user's text for a message: no control characters, no bidirectional
- * tricks of a terminal, at most 60 bytes. Returns `buffer`. */
+ * formatting characters, at most 60 bytes. Returns `buffer`. */
 #define NEPH_QUOTE_SIZE 72
 const char *neph_document_quote(const char *text, char buffer[NEPH_QUOTE_SIZE]);
 

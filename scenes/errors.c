@@ -58,7 +58,7 @@ bool neph_errors_concern(const struct neph_errors *errors, const char *path, con
     return false;
 }
 
-/* By line and column; errors of one place stay in the order in which they were found. */
+/* By line and column; errors at one place stay in the order in which they were found. */
 static int compare(const void *a_, const void *b_)
 {
     const struct neph_error *a = a_, *b = b_;
@@ -83,7 +83,8 @@ static void fill(const struct neph_error *error, const char *file, struct neph_d
     neph_locate(diag, file, error->line, error->column);
 }
 
-/* Whole entries only; the last line says how many did not fit, or that reading ended. */
+/* Lists whole entries; the last line gives the number of the others, or states that reading
+ * ended. */
 static void list_others(const struct neph_errors *errors, struct neph_diag *diag)
 {
     enum { TAIL_SIZE = 120 };

@@ -26,7 +26,7 @@ static int *count_of(const struct neph_field *field, void *target)
     return place(target, field->count_at);
 }
 
-/* Append to a text in a buffer of `size` bytes; what does not fit is cut off. */
+/* Appends to a text in a buffer of `size` bytes, truncated to fit. */
 static void append(char *buffer, size_t size, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -39,9 +39,9 @@ static void append(char *buffer, size_t size, const char *format, ...)
     va_end(arguments);
 }
 
-/* --- Where the reader is --- */
+/* --- Path of the reader --- */
 
-/* Both return the length of the path before: leave() goes back there. */
+/* Both return the previous length of the path, for leave(). */
 static size_t enter_key(struct neph_reader *reader, const char *key)
 {
     const size_t before = strlen(reader->path);
@@ -81,7 +81,7 @@ bool neph_reader_has(const struct neph_reader *reader, const yaml_node_t *mappin
     return neph_document_value(reader->document, mapping, key, strlen(key));
 }
 
-/* --- Complaints --- */
+/* --- Errors --- */
 
 enum neph_status neph_refuse(const struct neph_reader *reader, const char *path, const char *format,
                              ...)
@@ -114,7 +114,7 @@ bool neph_is_sound(const struct neph_reader *reader, const char *keys)
            !neph_errors_concern(reader->errors, reader->path, keys);
 }
 
-/* The message is in place; add where, and the note if there is no better hint. */
+/* Adds the position to a message, and the field's note if there is no better hint. */
 static enum neph_status refuse(const struct neph_reader *reader, const yaml_node_t *node,
                                const struct neph_field *field)
 {
@@ -221,7 +221,7 @@ static void hint_spelling(const struct neph_reader *reader, const struct neph_sp
 
 /* --- Scalars --- */
 
-/* Decimal only: no nan, no inf, no hexadecimal, nothing behind the number. */
+/* Decimal only: no nan, no inf, no hexadecimal, nothing after the number. */
 static bool is_number(const char *text)
 {
     char *end;
@@ -242,7 +242,7 @@ static bool is_plain(const yaml_node_t *node)
     return node->type == YAML_SCALAR_NODE && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
 }
 
-/* A number, or one of a list of them. */
+/* Reads a number, or one number of a list. */
 static enum neph_status read_number(const struct neph_reader *reader, const yaml_node_t *node,
                                     const struct neph_field *field, bool is_of_list, double *number)
 {
@@ -305,7 +305,7 @@ static enum neph_status read_text(const struct neph_reader *reader, const yaml_n
 
 /* --- Lists --- */
 
-/* -1 when it is no list, or too short or too long. */
+/* -1 when it is not a list, or too short or too long. */
 static int length_of(const yaml_node_t *node, int least, int most)
 {
     if (node->type != YAML_SEQUENCE_NODE)
@@ -364,7 +364,7 @@ static enum neph_status read_entries(struct neph_reader *reader, const yaml_node
     return status;
 }
 
-/* By the first field of the entries. */
+/* Checks that the first field of the entries ascends. */
 static enum neph_status check_order(const struct neph_reader *reader,
                                     const struct neph_record *record, int count,
                                     const char *entries)
@@ -429,7 +429,7 @@ static enum neph_status read_value(struct neph_reader *reader, const yaml_node_t
         return read_number(reader, node, field, false, value);
     case NEPH_WHOLE:
         status = read_number(reader, node, field, false, &number);
-        if (!status) /* else it may be more than an int holds */
+        if (!status) /* else it may exceed the range of int */
             *(int *)value = (int)number;
         return status;
     case NEPH_FLAG:
@@ -524,7 +524,7 @@ static enum neph_status read_pair(struct neph_reader *reader, const yaml_node_t 
     return status;
 }
 
-/* A key of the mapping that is not known, and nearest to this one. */
+/* Whether the mapping has an unknown key whose nearest known key is this one. */
 static bool is_misspelled(const struct neph_reader *reader, const yaml_node_t *mapping,
                           const struct neph_field *fields, const struct neph_field *field)
 {
@@ -575,7 +575,7 @@ enum neph_status neph_read_choice(struct neph_reader *reader, const yaml_node_t 
 
 /* --- Defaults --- */
 
-/* Words are 0. */
+/* Words have index 0. */
 static void set_default(const struct neph_field *field, void *target)
 {
     void *value = place(target, field->at);

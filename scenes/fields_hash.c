@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables for stores and variants: the text of the hash, and keys as a scene file has them.
+ * The tables for stores and variants: the text of the hash, and keys in the syntax of scene files.
  */
 #include "scenes/fields.h"
 #include "scenes/hash_text.h"

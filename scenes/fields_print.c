@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables for people: what scenes/README.md says of the keys.
+ * Prints the tables as Markdown: the reference of keys in scenes/README.md.
  */
 #include "scenes/fields.h"
 
@@ -14,7 +14,7 @@ static bool is_text_same(const char *a, const char *b)
     return a == b || (a && b && !strcmp(a, b));
 }
 
-/* Whether but for their keys both rows say the same. */
+/* Whether both rows differ only in their keys. */
 static bool is_same(const struct neph_field *a, const struct neph_field *b)
 {
     return b->key && a->type == b->type && a->minimum == b->minimum && a->maximum == b->maximum &&
@@ -22,7 +22,7 @@ static bool is_same(const struct neph_field *a, const struct neph_field *b)
            is_text_same(a->note, b->note) && is_text_same(a->standard, b->standard);
 }
 
-/* The row of a mapping may say nothing that its keys do not. */
+/* The row of a mapping that adds nothing to the rows of its keys. */
 static bool is_mute(const struct neph_field *field)
 {
     return field->type == NEPH_RECORD && !field->note && !(field->standard && *field->standard);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Homogeneous media and exponential height fog, in closed form. Why the height fog is written the
- * way it is: the textbook a e^{-b y0} (1 - e^{-b k L}) / (b k) cancels for level rays and gives
- * 0 * inf for a camera high above the fog. Taking the density at the *denser* end and
- * phi(x) = (1-e^-x)/x for the rest has neither: the exponential is the largest one needed and phi
- * lies in (0, 1].
+ * Homogeneous media and exponential height fog, in closed form. The textbook form of the height
+ * fog, a e^{-b y0} (1 - e^{-b k L}) / (b k), cancels for level rays and gives 0 * inf for a camera
+ * high above the fog. This file uses the density at the *denser* end of the ray, times phi(x) =
+ * (1-e^-x)/x. It has neither problem: the exponential is the largest one that occurs, and phi lies
+ * in (0, 1].
  */
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
@@ -39,11 +39,11 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
     if (isinf(length_m) && rate_per_m <= 0.0)
         return INFINITY;
     const double dense_y_m = rate_per_m >= 0.0 ? y_m : y_m + k_y * length_m;
-    /* The density e^-x is applied in two halves, to the extinction and to the length: either alone
+    /* The density e^-x is applied in two halves, to the extinction and to the length: each factor
      * may leave the range of a double where their product does not. */
     const double half = exp(-0.5 * layer->falloff_per_m * (dense_y_m - layer->height_m));
     if (half == 0.0)
-        return 0.0; /* keeps 0 * inf out */
+        return 0.0; /* avoids 0 * inf */
     const double density_per_m = layer->extinction_per_m * half;
     const double decay = fabs(rate_per_m) * length_m;
     /* Beyond e^-40 the end of the ray adds nothing in double, and length may be infinite. */
@@ -52,35 +52,35 @@ double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y
     return density_per_m * (half * (length_m * neph_phi(decay)));
 }
 
-/* In logarithms, for the density at y may underflow. */
+/* In logarithms, because the density at y may underflow. */
 double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
                                  double optical_depth)
 {
     if (layer->extinction_per_m == 0.0)
         return INFINITY;
-    if (layer->falloff_per_m < 0.0) { /* the same upside down */
+    if (layer->falloff_per_m < 0.0) { /* mirrored */
         const struct neph_fog_layer mirror = {layer->extinction_per_m, -layer->falloff_per_m,
                                               -layer->height_m};
         return neph_fog_layer_distance_m(&mirror, -y_m, -k_y, optical_depth);
     }
     const double rate_per_m = layer->falloff_per_m * fabs(k_y);
     const double folds = layer->falloff_per_m * (y_m - layer->height_m); /* density at y, as e^- */
-    /* The density changes by less than rounding over the way: even. */
+    /* Homogeneous: the density changes by less than rounding along the ray. */
     if (!(rate_per_m > 1e-290))
         return optical_depth / (layer->extinction_per_m * exp(-folds));
     const double exponent = log(optical_depth * rate_per_m / layer->extinction_per_m) + folds;
     if (exponent < -690.0)
-        return exp(exponent - log(rate_per_m)); /* even, too; e^exponent alone would underflow */
+        return exp(exponent - log(rate_per_m)); /* homogeneous, too; e^exponent would underflow */
     if (k_y > 0.0)
         return exponent < 0.0 ? -log1p(-exp(exponent)) / rate_per_m : INFINITY;
     return (exponent > 36.0 ? exponent : log1p(exp(exponent))) / rate_per_m;
 }
 
-/* Extinction of one layer at a height, which may be infinite in a bound. */
+/* Extinction of one layer at a height, which may be infinite when a bound is computed. */
 static double layer_extinction_per_m(const struct neph_fog_layer *layer, double y_m)
 {
     if (layer->extinction_per_m == 0.0 || layer->falloff_per_m == 0.0)
-        return layer->extinction_per_m; /* keeps 0 * inf out */
+        return layer->extinction_per_m; /* avoids 0 * inf */
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 
@@ -121,9 +121,9 @@ static struct neph_bounds support(const struct neph_medium *medium)
 
 enum { LADDER_COUNT = 9 };
 
-/* Cuts where a layer has given its whole / 2 * 64^-k from either end: between two of them its
- * density changes 64-fold at most, or it gives less than 1e-14 of its whole. However far away or
- * thin a layer is, some piece has its scale. */
+/* Splits at the points where a layer has reached half of its optical depth times 64^-k, from either
+ * end. Between two of them its density changes at most 64-fold, or the layer contributes less than
+ * 1e-14 of its total. So at any distance and thickness some piece has the layer's scale. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     double near_m, far_m;
@@ -136,7 +136,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
         const struct neph_fog_layer *layer = &medium->layers[l];
         double step = 0.5 * neph_fog_layer_optical_depth(layer, near_y_m, k_y, far_m - near_m);
         if (layer->falloff_per_m * k_y == 0.0)
-            continue; /* even along the ray */
+            continue; /* constant along the ray */
         for (int k = 0; k < LADDER_COUNT && step > 0.0; k++, step /= 64.0) {
             neph_cut(cuts, near_m + neph_fog_layer_distance_m(layer, near_y_m, k_y, step));
             neph_cut(cuts, far_m - neph_fog_layer_distance_m(layer, far_y_m, -k_y, step));

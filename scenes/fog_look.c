@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The controls of a fog's look: their names in three worlds, and what they do that no medium does.
+ * The controls of non-physical fog: their names in the scene file, Unreal and Filament, and their
+ * difference from any physical medium.
  */
 #include "scenes/fog_look.h"
 

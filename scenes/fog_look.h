@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
- *
- * The look of height fog in game engines: what Unreal Engine and Filament let an artist set beside
- * the layers of the fog themselves, which are those of the scene's height fog. None of it is
- * physics, and those look at it that are told to: engine `fog_look`, and marches with fog=unreal or
- * fog=filament. What physics has for it is in scenes/fog_translation.h, the formulas are in
+ * The non-physical controls of height fog in game engines: the settings that Unreal Engine and
+ * Filament have for artists besides the layers of the fog, which are those of the scene's height
+ * fog. No physical engine reads them; engine `fog_look` does, and marches with fog=unreal or
+ * fog=filament. Their physical counterparts are in scenes/fog_translation.h, the formulas in
  * truth/fog_look.h.
  */
 #ifndef NEPH_SCENES_FOG_LOOK_H
@@ -14,30 +13,30 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Whose formula. */
+/* The engine whose formula is used. */
 enum neph_fog_model {
     NEPH_FOG_UNREAL,
     NEPH_FOG_FILAMENT,
     NEPH_FOG_MODEL_COUNT,
 };
 
-#define NEPH_FOG_EXPONENT_MAX 64 /* of a look's cosine; Unreal's, too */
+#define NEPH_FOG_EXPONENT_MAX 64 /* of directional_exponent; as in Unreal */
 #define NEPH_FOG_NO_OBSERVER_M 1e6
 
-/* As written in a scene file; every control at its `off` is none. */
+/* As written in a scene file; a control at its `off` value has no effect. */
 struct neph_fog_look {
     bool present;
-    struct neph_rgb inscattering_w_per_m2_sr; /* what fog without end looks like */
-    struct neph_rgb sky_light;        /* so much of the background's radiance is added to it */
-    double start_distance_m;          /* fog nearer than this is left out; 0: none is */
-    double end_distance_m;            /* so is fog beyond, over ground; 0: none is */
-    double cutoff_distance_m;         /* what lies beyond is seen without any fog; 0: nothing is */
+    struct neph_rgb inscattering_w_per_m2_sr; /* radiance of fog of infinite depth */
+    struct neph_rgb sky_light;        /* factor of the background's radiance that is added to it */
+    double start_distance_m;          /* nearer fog is left out; 0: none */
+    double end_distance_m;            /* farther fog is left out, horizontally; 0: none */
+    double cutoff_distance_m;         /* objects farther away are seen without fog; 0: none */
     double max_opacity;               /* 0..1 */
-    double volumetric_fog_distance_m; /* nearer fog is left to a volume of froxels; 0: none is */
-    double observer_height_max_m;     /* a camera above it is taken to be there */
-    struct neph_rgb directional_w_per_m2_sr; /* where one looks into the sun */
+    double volumetric_fog_distance_m; /* nearer fog is left to froxels; 0: none */
+    double observer_height_max_m;     /* a camera above is treated as at this height */
+    struct neph_rgb directional_w_per_m2_sr; /* radiance in the direction of the sun */
     double directional_exponent;             /* of the cosine between view and sun */
-    double directional_start_m;              /* this glow begins so far behind where the fog does */
+    double directional_start_m;              /* its start, from the start of the fog */
 };
 
 enum neph_fog_control {
@@ -49,7 +48,7 @@ enum neph_fog_control {
     NEPH_FOG_HAND_OVER,
     NEPH_FOG_OBSERVER,
     NEPH_FOG_DIRECTIONAL,
-    NEPH_FOG_DIRECTIONAL_START, /* does nothing without the one before */
+    NEPH_FOG_DIRECTIONAL_START, /* no effect without NEPH_FOG_DIRECTIONAL */
     NEPH_FOG_CONTROL_COUNT,
 };
 
@@ -58,21 +57,21 @@ enum neph_fog_control {
 struct neph_fog_control_row {
     const char *name;     /* "start_distance" */
     const char *key;      /* of the scene file */
-    const char *unreal;   /* what Unreal's component calls it */
-    const char *filament; /* what Filament's FogOptions calls it; NULL: it has none */
-    const char *physics;  /* what it does that no medium does */
-    size_t at;            /* in struct neph_fog_look: so many doubles */
+    const char *unreal;   /* name in Unreal's component */
+    const char *filament; /* name in Filament's FogOptions; NULL: it has none */
+    const char *physics;  /* its difference from any physical medium */
+    size_t at;            /* offset in struct neph_fog_look, of `count` doubles */
     int count;
     double off;
 };
 
-/* All of them, in their order. */
+/* All controls, in the order of enum neph_fog_control. */
 const struct neph_fog_control_row *neph_fog_controls(void);
 
-/* Whether it is set to anything but off. */
+/* Whether a control differs from its `off` value. */
 bool neph_fog_control_is_on(const struct neph_fog_look *look, enum neph_fog_control control);
 
-/* A look with all controls off that are not in `controls`, a bit each. */
+/* A copy in which all controls are off that are not in the bit mask `controls`. */
 struct neph_fog_look neph_fog_look_only(const struct neph_fog_look *look, unsigned controls);
 
 /* "unreal", "filament"; ends with NULL. */

@@ -56,7 +56,7 @@ static bool has_ends(const struct neph_bounds *bounds)
            isfinite(bounds->max_m.x) || isfinite(bounds->max_m.y) || isfinite(bounds->max_m.z);
 }
 
-/* In the fog itself; NULL when there is none. */
+/* The reason for which the model does not support the fog itself; NULL: it does. */
 static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph_fog_model model)
 {
     if (has_ends(&fog->bounds))
@@ -68,7 +68,8 @@ static const char *find_obstacle_in_fog(const struct neph_medium *fog, enum neph
     return NULL;
 }
 
-/* NULL when there is none. In some pictures all media may be away. */
+/* The reason for which the model does not support the scene; NULL: it does. In some frames all
+ * media may be absent. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_fog_model model)
 {
     const struct neph_medium *fog = neph_fog_look_medium(scene);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gates: pass/fail limits that come from physics, written in the scene file with their reason.
+ * Gates: pass/fail limits with physical reasons, written in the scene file.
  */
 #ifndef NEPH_SCENES_GATES_H
 #define NEPH_SCENES_GATES_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A Gaussian blob. Along a line the density is a Gaussian again, of the same width, times that of
- * the impact parameter, so the optical depth is a difference of error functions. Three forms, none
- * of which cancels: across the centre a sum of two erf; on one side a difference of erfc; and over
- * a stretch too short for that, Gauss quadrature.
+ * A Gaussian blob. Along a line the density is a Gaussian of the same width times the density at
+ * the impact parameter, so the optical depth is a difference of error functions. Three forms avoid
+ * cancellation: across the centre a sum of two erf; on one side a difference of erfc; over an
+ * interval too short for that, Gauss quadrature.
  */
 #include "scenes/bounds.h"
 #include "scenes/medium_kind.h"
@@ -19,7 +19,7 @@
 static const double support_level = 1e-12;
 static const double support_radius = 7.43384437769967690; /* sqrt(2 ln 1e12) */
 
-/* Over stretches on which x^2 grows by less than this, erfc(a) - erfc(b) would lose digits, and the
+/* Over intervals on which x^2 grows by less than this, erfc(a) - erfc(b) would lose digits, and the
  * quadrature rule is exact to rounding. */
 static const double short_stretch = 2.0;
 
@@ -38,7 +38,7 @@ static double one_sided_integral(double a, double width)
     return exp(-a * a) * neph_gauss(decay, &a, 0.0, width);
 }
 
-/* The integral of e^{-x^2} over [a, b] of any signs; width = b - a, found before either was
+/* The integral of e^{-x^2} over [a, b] of any signs; width = b - a, computed before either was
  * rounded. */
 static double integral(double a, double b, double width)
 {
@@ -84,9 +84,9 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return neph_bounds_around(medium->gaussian.center_m, support_radius * medium->gaussian.width_m);
 }
 
-/* A ray that misses the box has an impact beyond its half side c; one that crosses it loses two
- * tails of at most e^{-c^2/2} erfc(0) / 2 each. Neither is more than the optical depth of a whole
- * line at impact c, and transmittance changes by no more than optical depth does. */
+/* The error is at most the optical depth of a line at impact c, where c is half a side: a ray that
+ * misses the box has a larger impact, a ray that crosses it loses two tails of at most
+ * e^{-c^2/2} erfc(0) / 2 each, and transmittance changes by no more than optical depth. */
 static struct neph_bounds container(const struct neph_scene *scene,
                                     const struct neph_medium *medium, double *cut_error)
 {
@@ -97,15 +97,15 @@ static struct neph_bounds container(const struct neph_scene *scene,
     return support(medium);
 }
 
-/* At every second width, to where e^-50 of the density is left. */
+/* Splits at every second width, to where e^-50 of the density remains. */
 static void cut_widths(struct neph_cuts *cuts, double middle_m, double width_m)
 {
     for (int k = -10; k <= 10; k += 2)
         neph_cut(cuts, middle_m + k * width_m);
 }
 
-/* On the ray, and where the blob's shadow crosses it: the distance of the sun ray from the centre
- * is a hyperbola in t, with its own middle and width. */
+/* Splits on the ray itself, and where the blob's shadow crosses it: the distance of the sun ray
+ * from the centre is a hyperbola in t, with its own centre and width. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_vec3 s = cuts->scene->sun.direction, d = cuts->direction;
@@ -113,12 +113,12 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     const struct neph_vec3 across = neph_vec3_along(d, s, -neph_vec3_dot(d, s));
     const double slope2 = neph_vec3_dot(across, across);
     cut_widths(cuts, neph_vec3_dot(to_center_m, d), medium->gaussian.width_m);
-    if (slope2 > 0.0 && cuts->scene->medium_count > 1) /* its own density has its own scale */
+    if (slope2 > 0.0 && cuts->scene->medium_count > 1) /* the shadow falls on other media */
         cut_widths(cuts, neph_vec3_dot(to_center_m, across) / slope2,
                    medium->gaussian.width_m / sqrt(slope2));
 }
 
-/* The order is that of the hash. */
+/* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the centre"},
     {"center_m", NEPH_THREE, AT(gaussian.center_m), "m", -NEPH_FAR_M, NEPH_FAR_M,

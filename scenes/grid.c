@@ -3,11 +3,10 @@
  * All geometry is done in lattice coordinates u = (x - origin) / spacing: node i is at u = i, cell
  * i spans [i, i + 1]. Cells -1 and size - 1 are the ramps to the zeros beyond the lattice.
  *
- * Along an axis without end the lattice goes on with its first node behind its last: indices of
- * cells do not wrap, those of values do.
+ * Along an endless axis the lattice repeats: indices of cells do not wrap, indices of values do.
  *
- * The density is continuous, so a ray that runs in a face, or a place that rounding puts into the
- * neighbouring cell, needs no rule of its own.
+ * The density is continuous, so a ray along a face, or a place that rounding moves into the
+ * neighbouring cell, needs no special case.
  */
 #include "scenes/grid.h"
 
@@ -45,7 +44,7 @@ static enum neph_status check_size(const int size[3], struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* Both ends of the support must be finite and apart from each other. */
+/* Both ends of the support must be finite and different from the origin. */
 static bool axis_is_sound(double origin_m, double spacing_m, int size)
 {
     const double low_m = origin_m - spacing_m, high_m = origin_m + spacing_m * size;
@@ -128,7 +127,7 @@ static enum neph_status check_value(const struct neph_grid *grid, size_t node,
                      grid->size[1], grid->size[2]);
 }
 
-/* The values are hashed where they are, without a copy, and their hash with the size. */
+/* Hashes the values in place, without a copy, and then their hash with the size. */
 static enum neph_status hash_grid(const struct neph_grid *grid, char hash[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag)
 {
@@ -152,7 +151,7 @@ enum neph_status neph_grid_seal(struct neph_grid *grid, struct neph_diag *diag)
     float maximum = 0.0f;
     for (size_t node = 0; node < count; node++) {
         const float value = grid->values[node];
-        if (value >= 0.0f && value <= maximum) /* nearly all; nothing that is not a number */
+        if (value >= 0.0f && value <= maximum) /* nearly all values; false for NaN */
             continue;
         const enum neph_status status = check_value(grid, node, diag);
         if (status)
@@ -246,19 +245,19 @@ static void load_corners(const struct neph_grid *grid, struct cell *cell)
         cell->is_empty = cell->is_empty && cell->corner[n] == 0.0;
 }
 
-/* Weights that are both >= 0: a + (b - a) f may come out below 0 or, by cancellation, wrong. */
+/* Weights that are both >= 0: a + (b - a) f may be below 0 or, by cancellation, wrong. */
 static double mix(double a, double b, double f)
 {
     return a * (1.0 - f) + b * f;
 }
 
-/* To 0..1. Not fmin and fmax: calls, in the innermost loop, for the sake of NaN. */
+/* Clamps to 0..1. fmin and fmax would be calls in the innermost loop, for their handling of NaN. */
 static double clamp(double f)
 {
     return f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
 }
 
-/* The density at a lattice point that lies in the cell, but for rounding. */
+/* The density at a lattice point that lies in the cell, up to rounding. */
 static double cell_density(const struct cell *cell, const double u[3])
 {
     double f[3];
@@ -288,7 +287,7 @@ double neph_grid_density(const struct neph_grid *grid, struct neph_vec3 point_m)
     return lattice_density(grid, point.u);
 }
 
-/* A ray in lattice coordinates, start + t step, and the cell that it has come to. */
+/* A ray in lattice coordinates, start + t step, and its present cell. */
 struct walk {
     double start[3], step[3];
     double next_t[3]; /* where the ray meets the next face across each axis */
@@ -302,7 +301,7 @@ static void find_next_face(struct walk *walk, int axis)
                                                  : (face - walk->start[axis]) / walk->step[axis];
 }
 
-/* t = 0 is the place `from_m`, which lies in the support, but for rounding. */
+/* t = 0 is the place `from_m`, which lies in the support up to rounding. */
 static void start_walk(struct walk *walk, const struct neph_grid *grid, struct neph_vec3 from_m,
                        struct neph_vec3 direction)
 {
@@ -327,7 +326,7 @@ static int nearest_axis(const struct walk *walk)
     return t[1] <= t[2] ? 1 : 2;
 }
 
-/* Through the nearest face; false when that leads out of the support. */
+/* Passes through the nearest face; false when that leaves the support. */
 static bool advance(struct walk *walk, const struct neph_grid *grid)
 {
     const int axis = nearest_axis(walk);
@@ -359,7 +358,7 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
     const struct neph_bounds support = neph_grid_support(grid);
     if (!neph_bounds_clip(&support, origin_m, direction, &t0_m, &t1_m))
         return 0.0;
-    /* From the place of entry: a far origin must not round the places of the faces. */
+    /* Start at the entry: a distant origin would round the places of the faces. */
     struct walk walk;
     start_walk(&walk, grid, neph_vec3_along(origin_m, direction, t0_m), direction);
     const double end = t1_m - t0_m;
@@ -376,13 +375,13 @@ double neph_grid_integral_m(const struct neph_grid *grid, struct neph_vec3 origi
     return sum_m;
 }
 
-/* A stretch of one axis and the nodes around it. */
+/* An interval on one axis and the nodes around it. */
 struct stretch {
     double low, high;
     int first, last; /* first <= low, high <= last */
 };
 
-/* Along an axis without end no more than one period is looked at. */
+/* Along an endless axis at most one period is searched. */
 static bool find_stretch(double low, double high, int size, bool is_endless,
                          struct stretch *stretch)
 {
@@ -396,18 +395,18 @@ static bool find_stretch(double low, double high, int size, bool is_endless,
     return true;
 }
 
-/* Node i, or the end of the stretch if the node lies beyond it. */
+/* Node i, clamped to the interval. */
 static double place_in(const struct stretch *stretch, int i)
 {
     return fmin(stretch->high, fmax(stretch->low, i));
 }
 
-/* Along x at the given y and z. */
+/* Maximum along x at the given y and z. */
 static double row_maximum(const struct neph_grid *grid, const struct stretch *x, double v, double w)
 {
     const double low[3] = {x->low, v, w}, high[3] = {x->high, v, w};
     double maximum = fmax(lattice_density(grid, low), lattice_density(grid, high));
-    const bool is_on_nodes = v == floor(v) && w == floor(w); /* most are, in a large box */
+    const bool is_on_nodes = v == floor(v) && w == floor(w); /* mostly true in a large box */
     for (int i = x->first + 1; i < x->last; i++) {
         const double at[3] = {i, v, w};
         const double density = is_on_nodes ? node_value(grid, i, (int)v, (int)w)
@@ -417,7 +416,8 @@ static double row_maximum(const struct neph_grid *grid, const struct stretch *x,
     return maximum;
 }
 
-/* A trilinear function is largest at a corner of whatever part of its cell the box cuts out. */
+/* In each cell a trilinear function is largest at a corner of the cell's intersection with the
+ * box. */
 double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
     const struct lattice_point low = to_lattice(grid, box->min_m);
@@ -437,7 +437,7 @@ double neph_grid_maximum_in(const struct neph_grid *grid, const struct neph_boun
 
 double neph_grid_node_maximum_in(const struct neph_grid *grid, const struct neph_bounds *box)
 {
-    const double touch = 1e-6; /* a box that ends in a face has no part in the cells beyond it */
+    const double touch = 1e-6; /* a box that ends in a face does not overlap the cells beyond it */
     const struct lattice_point low = to_lattice(grid, box->min_m);
     const struct lattice_point high = to_lattice(grid, box->max_m);
     int first[3], last[3];

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* -0 and 0 render the same. */
+/* -0 and 0 render the same and hash the same. */
 static double plain(double value)
 {
     return value + 0.0;

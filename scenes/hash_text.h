@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The text that a scene's hash is taken of: a name and its numbers per line, 17 digits each, so
+ * The text of which a scene's hash is computed: a name and its numbers per line, 17 digits each, so
  * that equal texts mean equal doubles. Private to scenes/.
  */
 #ifndef NEPH_SCENES_HASH_TEXT_H
@@ -15,7 +15,7 @@ void neph_put_three(FILE *text, const char *name, double a, double b, double c);
 void neph_put_vec3(FILE *text, const char *name, struct neph_vec3 v);
 void neph_put_rgb(FILE *text, const char *name, struct neph_rgb c);
 
-/* With its length, so that no text can be taken for further lines; NULL is the empty text. */
+/* Preceded by its length, so that a text cannot imitate further lines; NULL is the empty text. */
 void neph_put_text(FILE *text, const char *name, const char *value);
 
 #endif

@@ -18,7 +18,7 @@ enum {
     WEATHER_BLOCKS = NEPH_HORIZON_WEATHER_SIDE / NEPH_HORIZON_BLOCK,
 };
 
-/* Not fmin and fmax, here and below: they are calls, and these are the innermost loops. */
+/* fmin and fmax, here and below, would be calls in the innermost loops. */
 static float smaller(float a, float b)
 {
     return a < b ? a : b;
@@ -29,14 +29,14 @@ static float larger(float a, float b)
     return a > b ? a : b;
 }
 
-/* What is not a number becomes 0. */
+/* NaN becomes 0. */
 static double clamp01(double x)
 {
     const double above_0 = x > 0.0 ? x : 0.0;
     return above_0 < 1.0 ? above_0 : 1.0;
 }
 
-/* The weights of the octaves of noise, everywhere. */
+/* Weighted sum of octaves of noise; the weights are the same everywhere. */
 static double octave_sum(const double octaves[3])
 {
     return 0.625 * octaves[0] + 0.25 * octaves[1] + 0.125 * octaves[2];
@@ -54,7 +54,7 @@ static double coverage_of(const struct neph_horizon_params *params, double low, 
     return params->coverage * (low > from_high ? low : from_high);
 }
 
-/* Below a peak of 0 there is no room for a cloud: the limit of the falling side. */
+/* The limit of the falling side for a peak of 0: no cloud. */
 static double shape_below_peak(double height, double peak)
 {
     return peak > 0.0 ? clamp01(1.0 - 1.125 * (height / peak - 0.2)) : 0.0;
@@ -80,13 +80,13 @@ static double base_noise(double perlin_worley, double octaves)
     return (perlin_worley + 1.0 - octaves) / (2.0 - octaves);
 }
 
-/* 1 - w is where `base` starts to be cloud; nothing does as w goes to 0, for base < 1. */
+/* Clouds begin where `base` exceeds 1 - w; as w goes to 0 nothing does, for base < 1. */
 static double shape_of(double base, double coverage)
 {
     return coverage > 0.0 ? clamp01((base - 1.0 + coverage) / coverage) : 0.0;
 }
 
-/* Where the sum is 0 so is its first octave: nothing is left of the detail. */
+/* Where the sum is 0 its first octave is 0, too, so the detail is 0. */
 static double detail_noise(const double octaves[3])
 {
     const double sum = octave_sum(octaves);
@@ -106,8 +106,8 @@ static double eroded_shape(double shape, double erosion)
 
 /* --- lookups --------------------------------------------------------------------------------- */
 
-/* Two neighbouring texels along one axis and how far the place is from the first to the second.
- * `repeats` is a coordinate in repeats of the texture. `side` is a power of two. */
+/* Two neighbouring texels along one axis, and the place between them, 0..1. `repeats` is a
+ * coordinate in repeats of the texture. `side` is a power of two. */
 struct pair {
     int texel[2];
     double between;
@@ -125,7 +125,7 @@ static double lerp(double a, double b, double t)
     return a + t * (b - a);
 }
 
-/* All channels at a place given in repeats along x, z. */
+/* All channels at a place in repeats along x, z. */
 static void lookup_2d(const float *texels, int side, int channels, const double repeats[2],
                       double values[4])
 {
@@ -138,7 +138,7 @@ static void lookup_2d(const float *texels, int side, int channels, const double 
                          lerp(rows[1][a + c], rows[1][b + c], x.between), z.between);
 }
 
-/* Along x, y, z. */
+/* The same along x, y, z. */
 static void lookup_3d(const float *texels, int side, int channels, const double repeats[3],
                       double values[4])
 {
@@ -179,7 +179,7 @@ static struct weather weather_at(const struct neph_horizon *horizon, struct neph
 
 /* --- density --------------------------------------------------------------------------------- */
 
-/* |p - c| - r as a quotient, whose numerator does not cancel:
+/* |p - c| - r as a quotient without cancellation in the numerator:
  * with y from the bottom, |p - c|^2 - r^2 = x^2 + z^2 + y (y + 2 r). */
 double neph_horizon_altitude_m(const struct neph_horizon_params *params, struct neph_vec3 point_m)
 {
@@ -280,7 +280,7 @@ static struct range altitude_range_m(const struct neph_horizon_params *params,
     const double center_y_m = params->bottom_m - params->planet_radius_m;
     const struct range x = {box->min_m.x, box->max_m.x}, z = {box->min_m.z, box->max_m.z};
     const struct range y = {box->min_m.y - center_y_m, box->max_m.y - center_y_m};
-    /* On the axis the sides that the altitude is measured from keep their digits. */
+    /* On the axis the sides to which the altitude is relative keep their digits. */
     const double near_y_m = y.low > 0.0 ? box->min_m.y : y.high < 0.0 ? box->max_m.y : center_y_m;
     const double far_y_m = fabs(y.high) >= fabs(y.low) ? box->max_m.y : box->min_m.y;
     const struct neph_vec3 near_m = {nearest_to_0(x), near_y_m, nearest_to_0(z)};
@@ -290,8 +290,8 @@ static struct range altitude_range_m(const struct neph_horizon_params *params,
                           endless ? INFINITY : neph_horizon_altitude_m(params, far_m)};
 }
 
-/* The blocks that lookups between two coordinates touch: `count` of them from `first` on, round
- * the corner if need be. A hair wider than the range, for the rounding of the lookups. */
+/* The blocks that lookups between two coordinates read: `count` of them from `first` on, wrapping
+ * around. Slightly wider than the range, for the rounding of lookups. */
 struct blocks {
     int first, count;
 };
@@ -308,7 +308,7 @@ static struct blocks blocks_over(double low_m, double high_m, double repeats_per
     return (struct blocks){(int)(first - turns * block_count), (int)(last - first) + 1};
 }
 
-/* The greatest of each channel over the blocks that a box touches. */
+/* The largest value of each channel over the blocks that a box touches. */
 static struct weather weather_over(const struct neph_horizon *horizon,
                                    const struct neph_bounds *box)
 {
@@ -378,8 +378,8 @@ static struct range detail_noise_over(const struct neph_horizon *horizon,
     return (struct range){low, high};
 }
 
-/* The least. It is linear in detail and in the height, but for the clamp, which is monotone: so it
- * lies at a corner. */
+/* The least erosion over a box. Erosion is linear in detail and in height except for the clamp,
+ * which is monotone, so its minimum is at a corner. */
 static double erosion_over(const struct neph_horizon *horizon, const struct neph_bounds *box,
                            double low, double high)
 {
@@ -389,13 +389,13 @@ static double erosion_over(const struct neph_horizon *horizon, const struct neph
                 fmin(erosion(params, detail.high, low), erosion(params, detail.high, high)));
 }
 
-/* Every factor of the density is monotone in every quantity of the box: the shape grows with
- * coverage, peak and base noise and falls with the erosion; both profiles are a rising and a
- * falling factor of the height. */
+/* An upper bound from the extremes of all quantities in the box, because each factor of the density
+ * is monotone in each of them: the shape grows with coverage, peak and base noise and falls with
+ * the erosion; both profiles are a rising times a falling function of the height. */
 double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box)
 {
     const struct neph_horizon_params *params = &horizon->params;
-    const double margin = 1e-9; /* far above the rounding of all that follows */
+    const double margin = 1e-9; /* far above the rounding errors below */
     const struct range altitude = altitude_range_m(params, box);
     const struct range height = {altitude.low / params->thickness_m - margin,
                                  altitude.high / params->thickness_m + margin};
@@ -426,7 +426,7 @@ struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
     const double z_m = farthest_from_0((struct range){bounds->min_m.z, bounds->max_m.z});
     const double level_squared = x_m * x_m + z_m * z_m;
     const double r_m = params->planet_radius_m;
-    if (bounds->min_m.y >= center_y_m && level_squared < r_m * r_m) /* the layer falls off by */
+    if (bounds->min_m.y >= center_y_m && level_squared < r_m * r_m) /* curvature of the layer */
         support.min_m.y = params->bottom_m -
                           level_squared / (r_m + sqrt(r_m * r_m - level_squared));
     return support;
@@ -434,7 +434,7 @@ struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
 
 /* --- tables of the bound --------------------------------------------------------------------- */
 
-/* B of a texel of the base noise, D of one of the detail noise. */
+/* B of a texel of the base noise, or D of a texel of the detail noise. */
 typedef double (*noise_of_texel)(const float *texel);
 
 static double base_noise_of(const float *texel)
@@ -449,8 +449,8 @@ static double detail_noise_of(const float *texel)
 
 /* The range of a noise over a block's texels and the next ones. A lookup is a weighted mean of
  * texels, and both noises are quotients of linear functions of them with a positive divisor: such a
- * quotient lies between its values at the texels. A rounding to float32 outwards, and one for the
- * lookup's own. */
+ * quotient lies between its values at the texels. The range is rounded outwards to float32, and
+ * once more for the rounding of the lookup. */
 static struct range noise_block(const float *texels, int side, int channels, const int block[3],
                                 noise_of_texel noise)
 {
@@ -505,7 +505,7 @@ static void fill_blocks(struct neph_horizon *horizon)
             weather_block(horizon->weather, (const int[2]){i, k}, out);
 }
 
-/* --- life ------------------------------------------------------------------------------------ */
+/* --- create and destroy ---------------------------------------------------------------------- */
 
 static enum neph_status check(const struct neph_horizon_params *params, struct neph_diag *diag)
 {

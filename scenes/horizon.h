@@ -27,12 +27,13 @@
 
 #include <stdint.h>
 
-/* Raise it when the same parameters come to mean another density: stored frames know it. */
+/* Increase when the same parameters produce another density: it is part of the keys of stored
+ * frames. */
 #define NEPH_HORIZON_VERSION 1
 
-#define NEPH_HORIZON_BLOCK 2 /* texels along a side of a block of the bound's tables */
+#define NEPH_HORIZON_BLOCK 2 /* texels along a side of a block of the bounds' tables */
 
-/* What a scene may choose. */
+/* Parameters in a scene file. */
 struct neph_horizon_params {
     uint64_t seed;
     double planet_radius_m;  /* of the bottom of the cloud layer; > 0 */
@@ -54,7 +55,7 @@ struct neph_horizon {
     float *base;    /* [z][y][x][4]: Perlin-Worley, three octaves of Worley; 0..1 */
     float *detail;  /* [z][y][x][3]: three octaves of Worley; 0..1 */
     float *weather; /* [z][x][4]: low coverage, high coverage, peak height, density; 0..1 */
-    /* For the bound. Per block of texels and its far neighbours: what lookups can come to. */
+    /* For the bound: extremes of lookups per block of texels and its far neighbours. */
     float *base_blocks;    /* [z][y][x]: the largest B */
     float *detail_blocks;  /* [z][y][x][2]: the smallest and the largest D */
     float *weather_blocks; /* [z][x][4]: the largest of each channel */
@@ -72,25 +73,26 @@ void neph_horizon_destroy(struct neph_horizon *horizon);
  * over 6 km, 40 and 60 repeats. Seed 1, no wind. */
 struct neph_horizon_params neph_horizon_defaults(void);
 
-/* Density (dimensionless, >= 0) at a point. `*without_detail` receives the density before the
- * detail noise is taken off (the article's SN), which its lighting model uses; NULL is fine. */
+/* Density (dimensionless, >= 0) at a point. `*without_detail` receives the density before erosion
+ * by detail noise (the article's SN), which its lighting model uses; NULL is fine. */
 double neph_horizon_density(const struct neph_horizon *horizon, struct neph_vec3 point_m,
                             double *without_detail);
 
-/* No smaller than the density anywhere in the box (sides may be infinite), and 0 where the box
- * lies outside the layer or under clear sky. */
+/* An upper bound of the density in the box (sides may be infinite); 0 where the box lies outside
+ * the layer or under clear sky. */
 double neph_horizon_bound(const struct neph_horizon *horizon, const struct neph_bounds *box);
 
-/* The part of the bounds that the layer may lie in: the sphere around it; without what is below the
- * layer everywhere, when the bounds keep to the upper half of the planet. */
+/* The part of the bounds in which the layer may lie: the sphere around it; without the space that
+ * is below the layer everywhere, when the bounds are within the upper half of the planet. */
 struct neph_bounds neph_horizon_support(const struct neph_horizon *horizon,
                                         const struct neph_bounds *bounds);
 
 /* The integral of the density along origin + t direction over [t0_m, t1_m] [m]; t1 may be +inf,
- * `direction` is unit. Cut at the surfaces of the shell and at the faces of all texels, between
- * which the density is smooth but for its clamps; there by Gauss-Kronrod quadrature with bisection.
- * `*error_m` receives the sum of the differences between the two rules and of what a clamp between
- * their points is worth at most; the true error stays below it, but for rounding (NULL is fine). */
+ * `direction` is unit. The ray is split at the surfaces of the shell and at the faces of all
+ * texels, between which the density is smooth except for its clamps; each part is integrated by
+ * Gauss-Kronrod quadrature with bisection. `*error_m` receives the sum of the differences between
+ * the two rules and of the largest effect of a clamp between their points; the true error is below
+ * it, except for rounding (NULL is fine). */
 double neph_horizon_integral_m(const struct neph_horizon *horizon, struct neph_vec3 origin_m,
                                struct neph_vec3 direction, double t0_m, double t1_m,
                                double *error_m);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The line integral of Horizon clouds. Its density is smooth between texel faces but for clamps:
- * stretches that the bound knows to be empty are skipped, the others are cut at every face of the
- * three textures, and between faces Gauss-Kronrod quadrature finds the clamps by bisection.
+ * The line integral of Horizon clouds. The density is smooth between texel faces except for clamps.
+ * Intervals whose bound is 0 are skipped, the others are split at every face of the three textures,
+ * and between faces Gauss-Kronrod quadrature finds the clamps by bisection.
  */
 #include "scenes/horizon.h"
 #include "scenes/horizon_density.h"
@@ -23,7 +23,7 @@ static const double gauss_weights[8] = {0.0, 0.129484966168869693, 0.0, 0.279705
 struct quadrature {
     const struct neph_horizon *horizon;
     struct neph_vec3 origin_m, direction;
-    double leaf_m;      /* stretches this long are no longer halved to find empty ones */
+    double leaf_m;      /* intervals this short are not bisected to find empty ones */
     double tolerance_m; /* absolute, of one piece between faces */
     double value_m, error_m;
 };
@@ -63,7 +63,7 @@ static void rule_add(struct rule *rule, const struct quadrature *q, double t_m, 
     rule_see(rule, &sample);
 }
 
-/* Between faces, that is a hair inside them, lie the outermost points that are looked at. */
+/* The outermost sampled points lie between the faces, slightly inside the interval. */
 static struct rule apply_rule(const struct quadrature *q, double t0_m, double t1_m)
 {
     struct rule rule = {0.0, 0.0, INFINITY, -INFINITY, INFINITY, 0.0, 0u, ~0u};
@@ -82,7 +82,7 @@ static struct rule apply_rule(const struct quadrature *q, double t0_m, double t1
     return rule;
 }
 
-/* A clamp sets in and ends again between two nodes where the margin comes this close to 0. */
+/* Whether a clamp may begin and end between two nodes: the margin comes this close to 0. */
 static bool may_hide_edge(const struct rule *rule)
 {
     const double nearness = 0.05 * (rule->highest - rule->lowest);
@@ -90,11 +90,11 @@ static bool may_hide_edge(const struct rule *rule)
            (rule->lowest >= 0.0 && rule->lowest < nearness);
 }
 
-/* What a clamp costs in a piece whose points disagree on it, or may: the rules see nothing of a
- * kink that lies beyond their outermost nodes. It is worth at most its change of slope times the
- * length squared, which is taken from the change of the density seen and, where the kink is not,
- * from the change of the margin, which makes `steepness` as much density at most (but where
- * coverage is slight). */
+/* The error of a clamp in a piece whose points are on both sides of it, or may be: the rules do not
+ * see a kink beyond their outermost nodes. The error is at most the change of slope at the kink
+ * times the length squared. It is estimated from the change of the sampled density and, where the
+ * kink was not sampled, from the change of the margin, to which the density is at most proportional
+ * with factor `steepness` (except at very small coverage). */
 static double kink_error_m(const struct quadrature *q, const struct rule *rule, double length_m)
 {
     const double steepness = 20.0 * q->horizon->params.density;
@@ -208,9 +208,9 @@ static void integrate_stretch(struct quadrature *q, double t0_m, double t1_m)
     integrate_stretch(q, middle_m, t1_m);
 }
 
-/* Half the chord that the ray has inside a sphere about the planet's centre, of which `altitude_m`
- * is the radius less the planet's; 0 when it misses. `low` is the ray's lowest point above the
- * bottom: half^2 = (R - r_low) (R + r_low), with R - r_low a difference of altitudes. */
+/* Half the length of a ray's chord in a sphere around the planet's centre, whose radius is the
+ * planet's plus `altitude_m`; 0 when it misses. `low` is the ray's lowest altitude: half^2 =
+ * (R - r_low) (R + r_low), with R - r_low a difference of altitudes. */
 static double half_chord_m(double planet_radius_m, double low_m, double altitude_m)
 {
     const double squared = (altitude_m - low_m) * (2.0 * planet_radius_m + altitude_m + low_m);

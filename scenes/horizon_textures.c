@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Base and detail noise as Schneider 2015 describes them. The weather map is ours: he painted his.
- * Fair-weather cumulus are lobes, hills of round plan, that stand close together where a field of
- * large scale is high and not at all where it is low.
+ * Base and detail noise as in Schneider 2015. The weather map is ours; his is painted. Fair-weather
+ * cumulus are lobes, round hills, which are dense where a large-scale field is high and absent
+ * where it is low.
  */
 #include "scenes/horizon_textures.h"
 
@@ -17,7 +17,7 @@ static double clamp01(double x)
     return fmin(1.0, fmax(0.0, x));
 }
 
-/* The seeds of the patterns, apart from each other for all seeds of a scene. */
+/* Offsets of the patterns' seeds: different patterns for every seed of a scene. */
 enum pattern {
     PATTERN_BASE_PERLIN = 0x10,
     PATTERN_BASE_WORLEY = 0x20,
@@ -50,7 +50,7 @@ static struct texel_row texel_row(int side, int j, int k)
     return row;
 }
 
-/* The same row in cells of a pattern; `along` is its memory. */
+/* The same row in cells of a pattern; `along` is the memory for it. */
 static struct neph_noise_row to_cells(const struct texel_row *row, int period, double along[ROW])
 {
     for (int i = 0; i < row->count; i++)
@@ -79,7 +79,7 @@ static void worley_rows(uint64_t seed, uint64_t pattern, int period, const struc
     }
 }
 
-/* A texture, slice by slice. */
+/* A texture that is filled slice by slice. */
 struct filling {
     uint64_t seed;
     float *texels;
@@ -139,7 +139,7 @@ enum neph_status neph_horizon_fill_detail(uint64_t seed, float *detail, struct n
 
 /* --- weather --------------------------------------------------------------------------------- */
 
-/* -1..1: where the air rises, at a point of the map, 0..1 along both axes. */
+/* Large-scale updraft, -1..1, at a point of the map, 0..1 along both axes. */
 static double field_at(uint64_t seed, const double point[2])
 {
     enum { PERIOD = 5 };
@@ -148,15 +148,15 @@ static double field_at(uint64_t seed, const double point[2])
                                  (const double[2]){point[0] * PERIOD, point[1] * PERIOD});
 }
 
-/* A hill of round plan, in cells; one cell of the plane has one. */
+/* A round hill, in cells; one in each cell of the plane. */
 enum { LOBES = 18 }; /* along a side */
 struct lobe {
     double middle[2]; /* within its cell */
-    double radius;    /* 1 at most: it reaches the next cells alone */
+    double radius;    /* at most 1: it overlaps only neighbouring cells */
     double height;
 };
 
-/* Where the air rises hills are high and wide, elsewhere there are none. */
+/* Hills are high and wide where the updraft is strong, and absent elsewhere. */
 static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
 {
     const struct neph_noise noise = noise_of(seed, PATTERN_LOBES, 2, LOBES);
@@ -173,7 +173,7 @@ static void raise_lobes(uint64_t seed, struct lobe lobes[LOBES][LOBES])
         }
 }
 
-/* The highest hill at a place: the height of its lobe in the middle, 0 at the rim and beyond. */
+/* The highest hill at a place: the height of its lobe at the centre, 0 at the rim and beyond. */
 static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[2])
 {
     double highest = 0.0;
@@ -187,13 +187,13 @@ static double hill_at(struct lobe lobes[LOBES][LOBES], const double point[2])
             const double dx = (at[0] - low[0] - x - lobe->middle[0]) / lobe->radius;
             const double dy = (at[1] - low[1] - y - lobe->middle[1]) / lobe->radius;
             const double height = (1.0 - dx * dx - dy * dy) * lobe->height;
-            if (height > highest) /* fmax() may answer -0 where there is no hill */
+            if (height > highest) /* fmax() may return -0 where there is no hill */
                 highest = height;
         }
     return highest;
 }
 
-/* Outlines are not circles: the plane is bent a little. How far a row is moved along `axis`. */
+/* Deforms the plane, so that outlines are not circles: displacement of a row along `axis`. */
 static void bend_row(uint64_t seed, int axis, const struct texel_row *row, double by[ROW])
 {
     const double reach = 0.012;

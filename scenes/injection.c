@@ -10,7 +10,7 @@ const struct neph_injections *neph_scene_injections(const struct neph_scene *sce
     return scene->injections ? scene->injections : &none;
 }
 
-/* --- at a picture ---------------------------------------------------------------------------- */
+/* --- at a frame ------------------------------------------------------------------------------ */
 
 const struct neph_injected_history *
 neph_injected_history_at(const struct neph_injections *injections, int frame)

@@ -32,7 +32,7 @@ struct neph_vec3 neph_mix(struct neph_vec3 a, struct neph_vec3 b, double part)
     return neph_vec3_add(neph_vec3_scale(a, 1.0 - part), neph_vec3_scale(b, part));
 }
 
-/* The keys' frame of a picture where they go on unevenly; before the first picture evenly. */
+/* The key frame of a frame with uneven advances; before frame 0 it advances evenly. */
 static double advanced(const struct neph_scene *scene, double frame)
 {
     double round = 0.0, sum = 0.0;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lights: points of a radiant intensity, all around or in a cone. From the inner to the outer angle
- * of a cone the intensity falls as 3 x^2 - 2 x^3 of x = (cos - cos_outer) / (cos_inner -
- * cos_outer), the cosines being those of angles from the axis: smooth at both ends, and what Cycles
- * and POV-Ray have, too.
+ * Lights: points with a radiant intensity, in all directions or in a cone. Between the inner and
+ * the outer angle of a cone the intensity falls as 3 x^2 - 2 x^3 with x = (cos - cos_outer) /
+ * (cos_inner
+ * - cos_outer), for cosines of angles from the axis: smooth at both ends, and the same law as in
+ * Cycles and POV-Ray.
  */
 #ifndef NEPH_SCENES_LIGHTS_H
 #define NEPH_SCENES_LIGHTS_H
@@ -13,21 +14,21 @@
 /* The part of the intensity that goes into a direction (unit, from the light), 0..1. */
 double neph_light_falloff(const struct neph_light *light, struct neph_vec3 direction);
 
-/* What a light does at a point, if nothing is in its way. */
+/* The light at a point, without obstacles. */
 struct neph_lit {
     struct neph_vec3 direction; /* unit, from the point to the light */
     double distance_m;
     struct neph_rgb
-        irradiance_w_per_m2; /* on a plane across the direction; at the light itself 0 */
+        irradiance_w_per_m2; /* on a plane perpendicular to the direction; 0 at the light */
 };
 
 struct neph_lit neph_light_at(const struct neph_light *light, struct neph_vec3 point_m);
 
-/* Whether a spot shines behind itself: witnesses have no such cones. */
+/* Whether the cone of a spot exceeds a half-space, which external renderers do not support. */
 bool neph_scene_has_wide_spot(const struct neph_scene *scene);
 extern const char neph_wide_spot_reason[];
 
-/* For messages of engines that know no lights. */
+/* For messages of engines without lights. */
 extern const char neph_lights_reason[];
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene file's way into memory: read, parse, fill the structs along the tables, check what needs
- * the whole scene, hash.
+ * Loads a scene file: reads and parses it, fills the structs from the tables, runs the checks that
+ * need the whole scene, and hashes it.
  */
 #include "scenes/load.h"
 
@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A scene without a name is called like its file. */
+/* A scene without a name has the name of its file. */
 static enum neph_status finish_name(struct neph_reader *reader, struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
@@ -43,7 +43,7 @@ static enum neph_status finish_name(struct neph_reader *reader, struct neph_writ
     return status;
 }
 
-/* The older name of the key is accepted, with a warning. */
+/* The key's older name is accepted, with a warning. */
 static enum neph_status finish_texts(struct neph_reader *reader, struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
@@ -100,8 +100,8 @@ static enum neph_status finish_fog_look(struct neph_reader *reader,
     return neph_check_fog_look(reader, &written->scene);
 }
 
-/* What needs several keys of the scene, in this order. A step is left out where one of its keys has
- * an error: its own error could follow from that. */
+/* Checks that need several keys of the scene, in this order. A step is skipped when one of its keys
+ * has an error, because an error of the step could be a consequence. */
 static const struct {
     const char *keys; /* separated by spaces */
     enum neph_status (*run)(struct neph_reader *reader, struct neph_written_scene *written);
@@ -137,9 +137,9 @@ static enum neph_status finish(struct neph_reader *reader, enum neph_status so_f
     return so_far || status ? status : neph_scene_hash(scene, reader->diag);
 }
 
-/* How a file is read. */
+/* Options of reading a file. */
 struct reading {
-    const struct neph_failing *failing; /* whose sweep it is read at a point of; NULL: as it is */
+    const struct neph_failing *failing; /* the sweep of `point`; NULL: the file as it is */
     int point;
     neph_gate_metric_check *check;
 };
@@ -196,7 +196,7 @@ static enum neph_status read_text(const char *path, char **text, size_t *size,
 static enum neph_status load_file(const char *path, const struct reading *reading,
                                   struct neph_scene **scene, struct neph_diag *diag)
 {
-    /* Numbers have a decimal point, whatever the locale of the caller. */
+    /* Numbers have a decimal point in any locale of the caller. */
     locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     if (!c_locale)
         return neph_fail_memory(diag);

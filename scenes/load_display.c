@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the frames of a scene are displayed: the keys of `display` in its file. A new field is a
+ * Display settings of a scene's frames: the keys of `display` in its file. To add a field, add a
  * member in scenes/display.h and a row here.
  */
 #include "scenes/display.h"

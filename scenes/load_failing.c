@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How methods fail in a scene, from its file; and the file with the numbers of a point of its
- * sweep.
+ * The stress test of a scene (scenes/failing.h), from its file; and the file with the numbers of a
+ * point of its sweep.
  */
 #include "scenes/load.h"
 
@@ -18,7 +18,7 @@ _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 #define AXIS(member) offsetof(struct neph_failing_axis, member)
 
 enum { TEXT_MAX = 1000, LIMITS_MAX = 16, AXES_MAX = 3, PATHS_MAX = 400, SIDE_MAX_PX = 4096 };
-#define VALUE_MAX 1e9 /* the keys that are swept have ranges of their own */
+#define VALUE_MAX 1e9 /* the swept keys have their own ranges */
 
 /* --- Limits --- */
 
@@ -65,7 +65,7 @@ static const struct neph_field axis_fields[] = {
     {0},
 };
 
-/* The first of `*rest`, which goes on behind it; false: there is none. */
+/* Copies the first path of `*rest` and advances `*rest` past it; false: there is none. */
 static bool next_path(const char **rest, char path[NEPH_FIELD_PATH_MAX])
 {
     *rest += strspn(*rest, " ");
@@ -115,7 +115,7 @@ static enum neph_status read_axis(struct neph_reader *reader, const yaml_node_t 
 static const struct neph_record axis_record = {
     .size = sizeof(struct neph_failing_axis), .fields = axis_fields, .read = read_axis};
 
-/* --- The whole --- */
+/* --- The stress test --- */
 
 static const struct neph_field failing_fields[] = {
     {"fails", NEPH_TEXT, FAILING(fails), .note = "what fails and why", .least = 1,
@@ -182,7 +182,7 @@ static enum neph_status put_value(struct neph_document *document, const char *pa
                                   struct neph_diag *diag)
 {
     yaml_node_t *node = neph_document_exactly(document, path);
-    if (!is_number_node(node)) /* the file has changed since */
+    if (!is_number_node(node)) /* the file has changed since it was read */
         return neph_fail(diag, NEPH_ERR_INPUT, "the file has no number at '%s'", path);
     const double number = axis->to_count > 0
                               ? axis->to[index]

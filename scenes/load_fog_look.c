@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The look of a fog, from a scene file.
+ * The controls of non-physical fog (scenes/fog_look.h), from a scene file.
  */
 #include "scenes/load.h"
 
@@ -41,7 +41,7 @@ static const struct neph_field fields[] = {
     {0},
 };
 
-/* Nothing of a scene that has none: what was stored before there were looks stays valid. */
+/* No line for a scene without controls, so that hashes from before this key existed stay valid. */
 static void hash_look(const void *target, FILE *text)
 {
     const struct neph_fog_look *look = target;

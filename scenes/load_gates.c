@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The gates of a scene: their keys in its file. A new field is a member in scenes/gates.h and a row
- * here.
+ * The gates of a scene: their keys in its file. To add a field, add a member in scenes/gates.h and
+ * a row here.
  */
 #include "scenes/gates.h"
 #include "scenes/load.h"

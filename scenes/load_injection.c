@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is put into a running renderer, from a scene file.
+ * Fault injection into a running renderer (scenes/injection.h), from a scene file.
  */
 #include "scenes/load.h"
 #include "scenes/media.h"

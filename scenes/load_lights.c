@@ -20,7 +20,7 @@ static const struct neph_field cone_fields[] = {
     {0},
 };
 
-/* As written, and then as struct neph_light has them. */
+/* Reads the cone in degrees, then converts it to the form of struct neph_light. */
 static enum neph_status read_cone(struct neph_reader *reader, const yaml_node_t *node,
                                   const struct neph_record *record, void *target)
 {
@@ -31,7 +31,7 @@ static enum neph_status read_cone(struct neph_reader *reader, const yaml_node_t 
         return status;
     if (!(neph_vec3_length(light->axis) > 1e-9))
         return neph_refuse(reader, "axis", "an axis has a length; this one is 0");
-    /* Steeper, single precision would not know the edge from a step. */
+    /* In single precision a narrower edge could not be distinguished from a step. */
     if (!(outer_deg >= inner_deg + 0.1))
         return neph_refuse(reader, "outer_deg",
                            "%g degrees must be inner_deg, %g, plus 0.1 or more", outer_deg,

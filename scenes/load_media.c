@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * An entry of `media`: one of the forms of the kinds, and what all of them have.
+ * An entry of `media`: one of the forms of the kinds, and the keys common to all.
  */
 #include "scenes/bake.h"
 #include "scenes/hash_text.h"
@@ -17,10 +17,10 @@
 
 enum {
     FORMS_MAX = NEPH_MEDIUM_FORMS * NEPH_MEDIUM_KIND_COUNT,
-    FIELDS_MAX = 32 /* of a form and of all */
+    FIELDS_MAX = 32 /* of a form, with the common ones */
 };
 
-/* What every medium has. The order is that of the hash. */
+/* The keys of every medium. The order of the rows is the order in the hash. */
 static const struct neph_field common_fields[] = {
     {"extinction_color", NEPH_THREE, AT(extinction_color), "", 0, 1e3,
      .note = "extinction per channel, in parts of extinction_per_m", .standard = "[1, 1, 1]"},
@@ -70,7 +70,7 @@ const struct neph_record neph_planet_bounds_record = {
 
 /* --- One form --- */
 
-/* The record of one key of an entry. */
+/* A form as a key of an entry. */
 struct choice {
     struct neph_record record;
     enum neph_medium_kind kind;
@@ -121,7 +121,7 @@ static enum neph_status check_optics(const struct neph_reader *reader, const yam
     return NEPH_OK;
 }
 
-/* From here on the medium is its voxels, for all engines alike. */
+/* Replaces the medium by its voxels, for all engines. */
 static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struct neph_diag *diag)
 {
     const struct neph_bounds box = neph_medium_support(medium);
@@ -131,11 +131,11 @@ static enum neph_status make_voxels(struct neph_medium *medium, int nodes, struc
         return status;
     const struct neph_medium voxels = neph_medium_from_bake(medium, &bake);
     neph_medium_finish(medium);
-    *medium = voxels; /* the grid is its own now */
+    *medium = voxels; /* now owns the grid */
     return NEPH_OK;
 }
 
-/* neph_also() of a check whose error may have no position: it gets that of the medium. */
+/* neph_also() for a check whose error may lack a position: it gets the position of the medium. */
 static enum neph_status also_at(struct neph_reader *reader, const yaml_node_t *node,
                                 enum neph_status first, enum neph_status next)
 {
@@ -152,7 +152,7 @@ static bool are_sound(const struct neph_reader *reader, const struct neph_field 
     return true;
 }
 
-/* `status` is that of the keys. What depends on keys with errors is left out. */
+/* `status`: of the keys. Checks that depend on keys with errors are skipped. */
 static enum neph_status finish(struct neph_reader *reader, const yaml_node_t *node,
                                const struct neph_medium_form *form,
                                struct neph_written_medium *written, enum neph_status status)
@@ -183,8 +183,8 @@ static enum neph_status read_form(struct neph_reader *reader, const yaml_node_t 
     written->medium.bounds = everywhere;
     enum neph_status status = neph_read_fields(reader, node, fields, written);
     status = finish(reader, node, choice->form, written, status);
-    neph_medium_finish(medium); /* of another form in the same entry */
-    *medium = written->medium;  /* what is half made is freed with the scene */
+    neph_medium_finish(medium); /* another form in the same entry */
+    *medium = written->medium;  /* also on errors: freed with the scene */
     return status;
 }
 
@@ -254,7 +254,7 @@ static void hash_medium(const void *target, FILE *text)
         neph_fields_hash(row->forms[0].fields, medium, text);
 }
 
-/* For the table of keys: the common keys stand inside the mapping of the kind. */
+/* For the table of keys: the common keys are part of the mapping of the kind. */
 static const struct neph_record common_record = {.size = sizeof(struct neph_medium),
                                                  .fields = common_fields};
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames, sun and wind from a scene file, and what the finished scene must keep to in all of its
+ * Frames, sun and wind from a scene file, and the checks of the finished scene over all of its
  * frames.
  */
 #include "scenes/load.h"
@@ -16,11 +16,11 @@
 #define SUN_KEY(member) offsetof(struct neph_sun_key, member)
 #define WIND_KEY(member) offsetof(struct neph_wind_key, member)
 
-/* Nearer to opposite than this, directions of the sun do not say which way it goes between them. */
+/* Two sun directions nearer to opposite than this have no unique great circle between them. */
 #define SUN_SINE_MIN 1e-6
-#define DRIFT_MAX_M NEPH_FAR_M /* as far as a scene file may put a medium itself */
+#define DRIFT_MAX_M NEPH_FAR_M /* the range in which a file may place a medium */
 
-#define BRIGHT 1e9       /* one float32 pixel still holds the sum of 1e29 of them */
+#define BRIGHT 1e9       /* a float32 pixel can represent the sum of 1e29 of them */
 #define FAST_M_PER_S 1e5 /* a time lapse: 3 km per frame at 30 Hz */
 
 /* --- Frames --- */
@@ -152,7 +152,7 @@ static enum neph_status read_sun(struct neph_reader *reader, const yaml_node_t *
 const struct neph_record neph_sun_record = {
     .size = sizeof(struct neph_written_scene), .fields = sun_fields, .read = read_sun};
 
-/* A single key is a sun that stands still. */
+/* A single key is a static sun. */
 void neph_finish_sun(struct neph_written_scene *written)
 {
     struct neph_scene *scene = &written->scene;
@@ -217,13 +217,13 @@ const struct neph_record neph_wind_record = {
 
 /* --- In the finished scene --- */
 
-/* A camera nearer to its target than this has no direction of view worth the name. */
+/* A camera nearer to its target than this has no well-defined direction of view. */
 #define VIEW_DISTANCE_MIN_M 1e-3
-/* Sine of the smallest angle between the view and `up`: below it the picture could turn by any
- * angle with the last bits of the input. */
+/* Sine of the smallest angle between the view and `up`: below it rounding of the input could turn
+ * the image by any angle. */
 #define VIEW_SINE_MIN 1e-6
 
-/* Where the file says how the camera stands at a frame of the keys: the last one not after it. */
+/* Path in the file of the camera at a key frame: the last key not after it. */
 static struct neph_path camera_path(const struct neph_reader *reader,
                                     const struct neph_scene *scene, double frame, const char *key)
 {
@@ -235,7 +235,7 @@ static struct neph_path camera_path(const struct neph_reader *reader,
     return neph_at("camera.keys[%d].%s", index, key);
 }
 
-/* The camera at a frame of the keys: outside solids, and looking somewhere. */
+/* Checks that the camera at a key frame is outside solids and has a direction of view. */
 static enum neph_status check_view(const struct neph_reader *reader, const struct neph_scene *scene,
                                    double frame)
 {
@@ -264,7 +264,7 @@ static enum neph_status check_view(const struct neph_reader *reader, const struc
     return NEPH_OK;
 }
 
-/* The wind must have something to move, and must leave it where renderers can still see it. */
+/* Checks that the wind moves a medium, and keeps it within the range of renderers. */
 enum neph_status neph_check_wind(const struct neph_reader *reader, const struct neph_scene *scene)
 {
     bool any = false;

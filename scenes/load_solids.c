@@ -25,11 +25,11 @@ struct fence {
     struct neph_rgb albedo;
 };
 
-/* One of them. */
+/* One entry; either a solid or a fence. */
 struct neph_written_solid {
     struct neph_solid solid;
-    struct fence fence;      /* of 0 bars: there is none */
-    struct neph_mover mover; /* without keys: it stands still */
+    struct fence fence;      /* 0 bars: no fence */
+    struct neph_mover mover; /* without keys: static */
 };
 
 /* The rows of solids hash a struct neph_solid, too. */
@@ -44,7 +44,7 @@ static const char albedo_note[] = "an albedo above 1 would make light out of not
 
 /* --- Surfaces --- */
 
-/* Cycles has a mirror from alpha^2 = 1e-7 on, which is a roughness of 0.0178. */
+/* Cycles renders alpha^2 < 1e-7 as a mirror, which is a roughness of 0.0178. */
 static const double smoothest = 0.02;
 
 #define TEXTURE(member) SOLID(surface.texture.member)
@@ -106,7 +106,7 @@ static const struct neph_field motion_fields[] = {
     {0},
 };
 
-/* Turns are written in degrees. */
+/* Converts turns from degrees. */
 static enum neph_status read_motion(struct neph_reader *reader, const yaml_node_t *node,
                                     const struct neph_record *record, void *target)
 {
@@ -297,7 +297,7 @@ static struct neph_solid thin_box(struct neph_vec3 center_m, struct neph_vec3 si
     };
 }
 
-/* The foot of the row's first bar: rows follow each other along -Z, away from a default camera. */
+/* The foot of the row's first bar: rows are arranged along -Z, away from a default camera. */
 static struct neph_vec3 row_foot(const struct fence *fence, int row)
 {
     struct neph_vec3 foot_m = fence->origin_m;
@@ -317,7 +317,7 @@ static struct neph_solid fence_bar(const struct fence *fence, int row, int bar)
     return solid;
 }
 
-/* From the middle of the first bar to the middle of the last: its ends hide inside them. */
+/* From the centre of the first bar to the centre of the last: its ends are inside them. */
 static struct neph_solid fence_rail(const struct fence *fence, int row, int rail)
 {
     const double length_m = (fence->bars - 1) * fence->pitch_m;
@@ -363,7 +363,7 @@ static enum neph_status finish_movers(struct neph_reader *reader,
     return NEPH_OK;
 }
 
-/* Once scattering is known. */
+/* Runs after all keys were read, because it needs the scattering. */
 static enum neph_status check_metals(const struct neph_reader *reader,
                                      const struct neph_written_scene *written)
 {
@@ -425,7 +425,7 @@ void neph_solids_hash(const struct neph_scene *scene, FILE *text)
         [NEPH_SOLID_BOX] = box_fields, [NEPH_SOLID_SPHERE] = sphere_fields};
     for (int i = 0; i < scene->solid_count; i++) {
         neph_fields_hash(fields[scene->solids[i].kind], &scene->solids[i], text);
-        neph_put_number(text, "thin", scene->solids[i].thin); /* for the mask of a frame */
+        neph_put_number(text, "thin", scene->solids[i].thin); /* part of the masks of a frame */
     }
 }
 

@@ -18,7 +18,7 @@
 #define VOLUME(member) offsetof(struct neph_written_volume, member)
 #define BOX(member) offsetof(struct neph_volume_box, member)
 
-/* OpenVDB's indices are of 32 bits; a box of as many is far beyond any memory limit. */
+/* OpenVDB's indices have 32 bits; a box of this size is far beyond any memory limit. */
 #define INDEX_MAX 1e9
 
 enum placement { PLACEMENT_FILE, PLACEMENT_FIT };
@@ -85,8 +85,8 @@ const struct neph_field neph_volume_fields[] = {
 
 /* --- the file --- */
 
-/* "$NAME/rest" starts in a folder, or is a file, that the environment names; a relative path starts
- * at the scene file. */
+/* Resolves a path: "$NAME/rest" starts at an environment variable that names a folder or a file; a
+ * relative path starts at the scene file. */
 static enum neph_status resolve_file(const struct neph_reader *reader, const char *file,
                                      const char **path)
 {
@@ -111,12 +111,12 @@ static enum neph_status resolve_file(const struct neph_reader *reader, const cha
     return neph_arena_check(reader->arena, reader->diag);
 }
 
-/* --- which placement --- */
+/* --- placement ------------------------------------------------------------------------------- */
 
 static const char *const fit_keys[] = {"center_m", "longest_side_m", "size_m", "fit_to", NULL};
 static const char *const file_keys[] = {"origin_m", "unit_m", NULL};
 
-/* The first of the keys that the file gives; NULL: none. */
+/* The first of the keys that the file has; NULL: none. */
 static const char *first_given(const struct neph_reader *reader, const yaml_node_t *node,
                                const char *const *keys)
 {
@@ -156,7 +156,7 @@ static enum neph_status check_fit(const struct neph_reader *reader, const yaml_n
     return NEPH_OK;
 }
 
-/* What the keys that are given ask for. */
+/* Derives the placement from the keys that are given. */
 static enum neph_status choose_placement(const struct neph_reader *reader, const yaml_node_t *node,
                                          const char *path, struct neph_written_volume *volume)
 {
@@ -191,9 +191,9 @@ static enum neph_status check_index_box(const struct neph_reader *reader,
     return NEPH_OK;
 }
 
-/* --- in place --- */
+/* --- the grid -------------------------------------------------------------------------------- */
 
-/* Scale and move it so that the block of voxels has its size and its centre. */
+/* Scales and moves the grid so that the block of voxels has the given size and centre. */
 static enum neph_status fit(struct neph_grid *grid, const struct neph_written_volume *volume,
                             struct neph_diag *diag)
 {
@@ -204,7 +204,7 @@ static enum neph_status fit(struct neph_grid *grid, const struct neph_written_vo
     const double scale = volume->longest_side_m / longest;
     struct neph_vec3 spacing_m = neph_vec3_scale(grid->spacing_m, scale);
     struct neph_vec3 half_m = neph_vec3_scale(neph_vec3_sub(sides, grid->spacing_m), 0.5 * scale);
-    if (volume->longest_side_m == 0.0) { /* size_m in its place */
+    if (volume->longest_side_m == 0.0) { /* size_m is given instead */
         const struct neph_vec3 size_m = volume->size_m;
         spacing_m = (struct neph_vec3){size_m.x / grid->size[0], size_m.y / grid->size[1],
                                        size_m.z / grid->size[2]};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The form `volume` of a medium: voxels from a file, and where they are put. Private to scenes/.
+ * The form `volume` of a medium: voxels from a file, and their placement. Private to scenes/.
  */
 #ifndef NEPH_SCENES_LOAD_VOLUME_H
 #define NEPH_SCENES_LOAD_VOLUME_H

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The side of cubes of which `cell_count` fill the box. A side of the box that is shorter than that
- * gets one cell, and the others share the rest: hence once more for each. */
+/* The side of cubes of which `cell_count` fill the box. A side of the box that is shorter than a
+ * cube gets one cell; the other sides are then computed again with all cells. */
 static double cube_side_m(const double extent_m[3], int cell_count)
 {
     double side_m = INFINITY;
@@ -42,18 +42,18 @@ static void choose_size(const struct neph_medium *medium, const double extent_m[
     }
     for (int axis = 0; axis < 3; axis++) {
         double cells = fmin(NEPH_GRID_SIDE_MAX, round(extent_m[axis] / side_m));
-        if (thinnest_m[axis] >
-            0.0) /* the box of a whole lattice has whole cells but for rounding */
+        if (thinnest_m[axis] > 0.0) /* the tolerance keeps whole cells whole despite rounding */
             cells = fmin(cells, floor(extent_m[axis] / thinnest_m[axis] + 1e-6));
         size[axis] = (int)fmax(1.0, cells);
     }
 }
 
-/* Majorants hold a hair beyond the cell: a tracker's own rounding may put a point of the face into
- * either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4 cells. */
+/* Majorants cover a margin beyond the cell, because a tracker's rounding may put a point of the
+ * face into either neighbour. In float32 it is 1e-3 of a cell where the coordinates are 10^4
+ * cells. */
 static const double hair = 1e-3;
 
-/* A cell and `margin` of its sides on all sides. */
+/* A cell, extended by `margin` of its sides on all sides. */
 static struct neph_bounds cell_box(const struct neph_majorants *majorants, const int cell[3],
                                    double margin)
 {
@@ -121,8 +121,8 @@ enum neph_status neph_majorants_create(const struct neph_medium *medium,
     return NEPH_OK;
 }
 
-/* Without the hair: a node beyond the face has next to no weight there, and where the cells are the
- * grid's own it would bring in all nodes of the cells around. */
+/* Without the margin: a node beyond the face has a negligible weight there, and where the cells are
+ * the grid's own the margin would include all nodes of the cells around. */
 void neph_majorants_cover_nodes(struct neph_majorants *majorants, const struct neph_medium *medium)
 {
     if (!medium->grid)

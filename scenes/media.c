@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a scene asks of its media, whatever their kind: the table of kinds, phase functions.
+ * The table of kinds of media, and the functions that do not depend on the kind.
  */
 #include "scenes/media.h"
 
@@ -62,8 +62,8 @@ double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_v
     return rows[medium->kind]->optical_depth(medium, origin_m, direction, t0_m, t1_m);
 }
 
-/* A bound is computed at one place and the extinction at another: this covers the roundings of
- * both. The largest are those of the argument of exp, up to 745 * 2^-53 each. */
+/* A bound is computed at one place and the extinction at another: this covers the rounding of both.
+ * The largest errors come from the argument of exp, up to 745 * 2^-53 each. */
 static const double bound_margin = 1.0 + 1e-12;
 
 double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
@@ -193,7 +193,7 @@ struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct 
         const struct neph_medium *medium = &scene->media[i];
         const double optical_depth = neph_medium_optical_depth(medium, origin_m, direction, t0_m,
                                                                t1_m);
-        if (optical_depth > 0.0) /* 0 * inf: a channel that is not attenuated stays so */
+        if (optical_depth > 0.0) /* avoids 0 * inf in a channel without extinction */
             sum = neph_rgb_add(sum, neph_rgb_attenuation(medium->extinction_color, optical_depth));
     }
     return sum;

@@ -20,62 +20,63 @@ double neph_phi(double x);
 double neph_fog_layer_optical_depth(const struct neph_fog_layer *layer, double y_m, double k_y,
                                     double length_m);
 
-/* Its inverse: how far from height y_m along k_y until the layer has given an optical depth > 0
- * [m]; +inf when it never has. */
+/* The inverse: distance from height y_m along k_y at which the layer reaches an optical depth > 0
+ * [m]; +inf if it never does. */
 double neph_fog_layer_distance_m(const struct neph_fog_layer *layer, double y_m, double k_y,
                                  double optical_depth);
 
 const struct neph_medium_facts *neph_medium_facts(enum neph_medium_kind kind);
 
-/* Two of the facts that are asked for most. */
+/* Two frequently used facts. */
 bool neph_medium_is_fog(const struct neph_medium *medium);
 bool neph_medium_has_closed_form(const struct neph_medium *medium);
 
 /* Extinction [1/m] at a point; 0 outside the bounds. */
 double neph_medium_extinction_per_m(const struct neph_medium *medium, struct neph_vec3 point_m);
 
-/* No smaller than the extinction [1/m] anywhere in the box: the majorant of tracking methods. Not
- * always the smallest such number. */
+/* An upper bound of the extinction [1/m] in the box, the majorant of tracking methods. Not always
+ * the smallest. */
 double neph_medium_extinction_bound_per_m(const struct neph_medium *medium,
                                           const struct neph_bounds *box);
 
-/* Whether wind carries the medium along: what has a place (blobs, plumes, voxels) with its bounds,
- * the textures of Horizon layers within theirs. The rest is the same all along the wind. */
+/* Whether wind moves the medium: media with a place (blobs, plumes, voxels) move with their bounds,
+ * the textures of Horizon layers move within theirs. Other media are uniform along the wind. */
 bool neph_medium_drifts(const struct neph_medium *medium);
 
-/* Carry it along; what does not drift stays as it is. Writes to its grid or horizon. */
+/* Moves the medium with the wind; no effect on media that do not drift. Writes to its grid or
+ * horizon. */
 void neph_medium_drift(struct neph_medium *medium, struct neph_vec3 by_m);
 
-/* The same medium elsewhere, bounds and all; not of Horizon layers, whose planet stands under the
- * world's origin. Writes as drifting does. */
+/* Translates the medium with its bounds; not possible for Horizon layers, whose planet is fixed
+ * below the world's origin. Writes to its grid or horizon. */
 bool neph_medium_can_shift(const struct neph_medium *medium);
 void neph_medium_shift(struct neph_medium *medium, struct neph_vec3 by_m);
 
-/* Free what it owns. */
+/* Frees the memory that the medium owns. */
 void neph_medium_finish(struct neph_medium *medium);
 
-/* Let it use `room` in place of what it owns, so that it can drift by itself; voxels and textures
- * are borrowed. */
+/* Makes the medium use `room` in place of owned memory, so that this copy can drift independently;
+ * voxels and textures are borrowed. */
 size_t neph_medium_room(const struct neph_medium *medium);
 void neph_medium_borrow(struct neph_medium *medium, void *room);
 
-/* Cut a ray at the scale of the density, on the ray itself and in the shadow that the medium throws
- * on it; and at its kinks, which may be more than there is room for. */
+/* Splits a ray at the scale of the density, on the ray itself and in the shadow that the medium
+ * casts on it; and at the kinks of the density, of which there may be more than fit. */
 void neph_medium_cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium);
 void neph_medium_cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium);
 
 /* Whether its extinction differs between the channels. */
 bool neph_medium_is_coloured(const struct neph_medium *medium);
 
-/* A grid that repeats without end, and has no bounds within half of the world where it does. */
+/* A grid that repeats endlessly, without bounds within half of the world on an endless axis. */
 bool neph_medium_is_endless(const struct neph_medium *medium);
 bool neph_scene_is_endless(const struct neph_scene *scene); /* some medium of it is */
-extern const char neph_endless_reason[]; /* why others cannot have it, in words */
+extern const char neph_endless_reason[]; /* reason for other engines to refuse it */
 
-/* The finite box that holds all of the medium: its bounds, narrowed to the support of its density
- * (grids) or to where extinction falls below 1e-12 of its largest (Gaussian). Infinite sides stay
- * infinite where there is no such end (height fog, homogeneous, shell). Minimum = maximum on some
- * axis where the bounds leave nothing of the medium. */
+/* The finite box that contains the medium: its bounds, narrowed to the support of its density
+ * (grids) or to the region where extinction is at least 1e-12 of its largest (Gaussian). Sides stay
+ * infinite where there is no such end (height fog, homogeneous, shell). Minimum = maximum on an
+ * axis where the bounds exclude the medium. */
 struct neph_bounds neph_medium_support(const struct neph_medium *medium);
 
 /* Optical depth [1] (of extinction_color 1) of a medium along origin + t direction, t in [t0_m,
@@ -89,7 +90,7 @@ struct neph_bounds neph_medium_support(const struct neph_medium *medium);
 double neph_medium_optical_depth(const struct neph_medium *medium, struct neph_vec3 origin_m,
                                  struct neph_vec3 direction, double t0_m, double t1_m);
 
-/* The sum over all media of a scene, per channel: each medium's times its extinction_color. */
+/* The sum over all media of a scene, per channel, each multiplied by its extinction_color. */
 struct neph_rgb neph_scene_optical_depth(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                          struct neph_vec3 direction, double t0_m, double t1_m);
 
@@ -105,13 +106,14 @@ struct neph_unreal_fog {
 struct neph_fog_layer neph_fog_layer_from_unreal(const struct neph_unreal_fog *unreal);
 struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *layer);
 
-/* A finite box that an engine without unbounded media can use for `medium` in place of its bounds,
- * as seen by the cameras of all frames. `*cut_error` is the absolute error in transmittance that
- * the cut makes, at most 1; 0 when the bounds are the box, being finite and small, and for a grid,
- * whose box is its support.
- * Fog: the largest found over slopes and heights of view rays, times 1.1. Level rays through thin
- * fog may need more than the 1000 km that the box may reach: then it says so by a value near 1.
- * Gaussian, shell: no line from anywhere loses more; below 1e-8 for a shell's whole planet. */
+/* A finite box in place of the bounds of `medium`, for an engine without unbounded media, chosen
+ * for the cameras of all frames. `*cut_error` is the absolute error in transmittance that the box
+ * causes, at most 1:
+ * - finite and small bounds, which are the box, and grids, whose box is their support: 0.
+ * - Fog: the largest error found over slopes and heights of view rays, times 1.1. Level rays
+ *   through thin fog may need more than the 1000 km that the box may reach; the error is then near
+ *   1.
+ * - Gaussian, shell: no line from anywhere loses more; below 1e-8 for a shell's whole planet. */
 struct neph_bounds neph_medium_container(const struct neph_scene *scene,
                                          const struct neph_medium *medium, double *cut_error);
 

@@ -49,8 +49,8 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return neph_grid_support(medium->grid);
 }
 
-/* The shadow that a grid throws on the ray, an eighth of its cells at a time: nodes are then closer
- * than its cells. */
+/* Splits at the shadow that a grid casts on the ray, an eighth of its cells at a time: quadrature
+ * nodes are then closer than its cells. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_solid box = {.kind = NEPH_SOLID_BOX, .box = neph_medium_support(medium)};
@@ -58,7 +58,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     const int cells = size[0] > size[1] ? size[0] : size[1];
     const int pieces = 1 + (cells > size[2] ? cells : size[2]) / 8;
     double low_m, high_m;
-    if (cuts->scene->medium_count == 1) /* its own cells are cut finer */
+    if (cuts->scene->medium_count == 1) /* cut_kinks() already splits at every cell */
         return;
     if (!neph_solid_shadow(&box, cuts->scene->sun.direction, cuts->origin_m, cuts->direction,
                            cuts->t0_m, cuts->t1_m, &low_m, &high_m))
@@ -67,7 +67,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
         neph_cut(cuts, low_m + (high_m - low_m) * k / pieces);
 }
 
-/* Those of the lattice's faces across one axis that a stretch of a ray may meet. */
+/* The faces of the lattice across one axis that a part of a ray may cross. */
 struct faces {
     int first, last;
 };
@@ -79,7 +79,7 @@ static struct faces faces_on(const struct neph_grid *grid, int axis, double near
     return grid->is_endless[axis] ? met : own;
 }
 
-/* The faces of the cells on the ray, where the density has kinks. */
+/* Splits at the faces of the cells on the ray, where the density has kinks. */
 static void cut_kinks(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_grid *grid = medium->grid;
@@ -159,7 +159,7 @@ static const struct neph_field grid_fields[] = {
     {0},
 };
 
-/* The values of all copies. */
+/* Fills in the values of all copies. */
 static void fill_copies(const struct written_grid *written, struct neph_grid *grid)
 {
     const int *own = written->size, *all = grid->size;

@@ -74,7 +74,7 @@ struct written_horizon {
     struct neph_horizon_params params;
 };
 
-/* Left out: the article's values. */
+/* The defaults are the article's values. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at density 1"},
     {"seed", NEPH_WHOLE, HORIZON(seed), "", 0, 1e9, .standard = "1"},

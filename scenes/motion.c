@@ -21,7 +21,8 @@ static struct neph_rgb mix_rgb(struct neph_rgb a, struct neph_rgb b, double part
 }
 
 /* Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985, for unit vectors that are
- * not opposite. The angle has digits at any size; an error of it cancels in small ones. */
+ * not opposite. atan2 is accurate at any angle; the error of a small angle cancels in the
+ * result. */
 static struct neph_vec3 slerp(struct neph_vec3 a, struct neph_vec3 b, double part)
 {
     const double angle_rad = atan2(neph_vec3_length(neph_vec3_cross(a, b)), neph_vec3_dot(a, b));
@@ -31,7 +32,7 @@ static struct neph_vec3 slerp(struct neph_vec3 a, struct neph_vec3 b, double par
     return neph_vec3_normalize(neph_vec3_along(start, b, sin(part * angle_rad)));
 }
 
-/* --- pictures and keys ----------------------------------------------------------------------- */
+/* --- frames and key frames ------------------------------------------------------------------- */
 
 void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *width_px,
                            int *height_px)
@@ -82,8 +83,8 @@ static struct neph_vec3 velocity_at(const struct neph_scene *scene, double key_f
     return neph_mix(keys[span.from].velocity_m_per_s, keys[span.to].velocity_m_per_s, span.part);
 }
 
-/* The integral of the velocity over frames [start, end], cut at the keys: what is linear has the
- * value of its middle as its mean. */
+/* The integral of the velocity over frames [start, end], split at the keys: the mean of a linear
+ * piece is its value at the centre. */
 static struct neph_vec3 integrate_wind(const struct neph_scene *scene, double start, double end)
 {
     struct neph_vec3 sum = {0, 0, 0};
@@ -152,7 +153,7 @@ struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
     return placed_m(before, neph_vec3_add(now->pivot_m, neph_turned_back(&now->turn, arm_m)));
 }
 
-/* What has not turned stays as simple as it was. */
+/* A solid without rotation keeps its simple form. */
 static struct neph_solid placed(const struct neph_placing *placing, struct neph_solid solid)
 {
     if (solid.kind == NEPH_SOLID_SPHERE) {
@@ -184,7 +185,7 @@ struct neph_solid neph_scene_solid(const struct neph_scene *scene, int index, do
     return neph_scene_solid_at(scene, index, neph_scene_time_frame(scene, frame));
 }
 
-/* --- moments --------------------------------------------------------------------------------- */
+/* --- content of frames ----------------------------------------------------------------------- */
 
 bool neph_scene_moves(const struct neph_scene *scene)
 {
@@ -192,13 +193,12 @@ bool neph_scene_moves(const struct neph_scene *scene)
            scene->clear_count > 0;
 }
 
-/* All that engines take from the time of a picture; doubles alone, so that bytes can be compared.
- */
+/* All content of a frame that changes over time; only doubles, so that bytes can be compared. */
 struct moment {
     struct neph_camera camera;
     struct neph_vec3 sun_direction, wind_m;
     struct neph_rgb sun_w_per_m2;
-    double width_px, height_px; /* of the largest picture */
+    double width_px, height_px; /* of a frame of the largest requested size */
     double is_clear;
 };
 _Static_assert(sizeof(struct moment) == 26 * sizeof(double), "no padding");
@@ -245,13 +245,13 @@ bool neph_scene_is_static(const struct neph_scene *scene)
     return true;
 }
 
-/* --- a scene that stands still --------------------------------------------------------------- */
+/* --- the static scene of a frame ------------------------------------------------------------- */
 
-/* One block, so that it is freed at once; the scene comes first. */
+/* One block, freed with one call; the scene comes first. */
 struct still {
     struct neph_scene scene;
     struct neph_camera_key camera_key;
-    max_align_t rooms[]; /* what media need to drift by themselves, then solids that move */
+    max_align_t rooms[]; /* for neph_medium_borrow() of each medium, then solids that move */
 };
 
 static size_t units(size_t bytes)
@@ -264,7 +264,7 @@ static size_t units_of(const struct neph_medium *medium)
     return units(neph_medium_room(medium));
 }
 
-/* Media of its own, so that they can be moved. Returns the room behind them. */
+/* Gives the scene its own copies of the media, which can move. Returns the memory after them. */
 static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
 {
     max_align_t *room = still->rooms;
@@ -277,7 +277,7 @@ static max_align_t *place_media(struct still *still, struct neph_vec3 by_m)
     return room;
 }
 
-/* Whether solids are its own, so that they can be moved. */
+/* Whether the scene needs its own copies of the solids, which can move. */
 static bool has_own_solids(const struct neph_scene *scene)
 {
     return scene->mover_count > 0 || neph_scene_injections(scene)->origin_count > 0;
@@ -289,7 +289,7 @@ static void place_solids(const struct neph_scene *scene, double frame, struct ne
         solids[i] = neph_scene_solid(scene, i, frame);
 }
 
-/* Without the keys, which are in the numbers now. */
+/* Removes the keys, whose values are applied now. */
 static void stop_time(struct neph_scene *scene)
 {
     scene->pause_count = scene->frame_scale_count = scene->advance_count = 0;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene over time. Pictures are counted by engines, jobs and files; camera, sun, wind and solids
- * have keys at frames of their own, which stand still while pictures go on in a pause. Functions
- * here take the frame of a picture, unless they say of the keys: 0-based, may be fractional, may
- * lie before 0 or after the last.
+ * A scene over time. Engines, jobs and files count frames; camera, sun, wind and solids have keys
+ * at frames of their own, the key frames, which stand still in a pause. Functions here take a frame
+ * unless they name a key frame: 0-based, may be fractional, before 0 or after the last.
  */
 #ifndef NEPH_SCENES_MOTION_H
 #define NEPH_SCENES_MOTION_H
@@ -11,62 +10,62 @@
 #include "scenes/keys.h"
 #include "scenes/scene.h"
 
-/* Whether the camera jumps between two pictures, in either order: a key with `cut` lies after the
- * earlier and not after the later. */
+/* Whether the camera jumps between two frames, in either order: a key with `cut` lies after the
+ * earlier one and not after the later one. */
 bool neph_scene_is_cut(const struct neph_scene *scene, double frame_from, double frame_to);
 
-/* From the size that was asked for to that of a picture: times the scale in force, to the nearest
- * pixel, at least 1. */
+/* Converts the requested size to the size of a frame: times the scale at that frame, rounded to the
+ * nearest pixel, at least 1. */
 void neph_scene_frame_size(const struct neph_scene *scene, double frame, int *width_px,
                            int *height_px);
 
-/* The sun: its direction goes along the great circle between keys, its irradiance is linear. */
+/* The sun of a frame: its direction follows the great circle between keys, its irradiance is
+ * linear. */
 struct neph_sun neph_scene_sun(const struct neph_scene *scene, double frame);
 
-/* How far the wind has carried media since frame 0, see neph_medium_drift(): the exact integral of
- * the velocity, which is linear between keys; 0 without wind. */
+/* Displacement of the media by the wind since frame 0, see neph_medium_drift(): the exact integral
+ * of the velocity, which is linear between keys; 0 without wind. */
 struct neph_vec3 neph_scene_wind_displacement_m(const struct neph_scene *scene, double frame);
 
-/* Whether the media are away in a picture (frames.clear). */
+/* Whether the media are absent in a frame (frames.clear). */
 bool neph_scene_is_clear(const struct neph_scene *scene, double frame);
 
-/* A solid as it stands at a frame of the keys, and one at a picture. */
+/* A solid at a key frame, and at a frame. */
 struct neph_solid neph_scene_solid_at(const struct neph_scene *scene, int index, double key_frame);
 struct neph_solid neph_scene_solid(const struct neph_scene *scene, int index, double frame);
 
-/* Where a point of a moving solid stands: point -> pivot_m + turned (point - pivot_m) + move_m. */
+/* Transform of a moving solid: point -> pivot_m + turned (point - pivot_m) + move_m. */
 struct neph_placing {
     struct neph_turn turn;
     struct neph_vec3 pivot_m, move_m;
 };
 
-/* Where a mover has its solids in a picture. */
+/* The transform of a mover's solids in a frame. */
 struct neph_placing neph_mover_placing(const struct neph_scene *scene,
                                        const struct neph_mover *mover, double frame);
 
-/* Where a point of a solid stood, from where it stands now. */
+/* The earlier place of a point of a solid, given its present place. */
 struct neph_vec3 neph_placed_before_m(const struct neph_placing *now,
                                       const struct neph_placing *before, struct neph_vec3 point_m);
 
 /* Whether anything but the camera changes from frame to frame. */
 bool neph_scene_moves(const struct neph_scene *scene);
 
-/* Whether two pictures show the same: camera, sun, the wind's displacement, what is there of the
- * media, solids and the size have the same bits. What differs by less than can be seen is another
- * moment. */
+/* Whether two frames have the same content: camera, sun, wind displacement, presence of the media,
+ * solids and size are equal bit by bit. Differences that are too small to see count. */
 bool neph_scene_is_same_moment(const struct neph_scene *scene, double frame_a, double frame_b);
 
-/* Whether all frames of the scene show the same. */
+/* Whether all frames of the scene have the same content. */
 bool neph_scene_is_static(const struct neph_scene *scene);
 
-/* The scene as it stands in one picture, for engines that know nothing of time: its sun, media and
- * solids where they are then, one camera key, no wind, pause or size. The hash is that of `scene`:
- * a picture's frame is part of its job. Costs one allocation and no work that grows with the scene:
- * all large data are borrowed, so `scene` must outlive it. Free with neph_scene_destroy(). */
+/* The static scene of one frame, for engines without time: sun, media and solids at that frame, one
+ * camera key, no wind, pause or size. The hash is the hash of `scene`, because the frame is part of
+ * a job. Costs one allocation, independent of the size of the scene: all large data are borrowed,
+ * so `scene` must outlive the result. Free with neph_scene_destroy(). */
 enum neph_status neph_scene_at(const struct neph_scene *scene, double frame,
                                struct neph_scene **still, struct neph_diag *diag);
 
-/* A scene that neph_scene_at() made, of one whose injections move its origin, elsewhere. */
+/* Translates a scene from neph_scene_at(); for injections that move the origin. */
 void neph_scene_shift(struct neph_scene *still, struct neph_vec3 by_m);
 
 #endif

@@ -18,18 +18,18 @@ static int wrap(int cell, int period)
     return remainder < 0 ? remainder + period : remainder;
 }
 
-/* Streams of random numbers that no two uses share. */
+/* Streams of random numbers; each use has its own. */
 enum stream { STREAM_GRADIENT = 1, STREAM_POINT, STREAM_CALLER };
 
-/* The hashes of a cube of cells (in the plane: of a square), `side` cells along each axis from
- * `first` on; the last axis fastest. Cells of equal first coordinates share the work on those. */
+/* The hashes of a cube of cells (in 2 dimensions of a square), `side` cells along each axis from
+ * `first` on; the last axis fastest. Cells with equal first coordinates share work. */
 static void hash_cells(const struct neph_noise *noise, const int *first, int side, uint32_t stream,
                        uint64_t *hashes)
 {
     int count = 1;
     hashes[0] = mix(noise->seed + 0x9e3779b97f4a7c15u * stream);
     for (int axis = 0; axis < noise->dimensions; axis++, count *= side)
-        for (int i = count - 1; i >= 0; i--) /* in place, so from the end */
+        for (int i = count - 1; i >= 0; i--) /* in place, so backwards */
             for (int step = side - 1; step >= 0; step--)
                 hashes[i * side + step] = mix(hashes[i] ^
                                               (uint64_t)wrap(first[axis] + step, noise->period));
@@ -46,7 +46,7 @@ double neph_noise_cell_random(const struct neph_noise *noise, const int *cell, u
 
 enum { RUN = 16 };
 
-/* Neighbouring points of a row that lie in the same cell: all need the same hashes. */
+/* Neighbouring points of a row in the same cell, which need the same hashes. */
 struct run {
     int count; /* at most RUN */
     int cell[3];
@@ -79,14 +79,16 @@ static void find_run(const struct neph_noise *noise, const struct neph_noise_row
 
 /* --- Perlin ---------------------------------------------------------------------------------- */
 
-/* Towards the edges of a cube, four of them twice so that a hash picks one by masking. */
+/* Directions towards the edges of a cube; four of them twice, so that a hash selects one by
+ * masking. */
 static const double edges[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
 };
 
-/* In the plane: eight directions, none along an axis or a diagonal, which the eye would find. All
- * of length sqrt 2, so that the noise reaches from -1 to 1: sqrt 2 cos and sin of 22.5 degrees. */
+/* In 2 dimensions: eight directions, none along an axis or a diagonal, where patterns are visible.
+ * All have length sqrt 2, so that the noise has the range -1..1: sqrt 2 cos and sin of 22.5
+ * degrees. */
 #define LONG 1.30656296487637652
 #define SHORT 0.541196100146196985
 static const double plane_gradients[8][3] = {{LONG, SHORT},   {-LONG, SHORT}, {LONG, -SHORT},

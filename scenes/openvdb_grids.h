@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenVDB for C++ files that read or write grids. The library holds the code of the grids that it
- * registers; a compiler that is not told so makes all of it again, four fifths of its time. What
- * little the library lacks is inlined, by gcc from -O1 on; clang inlines less, and is not told.
+ * OpenVDB for C++ files that read or write grids. The library contains compiled code for the grids
+ * that it registers. These declarations stop gcc from compiling it again, which takes four fifths
+ * of the build time. Functions that the library lacks are inlined by gcc from -O1 on; clang inlines
+ * less, so it does not get the declarations.
  */
 #ifndef NEPH_SCENES_OPENVDB_GRIDS_H
 #define NEPH_SCENES_OPENVDB_GRIDS_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Phase functions: how the light that a medium scatters is spread over directions [1/sr],
- * normalised over the sphere. The kinds are listed in scenes/phase_kinds.h.
+ * Phase functions: the distribution of scattered light over directions [1/sr], normalised over the
+ * sphere. The kinds are listed in scenes/phase_kinds.h.
  */
 #ifndef NEPH_SCENES_PHASE_H
 #define NEPH_SCENES_PHASE_H
@@ -22,11 +22,11 @@ struct neph_phase {
 
 enum { NEPH_PHASE_TRIALS_MAX = 12 };
 
-/* A kind. Functions get g; where there is no asymmetry, it is 0. The phase function of -g is the
- * mirror image of the one of g. */
+/* A kind. Functions get g, or 0 for kinds without asymmetry. The phase function for -g is the
+ * mirror image of the one for g. */
 struct neph_phase_row {
     const char *title;  /* "Rayleigh": for sentences */
-    bool has_asymmetry; /* g is a parameter of it */
+    bool has_asymmetry; /* g is a parameter */
     /* Values of g for the checks of `neph validate --suite physics`. */
     int trial_count;
     double trials[NEPH_PHASE_TRIALS_MAX];

@@ -10,14 +10,14 @@
 static double per_sr(double g, double cosine)
 {
     const double c = fmin(1.0, fmax(-1.0, cosine));
-    /* 1 + g^2 - 2 g c without its cancellation at the peak, for either sign of g. */
+    /* 1 + g^2 - 2 g c without cancellation at the peak, for either sign of g. */
     const double base = g >= 0.0 ? (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - c)
                                  : (1.0 + g) * (1.0 + g) - 2.0 * g * (1.0 + c);
     return (1.0 - g) * (1.0 + g) / (4.0 * M_PI * base * sqrt(base));
 }
 
-/* The textbook's 1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2 over 2 g cancels at both ends of g. Its
- * difference to 1, multiplied out, does not, and holds at g = 0. */
+/* The textbook form, 1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2 over 2 g, cancels at both ends of g.
+ * Its difference from 1, multiplied out, does not, and is valid at g = 0. */
 static double versine(double g, double u)
 {
     const double scale = (1.0 - g) / (1.0 - g + 2.0 * g * u);

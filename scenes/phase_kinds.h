@@ -2,7 +2,7 @@
  *
  * The registry of phase functions: number, name and file. Each is a file scenes/phase_FILE.c and
  * one line here; shaders include this list and have a file renderer/shaders/phase_FILE.glsl. The
- * number stands in hashes of scenes, and the file's name is the word of scene files.
+ * number is part of the hashes of scenes, and the file's name is the word in scene files.
  */
 #ifndef NEPH_SCENES_PHASE_KINDS_H
 #define NEPH_SCENES_PHASE_KINDS_H
@@ -14,7 +14,7 @@
     of(2, RAYLEIGH, rayleigh)
 /* clang-format on */
 
-/* Those that need the key asymmetry_g: for the reference of keys and for messages. */
+/* The kinds that need the key asymmetry_g: for the reference of keys and for messages. */
 #define NEPH_PHASES_WITH_ASYMMETRY "henyey_greenstein"
 
 #endif

@@ -25,7 +25,7 @@ static double mean_cosine(double g)
     return 0.0;
 }
 
-/* (3/4) (1 + c^2) = P_0 + P_2 / 2, of which P_l has the part (2 l + 1) times its mean. */
+/* (3/4) (1 + c^2) = P_0 + P_2 / 2, where the coefficient of P_l is (2 l + 1) times its moment. */
 static double moment(double g, int degree)
 {
     (void)g;

@@ -2,12 +2,12 @@
  *
  * A plume of smoke: it begins at a foot, thins out exponentially along its axis, and across the
  * axis as a Gaussian. With s along the axis and r across it, the density is e^-(s/L + r^2/(2 w^2))
- * where s >= 0. Along a line that exponent is a parabola, so from its lowest place on either side
+ * where s >= 0. Along a line the exponent is a parabola. So from its minimum to either side
  *
- *   tau = sigma(lowest) Int_0^W e^{-x (rise + bend x)} dx,   rise >= 0, bend >= 0,
+ *   tau = sigma(minimum) Int_0^W e^{-x (rise + bend x)} dx,   rise >= 0, bend >= 0.
  *
- * which erf gives where bend counts and expm1 where it does not, both with cancellation in between.
- * A Gauss rule on pieces of 14 units of the exponent has neither and is good to rounding.
+ * The closed forms are erf where bend dominates and expm1 where it is negligible; both cancel in
+ * between. A Gauss rule on pieces of 14 units of the exponent is accurate to rounding everywhere.
  */
 #include "scenes/media.h"
 #include "scenes/medium_kind.h"
@@ -28,8 +28,8 @@ static const double support_radius = 7.43384437769967690; /* in widths: sqrt(2 l
 /* --- density --- */
 
 struct place {
-    double along_m;            /* the axis, from the foot */
-    struct neph_vec3 across_m; /* from the axis */
+    double along_m;            /* along the axis, from the foot */
+    struct neph_vec3 across_m; /* perpendicular to the axis */
 };
 
 static struct place place_of(const struct neph_plume *plume, struct neph_vec3 point_m)
@@ -39,7 +39,7 @@ static struct place place_of(const struct neph_plume *plume, struct neph_vec3 po
     return (struct place){along_m, neph_vec3_along(offset_m, plume->axis, -along_m)};
 }
 
-/* Density is e^-folds. */
+/* The density is e^-folds. */
 static double folds_at(const struct neph_plume *plume, const struct place *place)
 {
     const double r = neph_vec3_length(place->across_m) / plume->width_m;
@@ -55,11 +55,11 @@ static double extinction_per_m(const struct neph_medium *medium, struct neph_vec
 
 /* --- along a line --- */
 
-/* What of a line is above the foot, seen from its densest place. */
+/* The part of a line above the foot, relative to its densest place. */
 struct line {
     double t0_m, t1_m, densest_m;
     double folds;
-    double rise_per_m; /* of folds at the densest place: above 0 if that is the start, below 0 if it
+    double rise_per_m;  /* slope of folds at the densest place: > 0 if that is the start, < 0 if it
                           is the end */
     double bend_per_m2; /* half the second derivative of folds */
 };
@@ -89,7 +89,7 @@ static bool find_line(const struct neph_plume *plume, struct neph_vec3 origin_m,
     return isfinite(line->densest_m);
 }
 
-/* One way from the densest place, along which folds grow by x (rise + bend x). */
+/* One direction from the densest place, in which folds grow by x (rise + bend x). */
 struct leg {
     double rise_per_m, bend_per_m2;
 };
@@ -100,7 +100,7 @@ static double leg_integrand(double x_m, const void *context)
     return exp(-x_m * (leg->rise_per_m + leg->bend_per_m2 * x_m));
 }
 
-/* Where folds have grown by so many. */
+/* The distance at which folds have grown by this number. */
 static double leg_place_m(const struct leg *leg, double folds)
 {
     const double root = sqrt(leg->rise_per_m * leg->rise_per_m + 4.0 * leg->bend_per_m2 * folds);
@@ -143,8 +143,8 @@ static double optical_depth(const struct neph_medium *medium, struct neph_vec3 o
            (leg_integral_m(&legs[0], lengths_m[0]) + leg_integral_m(&legs[1], lengths_m[1]));
 }
 
-/* Scales of folds on the ray, and widths of the shadow: the distance of the sun ray from the axis
- * is linear along the ray. */
+/* Splits at scales of folds on the ray, and at widths of the shadow: the distance of the sun ray
+ * from the axis is linear along the ray. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_plume *plume = &medium->plume;
@@ -163,7 +163,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     }
     const struct neph_vec3 normal = neph_vec3_cross(cuts->scene->sun.direction, plume->axis);
     const double slope = neph_vec3_dot(cuts->direction, normal);
-    if (slope == 0.0 || cuts->scene->medium_count == 1) /* its own density has its own scale */
+    if (slope == 0.0 || cuts->scene->medium_count == 1) /* no medium receives the shadow */
         return;
     const struct neph_vec3 to_foot_m = neph_vec3_sub(plume->foot_m, cuts->origin_m);
     const double middle_m = neph_vec3_dot(to_foot_m, normal) / slope;
@@ -174,9 +174,9 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 
 /* --- boxes --- */
 
-/* Folds are convex: from any place of the box, their tangent plane bounds them from below, and the
- * better, the nearer the place is to their lowest one. Below the foot the formula falls on, where
- * the density is 0: hence no less than 0. */
+/* A lower bound of folds, which are convex: the tangent plane at any point of the box is a lower
+ * bound, and is tighter the nearer the point is to the minimum. Below the foot the formula is
+ * negative but the density is 0: hence at least 0. */
 static double least_folds(const struct neph_plume *plume, const struct neph_bounds *box)
 {
     const double *low_m = &box->min_m.x, *high_m = &box->max_m.x, *axis = &plume->axis.x;
@@ -191,7 +191,7 @@ static double least_folds(const struct neph_plume *plume, const struct neph_boun
             folds += slope * ((slope > 0.0 ? low_m[i] : high_m[i]) - point[i]);
         }
         bound = fmax(bound, folds);
-        const int i = step % 3; /* to the lowest place along one axis of the world */
+        const int i = step % 3; /* to the minimum along one axis of the world */
         const double slope = axis[i] / plume->scale_height_m + across_m[i] / width2_m2;
         const double bend = (1.0 - axis[i] * axis[i]) / width2_m2;
         const double to_m = bend > 0.0    ? point[i] - slope / bend
@@ -215,7 +215,7 @@ static double bound_per_m(const struct neph_medium *medium, const struct neph_bo
     return medium->extinction_per_m * exp(-least_folds(&medium->plume, box));
 }
 
-/* The cylinder outside which the density is below the level. */
+/* The box of the cylinder outside which the density is below the level. */
 static struct neph_bounds support(const struct neph_medium *medium)
 {
     const struct neph_plume *plume = &medium->plume;
@@ -231,9 +231,10 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return box;
 }
 
-/* Outside the box the density is below the level l, e^{-s/L} and e^{-r^2/(2 w^2)} at once. A line
- * that is nearer to the axis' direction than 45 degrees is sqrt 2 as long as its s, and what it
- * loses is below the integral of min(l, e^{-s/L}); any other is sqrt 2 as long as its r. */
+/* Outside the box the density is below the level l, and both e^{-s/L} and e^{-r^2/(2 w^2)} bound
+ * it. A line within 45 degrees of the axis is at most sqrt 2 times as long as its s, and loses less
+ * than the integral of min(l, e^{-s/L}); any other line is at most sqrt 2 times as long as its
+ * r. */
 static struct neph_bounds container(const struct neph_scene *scene,
                                     const struct neph_medium *medium, double *cut_error)
 {
@@ -254,7 +255,7 @@ static void drift(struct neph_medium *medium, struct neph_vec3 by_m)
 
 /* --- in a scene file --- */
 
-/* The order is that of the hash. */
+/* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the foot"},
     {"foot_m", NEPH_THREE, AT(plume.foot_m), "m", -NEPH_FAR_M, NEPH_FAR_M,

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The first evaluation of so many pieces is kept; that of further ones is made twice. */
+/* The first evaluations of this many pieces are kept; further pieces are evaluated twice. */
 enum { NODE_COUNT = 11, DEPTH_MAX = 20, KEPT_COUNT = 256 };
 
 /* The 21-point Kronrod rule: non-negative nodes, descending; odd places are the Gauss nodes. */
@@ -34,12 +34,12 @@ struct piece {
     double error; /* of the worst channel */
 };
 
-/* What is integrated, and how well. */
+/* The integral to compute, and its tolerance. */
 struct task {
     neph_integrand *integrand;
     void *context;
     bool rough;
-    double error_max; /* of a piece; found from the whole */
+    double error_max; /* of a piece; from the whole integral */
 };
 
 static struct piece evaluate(const struct task *task, double a, double b)
@@ -61,8 +61,8 @@ static struct piece evaluate(const struct task *task, double a, double b)
     struct piece piece = {.error = 0.0};
     for (int c = 0; c < 3; c++) {
         piece.kronrod[c] = half * kronrod[c];
-        /* The pair's difference is the error of the poorer rule; QUADPACK's 3/2 power is what
-         * experience gives for the better one. */
+        /* The pair's difference is the error of the 10-point rule; QUADPACK's power of 3/2 is an
+         * empirical estimate for the 21-point rule. */
         const double size = fabs(piece.kronrod[c]);
         const double difference = fabs(half * (kronrod[c] - gauss[c]));
         double error = difference;
@@ -73,7 +73,7 @@ static struct piece evaluate(const struct task *task, double a, double b)
     return piece;
 }
 
-/* Sum the better of two halves until the error is small enough. */
+/* Bisects until the error is below the limit, and sums the results of the 21-point rule. */
 static double refine(const struct task *task, double a, double b, struct piece whole, int depth,
                      double result[3])
 {

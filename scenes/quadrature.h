@@ -20,15 +20,15 @@ struct neph_interval {
 double neph_integrate(neph_integrand *integrand, void *context, const struct neph_interval *pieces,
                       int piece_count, double result[3]);
 
-/* neph_integrate() for integrands with kinks inside their pieces: halving ends at `tolerance` of
- * the whole, and errors are those of the 10-point rule, for QUADPACK's guess of the better rule's
- * error holds for smooth integrands alone. */
+/* neph_integrate() for integrands with kinks inside their pieces: bisection ends at `tolerance` of
+ * the whole, and errors are estimated for the 10-point rule, because QUADPACK's estimate for the
+ * better rule is valid only for smooth integrands. */
 double neph_integrate_rough(neph_integrand *integrand, void *context,
                             const struct neph_interval *pieces, int piece_count, double tolerance,
                             double result[3]);
 
-/* A fixed rule: 20-point Gauss-Legendre over [a, b], exact for polynomials of degree 39. For what
- * is known to be smooth there: e^-x over 14 units of x comes out to rounding. */
+/* A fixed rule: 20-point Gauss-Legendre over [a, b], exact for polynomials of degree 39. For smooth
+ * integrands: e^-x over 14 units of x is exact up to rounding. */
 double neph_gauss(double (*integrand)(double x, const void *context), const void *context, double a,
                   double b);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A whole file by its table of keys, with all of its errors.
+ * Reads a whole file by its table of keys, and reports all of its errors.
  */
 #include "scenes/errors.h"
 #include "scenes/fields.h"

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* One block, so that it is freed at once; the scene comes first. */
+/* One block, freed with one call; the scene comes first. */
 struct made {
     struct neph_scene scene;
     struct neph_sun_key sun_keys[2];
@@ -16,7 +16,7 @@ struct made {
 
 static const struct neph_rgb black = {0, 0, 0}, white = {1, 1, 1};
 
-/* --- what there is ---------------------------------------------------------------------------- */
+/* --- obstacles -------------------------------------------------------------------------------- */
 
 static const char *find_obstacle(const struct neph_scene *scene, const struct neph_relight *light)
 {
@@ -64,7 +64,7 @@ static enum neph_status check(const struct neph_scene *scene, const struct neph_
 
 /* --- the light -------------------------------------------------------------------------------- */
 
-/* Where the camera looks, in the horizontal plane; straight down: where its picture's top is. */
+/* The horizontal direction of the view; for a vertical view the direction of the image's top. */
 static struct neph_vec3 ahead_of(const struct neph_scene *scene)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
@@ -152,7 +152,7 @@ static void hold_still(struct neph_scene *scene)
     scene->camera_key_count = 1;
 }
 
-/* To where the sun stands, along the circle through the zenith. */
+/* Lets the sun sink to its present place, along the circle through the zenith. */
 static void let_sink(struct made *made, const struct neph_relight *light)
 {
     struct neph_scene *scene = &made->scene;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The identity of a scene: BLAKE2b of a text with every key that changes a rendered value, written
- * by the tables that read the keys, each number with 17 digits. A row of a table goes into the text
- * unless it says otherwise. Comments, the order of keys, names, title, gates and exposure are not
- * in it; solids and movers are there as the file's entries were made into.
+ * The hash of a scene: BLAKE2b of a text with every key that changes a rendered value, written by
+ * the tables that read the keys, each number with 17 digits. A row of a table is part of the text
+ * unless its `hashing` excludes it. The text has no comments, names, title, gates and exposure, and
+ * does not depend on the order of keys; solids and movers appear as expanded from the file's
+ * entries.
  */
 #include "scenes/hash_text.h"
 #include "scenes/load.h"
@@ -12,10 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Raise it when the meaning of a key changes: old results must not be taken for new ones. */
+/* Increase when the meaning of a key changes, so that old results are not reused. */
 #define HASH_VERSION 1
 
-/* At frame 0. */
+/* The sun of frame 0. */
 static void put_sun(const struct neph_scene *scene, FILE *text)
 {
     if (!scene->sun.present)
@@ -29,8 +30,8 @@ static void put_scattering(const struct neph_scene *scene, FILE *text)
     fprintf(text, "scattering %s\n", neph_scattering_name(scene->scattering));
 }
 
-/* The text in the order that stored hashes have: what the file's values were made into, and between
- * it rows of the file. All other rows follow, in the order of their table. */
+/* The start of the text in the order of existing hashes: values that were converted from the
+ * file's, mixed with rows of the file. All other rows follow in the order of their table. */
 static const struct part {
     void (*put)(const struct neph_scene *scene, FILE *text);
     const char *key;

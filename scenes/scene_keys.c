@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * All keys of a scene file as one table, whose records are in the files of their things.
+ * All keys of a scene file as one table; the records are in the files of their subjects.
  */
 #include "scenes/bake.h"
 #include "scenes/load.h"
@@ -12,7 +12,7 @@
 #define WRITTEN(member) offsetof(struct neph_written_scene, member)
 #define OCTAVES(member) offsetof(struct neph_octaves, member)
 
-#define BRIGHT 1e9 /* one float32 pixel still holds the sum of 1e29 of them */
+#define BRIGHT 1e9 /* a float32 pixel can represent the sum of 1e29 of them */
 
 enum { TITLE_MAX = 120, DESCRIPTION_MAX = 4000, GATES_MAX = 64 };
 

@@ -8,13 +8,13 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SHEET_PATTERN_COUNT == 2, "a new kind");
 
-/* More wisps than a sheet has: nothing repeats on it. */
+/* The period exceeds the number of wisps of a sheet, so no pattern repeats. */
 enum { PERIOD = 1 << 16, OCTAVES = 5 };
 
-/* Wisps sway by this part of their distance, once in so many of them. */
+/* Wisps sway sideways by this part of their distance, with this wavelength in distances. */
 static const double sway = 0.6, sway_wisps = 3.0;
 
-/* Perlin noise of some octaves seldom leaves this half of its range. */
+/* Perlin noise of several octaves rarely leaves this part of its range. */
 static const double noise_reach = 0.5;
 
 static double clamp(double value)
@@ -22,7 +22,7 @@ static double clamp(double value)
     return value < 0.0 ? 0.0 : value > 1.0 ? 1.0 : value;
 }
 
-/* + - * / and sqrt alone: the same bits on every machine. */
+/* Only + - * / and sqrt: the same bits on every machine. */
 static double streaks(const struct neph_sheet *sheet, struct neph_vec3 point_m)
 {
     const struct neph_vec3 flat = neph_vec3_normalize(
@@ -43,7 +43,7 @@ double neph_sheet_value(const struct neph_sheet *sheet, struct neph_vec3 point_m
     return sheet->pattern == NEPH_SHEET_EVEN ? 1.0 : streaks(sheet, point_m);
 }
 
-/* From the planet's centre the middle is as high as the layer everywhere. */
+/* The layer has the same distance from the planet's centre everywhere. */
 double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m)
 {
     if (sheet->planet_radius_m == 0.0)
@@ -53,7 +53,8 @@ double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m)
     return square / (radius_m + sqrt(radius_m * radius_m - square));
 }
 
-/* A column of nodes, each half a thickness above the one before, the highest at the middle. */
+/* A column of nodes, each half a thickness above the one before, the highest at the middle
+ * height. */
 static void fill_column(const struct neph_sheet *sheet, int height, struct neph_vec3 from_m,
                         float *values, size_t step)
 {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * A thin layer of cloud, such as cirrus: voxels of one node's height, so that every engine that has
- * voxels has it. Across the layer the density is a tent, 0 at both faces; along it, a pattern. So
- * the optical depth straight up through a place is the pattern there times that of the sheet, in
- * closed form, and half of it from the middle plane on.
+ * A thin layer of cloud, such as cirrus: voxels of one node's height, so that every engine with
+ * voxels supports it. Across the layer the density is a tent, 0 at both faces; along the layer it
+ * is a pattern. So the optical depth straight up through a place is the pattern there times the
+ * optical depth of the sheet, in closed form, and half of it above the middle plane.
  *
- * Around a planet it is as many nodes high as it goes down towards its corners, each column a tent
- * between those next to its middle: tents of half a thickness add up to 1 wherever they lie, so
- * that the optical depth straight up is the same, and the middle is where it belongs; the faces are
- * up to half a thickness farther.
+ * Around a planet the grid has as many nodes of height as the layer curves down to its corners.
+ * Each column is a tent between the nodes next to its middle: tents of half a thickness add up to 1
+ * anywhere, so the optical depth straight up is the same, and the middle is in its place; the faces
+ * are up to half a thickness farther out.
  */
 #ifndef NEPH_SCENES_SHEET_H
 #define NEPH_SCENES_SHEET_H
@@ -30,18 +30,18 @@ struct neph_sheet {
     enum neph_sheet_pattern pattern;
     int seed;
     double wisp_m;          /* between wisps, across them */
-    double stretch;         /* a wisp's length is so many times that */
-    struct neph_vec3 along; /* wisps; its x and z count, which are not both 0 */
-    double coverage;        /* of the pattern that is not clear, 0 (nearly nothing) .. 1 */
+    double stretch;         /* length of a wisp over its width */
+    struct neph_vec3 along; /* direction of wisps; x and z, which are not both 0 */
+    double coverage;        /* part of the pattern that is not clear, 0 (nearly nothing) .. 1 */
 };
 
 /* The pattern, 0..1, at a place. */
 double neph_sheet_value(const struct neph_sheet *sheet, struct neph_vec3 point_m);
 
-/* How far the layer lies below its middle, so far from that to the side [m]. */
+/* Depth of the layer below its middle point at this horizontal distance from it [m]. */
 double neph_sheet_drop_m(const struct neph_sheet *sheet, double x_m, double z_m);
 
-/* A sealed grid of these values. For neph_grid_destroy(). Errors as of neph_grid_create(). */
+/* A sealed grid of the pattern. Free with neph_grid_destroy(). Errors as for neph_grid_create(). */
 enum neph_status neph_sheet_make(const struct neph_sheet *sheet, struct neph_grid **grid,
                                  struct neph_diag *diag);
 

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * An exponential atmosphere on a sphere, nothing below. A line is cut into legs on which the
- * distance r from the centre grows; with p its impact, X = p / H and r = p + H v^2, the optical
- * depth of a leg from v1 is a Chapman function of finite length (S. Chapman, Proc. Phys. Soc. 43,
- * 1931) without its singularity at the nearest point:
+ * An exponential atmosphere on a sphere, empty below its radius. A line is split into legs on which
+ * the distance r from the centre grows. With p the impact parameter, X = p / H and r = p + H v^2,
+ * the optical depth of a leg from v1 is a Chapman function of finite length (S. Chapman, Proc.
+ * Phys. Soc. 43, 1931) without its singularity at the nearest point:
  *
  *   tau = sigma(r1) H Int_0^W e^{-w (w + 2 v1)} 2 g(v1 + w) dw,   g(v) = (X + v^2)/sqrt(2X + v^2).
  *
- * The exponential of the altitude is taken at the leg's lowest place, so it cannot overflow, and
- * the rest is a Gauss rule on few pieces. Why quadrature and not erfcx: g is all but a straight
- * line for a planet (X ~ 800), but the series about that fails for small X, and a short stretch
- * would cancel; the rule does neither and is good to rounding (tests/scenes/test_shell.c).
+ * The exponential of the altitude is taken at the leg's lowest point, so it cannot overflow, and
+ * the integral is a Gauss rule on few pieces. erfcx is no alternative: g is nearly linear for a
+ * planet (X ~ 800), but the series around that fails for small X, and short legs would cancel. The
+ * rule has neither problem and is accurate to rounding (tests/scenes/test_shell.c).
  */
 #include "scenes/bounds.h"
 #include "scenes/medium_kind.h"
@@ -25,11 +25,11 @@
 
 /* Beyond e^-42 of its start a leg adds nothing in double. */
 static const double decay_end = 42.0;
-/* What the rule takes at once: so much of the exponent, and so many times the distance to the
- * branch points of g at v = +-i sqrt(2X). */
+/* Size of a piece of the rule: this much of the exponent, and at most this multiple of the distance
+ * to the branch points of g at v = +-i sqrt(2X). */
 static const double decay_of_piece = 14.0;
 static const double branch_distances_of_piece = 2.0;
-static const double branch_distance_min = 1e-150; /* the pieces must come to an end */
+static const double branch_distance_min = 1e-150; /* limits the number of pieces */
 
 struct leg {
     double v1, x;
@@ -42,7 +42,7 @@ static double leg_integrand(double w, const void *context)
     return exp(-w * (w + 2.0 * leg->v1)) * (leg->x + v2) / sqrt(2.0 * leg->x + v2);
 }
 
-/* Int_0^W of the head comment, W where the exponent w (w + 2 v1) has come to `decay`. */
+/* Int_0^W of the head comment, with W where the exponent w (w + 2 v1) reaches `decay`. */
 static double leg_integral(const struct leg *leg, double decay)
 {
     const double v1 = leg->v1, total = fmin(decay, decay_end);
@@ -60,7 +60,7 @@ static double leg_integral(const struct leg *leg, double decay)
     return 2.0 * sum;
 }
 
-/* Optical depth from s = near_m >= 0 over length_m; `altitude_m` is that of the near end. */
+/* Optical depth from s = near_m >= 0 over length_m; `altitude_m`: of the near end. */
 static double leg_optical_depth(const struct neph_medium *medium, long double impact_m,
                                 long double near_m, long double length_m, long double altitude_m)
 {
@@ -68,7 +68,7 @@ static double leg_optical_depth(const struct neph_medium *medium, long double im
     const long double near_r_m = sqrtl(impact_m * impact_m + near_m * near_m);
     const long double far_m = near_m + length_m;
     const long double far_r_m = sqrtl(impact_m * impact_m + far_m * far_m);
-    /* r - r1 over H, as a product. */
+    /* (r - r1) / H, as a product. */
     const double decay = isinf(far_m) ? INFINITY
                                       : (double)(length_m / height_m *
                                                  ((far_m + near_m) / (far_r_m + near_r_m)));
@@ -80,8 +80,8 @@ static double leg_optical_depth(const struct neph_medium *medium, long double im
            (medium->shell.scale_height_m * leg_integral(&leg, decay));
 }
 
-/* What of a line lies on one side of its nearest point, |s| from low_m to high_m, and above the
- * ground. */
+/* Optical depth of the part of a line above the ground on one side of its nearest point, |s| from
+ * low_m to high_m. */
 static double side_optical_depth(const struct neph_medium *medium,
                                  const struct neph_radial_line *line, long double low_m,
                                  long double high_m)
@@ -122,7 +122,7 @@ static double extinction_per_m(const struct neph_medium *medium, struct neph_vec
     return extinction_at_radius(medium, neph_radial_distance_m(medium->shell.center_m, point_m));
 }
 
-/* The density is largest at the place nearest to the ground, from above. */
+/* The density is largest at the lowest altitude above the ground. */
 static double bound_per_m(const struct neph_medium *medium, const struct neph_bounds *box)
 {
     const struct neph_vec3 c = medium->shell.center_m;
@@ -139,15 +139,16 @@ static struct neph_bounds support(const struct neph_medium *medium)
     return medium->bounds;
 }
 
-/* The largest optical depth of a line that stays above an altitude: it is level at its lowest. */
+/* The largest optical depth of a line that stays above an altitude: the line that is level
+ * there. */
 static double level_optical_depth(const struct neph_medium *medium, double altitude_m)
 {
     const long double lowest_m = (long double)medium->shell.radius_m + altitude_m;
     return 2.0 * leg_optical_depth(medium, lowest_m, 0.0L, INFINITY, altitude_m);
 }
 
-/* The cube around the sphere above which nothing that matters is left. A line that misses it stays
- * above that sphere; one that crosses it loses two ends of at most half a level line each. */
+/* The cube around a sphere above which the medium is negligible. A line that misses the cube stays
+ * above that sphere; a line that crosses it loses two ends of at most half a level line each. */
 static struct neph_bounds container(const struct neph_scene *scene,
                                     const struct neph_medium *medium, double *cut_error)
 {
@@ -166,7 +167,7 @@ static struct neph_bounds container(const struct neph_scene *scene,
     return neph_bounds_around(c, medium->shell.radius_m + altitude_m);
 }
 
-/* Scale heights between cuts, and how many until nothing is left. */
+/* Scale heights between cuts, and number of cuts until the density is negligible. */
 enum { FOLDS = 4, FOLD_CUTS = 11 };
 
 /* The distance x from the lowest point of the ray at which its radius has grown by `height_m` since
@@ -176,8 +177,8 @@ static double x_at_climb_m(double low_m, double x0_m, double height_m)
     return sqrt(x0_m * x0_m + height_m * (2.0 * hypot(low_m, x0_m) + height_m));
 }
 
-/* One leg of the ray, on one side (+1 or -1) of its lowest point at t = middle_m: cuts at the
- * ground and at heights over the densest point of the leg. */
+/* Splits one leg of the ray, on one side (+1 or -1) of its lowest point at t = middle_m: at the
+ * ground and at heights above the densest point of the leg. */
 static void cut_leg(struct neph_cuts *cuts, const struct neph_shell *shell, double low_m,
                     double middle_m, double side)
 {
@@ -190,8 +191,9 @@ static void cut_leg(struct neph_cuts *cuts, const struct neph_shell *shell, doub
                  middle_m + side * x_at_climb_m(low_m, x0_m, k * FOLDS * shell->scale_height_m));
 }
 
-/* On the ray, and where the sun rays that leave it just graze some height: the edges of the shadows
- * of balls. The lowest, the ground, is a kink, for below it there is nothing. */
+/* Splits on the ray, and where its sun rays are tangent to a sphere of some height: the edges of
+ * the shadows of spheres. The lowest sphere, the ground, is a kink, because the medium ends
+ * there. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_shell *shell = &medium->shell;
@@ -215,7 +217,7 @@ static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
     }
 }
 
-/* The order is that of the hash. */
+/* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4, .note = "at the radius"},
     {"center_m", NEPH_THREE, AT(shell.center_m), "m", -NEPH_PLANET_M, NEPH_PLANET_M,

@@ -6,7 +6,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* One block, so that it is freed at once; the scene comes first. */
+/* One block, freed with one call; the scene comes first. */
 struct made {
     struct neph_scene scene;
     struct neph_camera_key key;

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Both kinds of solids are convex, so a ray meets each in one interval, and so does the shadow it
- * throws: the points from which the sun is hidden are the solid swept away from the sun, which is
- * convex too. So are those from which a point is hidden: with k1 and k2 of the solid and factors
- * a, b >= 1 the middle of L + a (k1 - L) and L + b (k2 - L) is L + (a + b)/2 (k - L), k between k1
- * and k2.
+ * Both kinds of solids are convex, so a ray meets each in one interval. The shadow of a solid is
+ * convex, too: the points from which the sun is hidden are the solid swept away from the sun. The
+ * same is true for a point light at L: with k1 and k2 in the solid and factors a, b >= 1 the middle
+ * of L + a (k1 - L) and L + b (k2 - L) is L + (a + b)/2 (k - L), with k between k1 and k2.
  */
 #include "scenes/solids.h"
 
@@ -15,7 +14,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* --- turned boxes ---------------------------------------------------------------------------- */
+/* --- rotated boxes --------------------------------------------------------------------------- */
 
 struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 v)
 {
@@ -51,7 +50,7 @@ struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3
     return neph_box_direction(box, neph_vec3_sub(point_m, middle_of(&box->box)));
 }
 
-/* A point as the box would have it if it had not turned. */
+/* A point in the coordinates of the unrotated box. */
 static struct neph_vec3 own_point(const struct neph_solid *solid, struct neph_vec3 point_m)
 {
     if (!neph_is_turned(&solid->turn))
@@ -59,7 +58,7 @@ static struct neph_vec3 own_point(const struct neph_solid *solid, struct neph_ve
     return neph_vec3_add(middle_of(&solid->box), neph_box_place_m(solid, point_m));
 }
 
-/* Half the sides of the box around a turned box. */
+/* Half the sides of the axis-aligned box around a rotated box. */
 static struct neph_vec3 half_around(const struct neph_solid *solid)
 {
     const struct neph_vec3 half_m = neph_vec3_scale(
@@ -90,14 +89,14 @@ bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_
     return neph_bounds_contain(&solid->box, own_point(solid, point_m));
 }
 
-/* A shadow ray starts on a surface: what is nearer than this is the surface itself. Points of a
- * ball are rounded to 1e-16 of its size, which a low sun makes longer. */
+/* A shadow ray starts on a surface: nearer hits are that surface. Points of a sphere are rounded to
+ * 1e-16 of its size; a low sun increases the resulting distance. */
 static double shadow_start_m(const struct neph_solid *solid)
 {
     return fmax(1e-9, solid->kind == NEPH_SOLID_SPHERE ? 1e-12 * solid->radius_m : 0.0);
 }
 
-/* radius^2 - distance^2, which cancels on the surface of a planet. */
+/* radius^2 - distance^2 as a product, because the difference cancels on the surface of a planet. */
 static double half_chord_squared(double radius_m, double distance_m)
 {
     return (radius_m - distance_m) * (radius_m + distance_m);
@@ -129,7 +128,7 @@ static bool solid_interval(const struct neph_solid *solid, struct neph_vec3 orig
                             neph_box_direction(solid, direction), t0_m, t1_m);
 }
 
-/* The face of a box on which a point lies, chosen as the one it is nearest to. */
+/* The normal of the face on which a point lies: the face nearest to it. */
 static struct neph_vec3 box_normal(const struct neph_bounds *box, struct neph_vec3 p)
 {
     const double distance_m[6] = {fabs(p.x - box->min_m.x), fabs(p.x - box->max_m.x),
@@ -212,7 +211,7 @@ struct affine {
     double constant, slope;
 };
 
-/* Narrow [*u0, *u1] to where f(u) <= g(u). */
+/* Narrows [*u0, *u1] to the part with f(u) <= g(u). */
 static bool clip_less_equal(struct affine f, struct affine g, double *u0, double *u1)
 {
     const double constant = f.constant - g.constant;
@@ -227,9 +226,9 @@ static bool clip_less_equal(struct affine f, struct affine g, double *u0, double
     return *u0 < *u1;
 }
 
-/* Shadow of a box: the u for which some t >= 0 puts o + u d + t s inside. On each axis t is
- * bounded below and above by affine functions of u; a t exists when every lower bound is below
- * every upper bound (Fourier-Motzkin elimination of t). */
+/* Shadow of a box: all u for which some t >= 0 puts o + u d + t s inside. On each axis t is bounded
+ * below and above by affine functions of u; a t exists when every lower bound is below every upper
+ * bound (Fourier-Motzkin elimination of t). */
 static bool box_shadow(const struct neph_bounds *box, struct neph_vec3 sun, struct neph_vec3 o,
                        struct neph_vec3 d, double *u0, double *u1)
 {
@@ -260,8 +259,8 @@ static bool box_shadow(const struct neph_bounds *box, struct neph_vec3 sun, stru
     return *u0 < *u1;
 }
 
-/* Shadow of a sphere: where the nearest approach of the sun ray lies ahead, the test is against
- * the cylinder along the sun; behind it, against the sphere itself. */
+/* Shadow of a sphere: where the nearest point of the sun ray lies ahead, the ray is tested with the
+ * cylinder along the sun; where it lies behind, with the sphere itself. */
 static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun, struct neph_vec3 o,
                           struct neph_vec3 d, double *u0, double *u1)
 {
@@ -276,7 +275,7 @@ static bool sphere_shadow(const struct neph_solid *sphere, struct neph_vec3 sun,
         const struct neph_vec3 w_across = neph_vec3_along(w, sun, -behind.constant);
         const struct neph_vec3 d_across = neph_vec3_along(d, sun, -behind.slope);
         const double speed_squared = neph_vec3_dot(d_across, d_across);
-        if (speed_squared < 1e-24) { /* looking along the sun: inside the cylinder or not */
+        if (speed_squared < 1e-24) { /* parallel to the sun: always inside the cylinder or never */
             if (neph_vec3_dot(w_across, w_across) < sphere->radius_m * sphere->radius_m) {
                 low = a0;
                 high = a1;
@@ -329,7 +328,7 @@ bool neph_solid_shadow(const struct neph_solid *solid, struct neph_vec3 sun_dire
 
 /* --- shadows from a point -------------------------------------------------------------------- */
 
-/* The u for which some factor f >= 1 puts o + u d at L + f (k - L) with k in the box. On each axis
+/* All u for which some factor f >= 1 puts o + u d at L + f (k - L) with k in the box. On each axis
  * o + u d - L lies between f (low - L) and f (high - L), which bound f by affine functions of u, as
  * in box_shadow(). */
 static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 light_m,
@@ -363,7 +362,7 @@ static bool box_point_shadow(const struct neph_bounds *box, struct neph_vec3 lig
     return *u0 < *u1;
 }
 
-/* Whether a ball hides one point from another. */
+/* Whether a sphere hides one point from another. */
 static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light_m,
                          struct neph_vec3 point_m)
 {
@@ -376,7 +375,7 @@ static bool sphere_hides(const struct neph_solid *sphere, struct neph_vec3 light
            t1_m > 0.0 && t0_m < distance_m;
 }
 
-/* Roots of a u^2 + 2 b u + c; returns how many. */
+/* Real roots of a u^2 + 2 b u + c; returns their number. */
 static int quadratic_roots(double a, double b, double c, double roots[2])
 {
     const double discriminant = b * b - a * c;
@@ -391,8 +390,8 @@ static int quadratic_roots(double a, double b, double c, double roots[2])
     return count;
 }
 
-/* The edge of the shadow is on the cone around the ball or on the ball; between two places where
- * the ray meets these all is hidden or nothing. */
+/* The edge of the shadow is on the tangent cone around the sphere or on the sphere; between two
+ * intersections of the ray with these the ray is entirely hidden or entirely visible. */
 static bool sphere_point_shadow(const struct neph_solid *sphere, struct neph_vec3 light_m,
                                 struct neph_vec3 o, struct neph_vec3 d, double *u0, double *u1)
 {

@@ -17,39 +17,38 @@ struct neph_hit {
 struct neph_hit neph_scene_hit(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                struct neph_vec3 direction);
 
-/* The point of a hit, moved off its surface by more than its rounding, whatever the world's scale.
- */
+/* The point of a hit, moved off its surface by more than its rounding error, at any scale of the
+ * world. */
 struct neph_vec3 neph_hit_outside_m(const struct neph_hit *hit, struct neph_vec3 point_m);
 
 /* Faces belong to the solid. */
 bool neph_solid_contains(const struct neph_solid *solid, struct neph_vec3 point_m);
 
-/* A box around it. */
+/* A box around the solid. */
 struct neph_bounds neph_solid_bounds(const struct neph_solid *solid);
 
-/* A point counted from the middle of a box, and a direction, as the box would have them if it had
- * not turned. */
+/* A point relative to the centre of a box, and a direction, in the axes of the unrotated box. */
 struct neph_vec3 neph_box_place_m(const struct neph_solid *box, struct neph_vec3 point_m);
 struct neph_vec3 neph_box_direction(const struct neph_solid *box, struct neph_vec3 direction);
 
-/* A vector turned, and turned back. */
+/* Rotates a vector, and rotates it back. */
 struct neph_vec3 neph_turned(const struct neph_turn *turn, struct neph_vec3 vector);
 struct neph_vec3 neph_turned_back(const struct neph_turn *turn, struct neph_vec3 vector);
 
-/* Whether there is a turn at all. */
+/* Whether there is a rotation. */
 static inline bool neph_is_turned(const struct neph_turn *turn)
 {
     return turn->cosine != 0.0 || turn->sine != 0.0;
 }
 
-/* True when no solid stands between the point and the sun. */
+/* True when no solid is between the point and the sun. */
 bool neph_scene_sees_sun(const struct neph_scene *scene, struct neph_vec3 point_m);
 
-/* True when no solid stands between the point and another, which is in no solid. */
+/* True when no solid is between the point and another point, which is outside all solids. */
 bool neph_scene_sees(const struct neph_scene *scene, struct neph_vec3 point_m,
                      struct neph_vec3 other_m);
 
-/* As neph_solid_shadow(), on which a point is hidden. */
+/* neph_solid_shadow() for a point light. */
 bool neph_solid_point_shadow(const struct neph_solid *solid, struct neph_vec3 light_m,
                              struct neph_vec3 origin_m, struct neph_vec3 direction, double t0_m,
                              double t1_m, double *shadow_t0_m, double *shadow_t1_m);

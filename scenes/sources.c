@@ -17,9 +17,9 @@ static struct neph_rgb sunlight(const struct neph_scene *scene)
                               : none;
 }
 
-/* Without what comes straight from the sun. With all orders, media light one another, by what they
- * emit and by sunlight that was scattered before, which is about as much again; a light is taken to
- * be a metre away. */
+/* Incident light without direct sunlight. With all orders of scattering, media light one another by
+ * their emission and by scattered sunlight, which is estimated as the same amount again; a light is
+ * assumed to be one metre away. */
 static struct neph_rgb incident_light(const struct neph_scene *scene)
 {
     struct neph_rgb light = {0, 0, 0};
@@ -36,7 +36,7 @@ static struct neph_rgb incident_light(const struct neph_scene *scene)
     return light;
 }
 
-/* Nothing collides in channels that the medium does not attenuate. */
+/* Sets channels without extinction, which have no collisions, to 0. */
 static struct neph_rgb in_channels(struct neph_rgb color, struct neph_rgb light)
 {
     return (struct neph_rgb){color.r > 0.0 ? light.r : 0.0, color.g > 0.0 ? light.g : 0.0,
@@ -60,7 +60,7 @@ static double channel_of(struct neph_rgb rgb, int channel)
     return channel == 0 ? rgb.r : channel == 1 ? rgb.g : rgb.b;
 }
 
-/* A medium that does not attenuate a channel takes no collisions from others there. */
+/* Channels without extinction in a medium are skipped: it has no collisions there. */
 bool neph_scene_sources_differ(const struct neph_scene *scene)
 {
     double least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {0.0, 0.0, 0.0};

@@ -35,7 +35,7 @@ static int edit_distance(const char *a, const char *b)
     return table[size_a][size_b];
 }
 
-/* "extinction" means "extinction_per_m": a forgotten unit is no distance at all. */
+/* "extinction" stands for "extinction_per_m": a missing unit has distance 0. */
 static int distance(const char *word, const char *known)
 {
     const size_t size = strlen(word);

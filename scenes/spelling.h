@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which known word a misspelled one was meant to be. Private to scenes/.
+ * Suggestions for misspelled words. Private to scenes/.
  */
 #ifndef NEPH_SCENES_SPELLING_H
 #define NEPH_SCENES_SPELLING_H
@@ -13,7 +13,7 @@ struct neph_spelling {
 
 struct neph_spelling neph_spelling_of(const char *word);
 
-/* Take the known word if it is nearer than those before. */
+/* Keeps the known word if it is nearer than those before. */
 void neph_spelling_offer(struct neph_spelling *spelling, const char *known);
 
 #endif

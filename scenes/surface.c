@@ -21,7 +21,7 @@ static uint32_t pcg3d_first(uint32_t x, uint32_t y, uint32_t z)
 
 static uint32_t wrap(int cell)
 {
-    return (uint32_t)cell % NEPH_NOISE_CELLS; /* which divides 2^32: right of negative ones, too */
+    return (uint32_t)cell % NEPH_NOISE_CELLS; /* divides 2^32: correct below 0, too */
 }
 
 double neph_noise_value(int seed, int i, int j)

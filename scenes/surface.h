@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * What light does at the surface of a solid. Its reflectance is
+ * Reflection at the surface of a solid. Its reflectance is
  *
  *   f = colour * ((1 - metalness) / pi + metalness * D G / (4 cos_in cos_out))   [1/sr]
  *
- * a Lambertian part and a metal's, both of the base colour (`albedo`, or a pattern of two). D and G
- * are the distribution of Trowbridge and Reitz ("GGX") with alpha = roughness^2 and its shadowing,
- * G = G1(in) G1(out): B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces",
- * EGSR 2007, equations 20, 23, 33 and 34. Roughness 0 is a mirror. A metal has its colour at all
- * angles (there is no Fresnel term), and what its facets throw at each other is lost.
+ * the sum of a Lambertian part and a metallic part, both of the base colour (`albedo`, or a pattern
+ * of two). D and G are the distribution of Trowbridge and Reitz ("GGX") with alpha = roughness^2
+ * and its shadowing, G = G1(in) G1(out): B. Walter et al., "Microfacet Models for Refraction
+ * through Rough Surfaces", EGSR 2007, equations 20, 23, 33 and 34. Roughness 0 is a mirror. A metal
+ * has its colour at all angles (there is no Fresnel term), and light between its facets is lost.
  */
 #ifndef NEPH_SCENES_SURFACE_H
 #define NEPH_SCENES_SURFACE_H
@@ -17,7 +17,7 @@
 
 #include <stdbool.h>
 
-#define NEPH_NOISE_CELLS 32 /* after so many the noise repeats */
+#define NEPH_NOISE_CELLS 32 /* period of the noise */
 
 enum neph_pattern {
     NEPH_PATTERN_CHECKER,
@@ -25,13 +25,13 @@ enum neph_pattern {
     NEPH_PATTERN_COUNT,
 };
 
-/* A pattern on the faces of a box, painted on: it moves and turns with it. A place has as
- * coordinates u and v those two of (x, y, z), in this order, that lie in its face, counted from the
- * middle of the box and in cells. The colour there is albedo + value * (other - albedo), the value
- * being, of a checker, 1 where floor(u) + floor(v) is odd and else 0; of noise, bilinear between
+/* A pattern on the faces of a box, which moves and turns with the box. The coordinates u and v of a
+ * place are those two of (x, y, z), in this order, that lie in its face, relative to the centre of
+ * the box and in cells. The colour is albedo + value * (other - albedo). The value of a checker is
+ * 1 where floor(u) + floor(v) is odd, else 0; the value of noise is bilinear between
  * neph_noise_value() at whole u and v. */
 struct neph_paint {
-    double cell_m; /* 0: there is none */
+    double cell_m; /* 0: no pattern */
     enum neph_pattern pattern;
     struct neph_rgb other;
     int seed; /* of noise */

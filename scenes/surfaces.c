@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* The axis of a face, of its normal as the box would have it if it had not turned. */
+/* The axis of a face, from its normal in the axes of the unrotated box. */
 static int axis_across(struct neph_vec3 normal)
 {
     const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);

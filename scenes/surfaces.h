@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The surfaces of a scene's solids: scenes/surface.h says what they are.
+ * The surfaces of a scene's solids, defined in scenes/surface.h.
  */
 #ifndef NEPH_SCENES_SURFACES_H
 #define NEPH_SCENES_SURFACES_H
@@ -10,15 +10,15 @@
 /* The base colour where a ray meets a solid. */
 struct neph_rgb neph_surface_color(const struct neph_hit *hit, struct neph_vec3 point_m);
 
-/* Whether any solid has a pattern, is of metal. */
+/* Whether any solid has a pattern, or is metallic. */
 bool neph_scene_is_textured(const struct neph_scene *scene);
 bool neph_scene_has_metal(const struct neph_scene *scene);
 
-/* Why an engine of plain Lambertian solids refuses a scene, and the way out, in words; NULL: its
- * solids are plain. */
+/* The reason for which an engine with only Lambertian solids refuses a scene, and the way out, in
+ * words; NULL: no reason. */
 const char *neph_surfaces_obstacle(const struct neph_scene *scene);
 
-/* As neph_surfaces_obstacle(), for an engine that knows patterns. */
+/* neph_surfaces_obstacle() for an engine that supports patterns. */
 const char *neph_metal_obstacle(const struct neph_scene *scene);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * A layer around a ball, such as ozone: the density is a tent over the altitude, 1 in the middle
- * and 0 from half a width away on. Along a line the distance from the centre is sqrt(p^2 + s^2),
- * with p its impact, so that between the altitudes of the tent's foot, peak and top the density is
- * analytic up to |Im s| = p, and a Gauss rule on pieces no longer than two such distances is good
- * to rounding. (The closed form, s r + p^2 asinh(s / p), would cancel against a planet's radius.)
+ * A layer around a ball, such as ozone: the density is a tent over the altitude, 1 at the peak and
+ * 0 from half a width away on. Along a line the distance from the centre is sqrt(p^2 + s^2), with p
+ * the impact parameter. So between the altitudes of the tent's foot, peak and top the density is
+ * analytic up to |Im s| = p, and a Gauss rule on pieces no longer than two such distances is
+ * accurate to rounding. (The closed form, s r + p^2 asinh(s / p), would cancel for a planet's
+ * radius.)
  */
 #include "scenes/bounds.h"
 #include "scenes/medium_kind.h"
@@ -17,7 +18,7 @@
 
 #define AT(member) offsetof(struct neph_medium, member)
 
-static const long double branch_distance_min_m = 1e-30L; /* the pieces must come to an end */
+static const long double branch_distance_min_m = 1e-30L; /* limits the number of pieces */
 
 static long double peak_m(const struct neph_tent *tent)
 {
@@ -50,14 +51,14 @@ static double density_at(double s_m, const void *context)
     return density_at_radius(side->tent, sqrtl(p_m * p_m + (long double)s_m * s_m));
 }
 
-/* Where on a side of the line it has come to a radius: at 0 if it is never below. */
+/* The place on a side of the line at which it reaches a radius: 0 if it is never below. */
 static long double place_m(const struct side *side, long double radius_m)
 {
     const long double p_m = side->impact_m;
     return radius_m > p_m ? sqrtl((radius_m - p_m) * (radius_m + p_m)) : 0.0L;
 }
 
-/* Where the density has no kink. */
+/* The integral over a part without kinks. */
 static double piece_integral_m(const struct side *side, long double from_m, long double to_m)
 {
     double sum_m = 0.0;
@@ -71,7 +72,8 @@ static double piece_integral_m(const struct side *side, long double from_m, long
     return sum_m;
 }
 
-/* What of a line lies on one side of its nearest point, |s| from low_m to high_m. */
+/* The integral over the part of a line on one side of its nearest point, |s| from low_m to
+ * high_m. */
 static double side_integral_m(const struct side *side, long double low_m, long double high_m)
 {
     const struct neph_tent *tent = side->tent;
@@ -92,7 +94,7 @@ static double optical_depth(const struct neph_medium *medium, struct neph_vec3 o
                                        side_integral_m(&side, fmaxl(0.0L, line.s0_m), line.s1_m));
 }
 
-/* At the tent's kinks on the ray, and where the sun rays that leave it just graze them. */
+/* Splits at the tent's kinks on the ray, and where its sun rays are tangent to these spheres. */
 static void cut_scales(struct neph_cuts *cuts, const struct neph_medium *medium)
 {
     const struct neph_tent *tent = &medium->tent;
@@ -134,7 +136,7 @@ static struct neph_bounds support(const struct neph_medium *medium)
 
 /* --- in a scene file --- */
 
-/* The order is that of the hash. */
+/* The order of the rows is the order in the hash. */
 static const struct neph_field fields[] = {
     {"extinction_per_m", NEPH_NUMBER, AT(extinction_per_m), "1/m", 0, 1e4,
      .note = "at the altitude of the peak"},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scenes whose light no path tracer can follow to its end.
+ * Finds scenes in which paths of light have infinite mean length.
  */
 #include "scenes/trapped_light.h"
 
@@ -20,7 +20,7 @@ static bool is_white(struct neph_rgb albedo)
     return albedo.r >= 1.0 || albedo.g >= 1.0 || albedo.b >= 1.0;
 }
 
-/* Nothing stops light that goes straight down from the cameras, ever. */
+/* Whether light straight down from a camera never meets a solid. */
 static bool has_no_ground(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->camera_key_count; i++)
@@ -35,8 +35,8 @@ static bool is_cut(double minimum_m, double maximum_m)
     return isfinite(minimum_m) && isfinite(maximum_m);
 }
 
-/* Light in a half-space without absorption always comes out, but after infinitely many events on
- * the average (a recurrent random walk): no program can follow it. */
+/* Light in a half-space without absorption always escapes, but after infinitely many events on
+ * average (a recurrent random walk): a path tracer does not terminate. */
 static bool is_bottomless(const struct neph_scene *scene, const struct neph_medium *medium)
 {
     if (medium->layer_count == 0 || !is_white(medium->albedo))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scenes whose light no path tracer can follow to its end.
+ * Scenes in which paths of light have infinite mean length.
  */
 #ifndef NEPH_SCENES_TRAPPED_LIGHT_H
 #define NEPH_SCENES_TRAPPED_LIGHT_H
@@ -9,12 +9,12 @@
 
 #include <stdbool.h>
 
-/* All orders of scattering without absorption in a fog that is open to the sides, and below or
- * above has neither an end nor a ground: light always comes out, but after infinitely many events
- * on the average (a recurrent random walk). */
+/* Scattering of all orders without absorption, in a fog that is open to the sides and endless or
+ * without ground below or above: light always escapes, but after infinitely many events on average
+ * (a recurrent random walk). */
 bool neph_scene_traps_light(const struct neph_scene *scene);
 
-/* Why a tracer refuses such a scene, and the way out, in words. */
+/* The reason for which a tracer refuses such a scene, and the way out, in words. */
 extern const char neph_trapped_light_reason[];
 
 #endif

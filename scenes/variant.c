@@ -12,11 +12,11 @@ _Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
 
 const int neph_variant_periods[NEPH_VARIANT_PERIOD_COUNT] = {16, 32, 64};
 
-/* A step of two stops is far above noise and dither and stays on a display. Three sines of 0.3 of
+/* A step of two stops is far above noise and dither and fits on a display. Three sines of 0.3 of
  * the light leave at least a tenth of it. */
 static const double step_factor = 4.0, sine_share = 0.3;
 
-/* --- what there is ---------------------------------------------------------------------------- */
+/* --- kinds ------------------------------------------------------------------------------------ */
 
 static const char *sun_obstacle(const struct neph_scene *scene)
 {
@@ -34,7 +34,7 @@ static const char *camera_obstacle(const struct neph_scene *scene)
 
 static const struct {
     const char *name;
-    const char *title; /* goes behind the scene's own */
+    const char *title; /* appended to the scene's title */
     const char *(*obstacle)(const struct neph_scene *scene);
 } kinds[NEPH_VARIANT_KIND_COUNT] = {
     [NEPH_VARIANT_SUN_STEP] = {"sun_step", "its sun four times as bright from frame", sun_obstacle},
@@ -60,7 +60,7 @@ const char *neph_variant_obstacle(const struct neph_scene *scene, enum neph_vari
 
 /* --- the keys --------------------------------------------------------------------------------- */
 
-/* One block, so that it is freed at once; the scene comes first. Keys are at most one a frame. */
+/* One block, freed with one call; the scene comes first. There is at most one key a frame. */
 _Static_assert(NEPH_VARIANT_FRAMES_MAX <= NEPH_SCENE_KEYS_MAX, "a key a frame");
 struct made {
     struct neph_scene scene;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A variant as a file: the text of the scene that it came from, with some values replaced.
+ * A variant as a file: the text of the original file with some values replaced.
  */
 #include "scenes/variant.h"
 
@@ -21,14 +21,14 @@ _Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
 /* name, title, frames, sun or camera, and the files of volumes */
 enum { SPLICES_MAX = 4 + NEPH_SCENE_MEDIA_MAX };
 
-/* Bytes of the file that give way to a text. */
+/* A range of bytes of the file, and its replacement. */
 struct splice {
     size_t from, to;
     const char *text;
 };
 
 struct file {
-    struct neph_arena arena; /* of what takes the place of its text */
+    struct neph_arena arena; /* memory of the replacements */
     char *text;              /* owned */
     size_t size;
     struct neph_document document;
@@ -53,7 +53,7 @@ static bool is_block(const yaml_node_t *node)
     return node->type == YAML_MAPPING_NODE && node->data.mapping.style == YAML_BLOCK_MAPPING_STYLE;
 }
 
-/* A mapping in block style ends where the next key begins: the indentation of that one stays. */
+/* A mapping in block style ends where the next key begins: that key keeps its indentation. */
 static void replace_node(struct file *file, const yaml_node_t *node, const char *text)
 {
     const size_t from = byte_of(file, node->start_mark.index);
@@ -64,7 +64,7 @@ static void replace_node(struct file *file, const yaml_node_t *node, const char 
     file->splices[file->splice_count++] = (struct splice){from, to, text};
 }
 
-/* Replace the value of a key of the scene, or put both before all others. */
+/* Replaces the value of a key of the scene, or adds key and value before all others. */
 static void replace_key(struct file *file, const char *key, const char *text)
 {
     const yaml_node_t *root = neph_document_root(&file->document);
@@ -105,13 +105,13 @@ static void put_vec3(FILE *out, const char *key, double x, double y, double z)
     fprintf(out, "%s: [%.17g, %.17g, %.17g]", key, x, y, z);
 }
 
-/* The key with its value as the file has it, so that it is read as the same number. */
+/* Copies a key with its value from the file, so that it is read as the same number. */
 static bool put_as_it_was(FILE *out, struct file *file, const char *path, const char *before)
 {
     const char *dot = strrchr(path, '.'), *key = dot + 1;
     const yaml_node_t *node = neph_document_find(&file->document, path);
     if (node->type == YAML_MAPPING_NODE)
-        return false; /* only a part of the path is there */
+        return false; /* the file has only a part of the path */
     const size_t from = byte_of(file, node->start_mark.index);
     const size_t to = byte_of(file, node->end_mark.index);
     fprintf(out, "%s%s: %.*s", before, key, (int)(to - from), file->text + from);
@@ -133,7 +133,7 @@ static void put_sun(FILE *out, struct file *file, const struct neph_scene *made)
     fprintf(out, "]}");
 }
 
-/* Keys that camera keys stand in place of. */
+/* Whether a key is replaced by camera keys. */
 static bool is_placing(const char *key)
 {
     return !strcmp(key, "position_m") || !strcmp(key, "look_at_m") || !strcmp(key, "keys");
@@ -194,7 +194,8 @@ static enum neph_status rewrite(struct file *file, const char *key, put_function
     return is_whole ? NEPH_OK : neph_fail_memory(diag);
 }
 
-/* In quotes; relative paths start at the scene file, and the variant will lie elsewhere. */
+/* Makes the path of a volume absolute, in quotes: relative paths start at the scene file, and the
+ * variant is in another folder. */
 static enum neph_status rewrite_volume(struct file *file, int medium, const char *scene_path,
                                        struct neph_diag *diag)
 {
@@ -286,7 +287,7 @@ static enum neph_status join(struct file *file, char **text, struct neph_diag *d
     return NEPH_OK;
 }
 
-/* `has_camera`: it is the camera that is new, and not the sun. */
+/* `has_camera`: the camera is replaced, not the sun. */
 static enum neph_status write_text(const struct neph_scene *made, bool has_camera, char **text,
                                    struct neph_diag *diag)
 {

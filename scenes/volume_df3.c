@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * POV-Ray's density files, as its manual describes them (3.7, section 3.4.7.1.8.2, "density_file"):
- * three sizes of 16 bits, then the nodes with x fastest, 8, 16 or 32 bits each, all big-endian, the
- * largest code being a density of 1. The width is not stored: it follows from the file's size.
+ * POV-Ray's density files, as in its manual (3.7, section 3.4.7.1.8.2, "density_file"): three sizes
+ * of 16 bits, then the nodes with x fastest, 8, 16 or 32 bits each, all big-endian; the largest
+ * code is a density of 1. The width is not stored: it follows from the file's size.
  */
 #include "base/files.h"
 #include "scenes/volume_file.h"
@@ -15,7 +15,7 @@
 
 enum { HEADER_BYTES = 6, WRITTEN_WIDTH_BYTES = 4 };
 
-/* The largest code of a width. */
+/* The largest code of a width in bytes. */
 static double code_max(int width_bytes)
 {
     return (double)((1ull << (8 * width_bytes)) - 1);
@@ -23,7 +23,7 @@ static double code_max(int width_bytes)
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* What the header says. */
+/* Contents of the header. */
 struct header {
     int size[3];
     int width_bytes; /* of a node */
@@ -53,7 +53,7 @@ static enum neph_status read_header(const struct neph_volume_source *source, str
     return NEPH_OK;
 }
 
-/* The nodes to read. */
+/* Finds the block of nodes to read. */
 static enum neph_status find_box(const struct neph_volume_request *request,
                                  const struct header *header, struct neph_volume_box *box,
                                  struct neph_diag *diag)
@@ -94,7 +94,7 @@ static struct neph_block block_of(const struct neph_volume_box *box)
         {1.0, 1.0, 1.0}};
 }
 
-/* The rows of one slice that are in the box. */
+/* Copies the rows of one slice that are in the box. */
 static void take_slice(const unsigned char *bytes, const struct header *header,
                        const struct neph_volume_box *box, int k,
                        const struct neph_turned_block *turned, float *values)
@@ -167,8 +167,8 @@ static void encode(const float *values, size_t count, double maximum, unsigned c
     }
 }
 
-/* One slice of the file: zeros all around, and within them the slice `values` (NULL: zeros, too).
- */
+/* Encodes one slice of the file: zeros all around, and inside them the slice `values` (NULL: zeros,
+ * too). */
 static void encode_slice(const struct neph_grid *grid, const float *values, unsigned char *bytes)
 {
     const size_t nx = (size_t)grid->size[0], ny = (size_t)grid->size[1];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Volume files: which reader for which extension, and what is checked for all of them.
+ * Volume files: the reader for each extension, and the checks for all of them.
  */
 #include "scenes/volume_file.h"
 
@@ -70,7 +70,7 @@ enum neph_status neph_volume_write(const char *path, const struct neph_grid *gri
     return format ? format->write(path, grid, diag) : refuse_format(path, diag);
 }
 
-/* O_NONBLOCK: a named pipe must be refused and not waited for. */
+/* O_NONBLOCK: a named pipe must be refused, not waited for. */
 static enum neph_status open_file(const char *path, struct neph_volume_source *source,
                                   struct neph_diag *diag)
 {

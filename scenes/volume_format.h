@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the readers of the file formats share. Private to scenes/volume_*.c.
+ * Declarations that the readers of the file formats share. Private to scenes/volume_*.c.
  */
 #ifndef NEPH_SCENES_VOLUME_FORMAT_H
 #define NEPH_SCENES_VOLUME_FORMAT_H
@@ -11,14 +11,14 @@
 
 #include <stdio.h>
 
-/* An open file, which is a regular one. */
+/* An open regular file. */
 struct neph_volume_source {
     FILE *file;
     size_t size_bytes;
 };
 
-/* Read one format into an unsealed grid. The dispatcher seals it, and names the file in the message
- * of any error. */
+/* Reads one format into an unsealed grid. The dispatcher seals it, and adds the file's name to the
+ * message of any error. */
 typedef enum neph_status neph_volume_reader(const struct neph_volume_request *request,
                                             const struct neph_volume_source *source,
                                             struct neph_grid **grid, struct neph_diag *diag);
@@ -26,13 +26,14 @@ typedef enum neph_status neph_volume_reader(const struct neph_volume_request *re
 neph_volume_reader neph_volume_read_vdb;
 neph_volume_reader neph_volume_read_df3;
 
-/* NEPH_ERR_INPUT, in words, when so many nodes do not fit into the limit of the request. */
+/* NEPH_ERR_INPUT, in words, when these nodes exceed the memory limit of the request. */
 enum neph_status neph_volume_check_size(const struct neph_volume_request *request,
                                         const int size[3], struct neph_diag *diag);
 
 /* A grid of zeros for a block in the order of the file. The transform of the file turns its axes by
- * `turn` and puts its first node at `origin`; `is_z_up` of the request comes after that. `turned`
- * says where the values go. Errors as of neph_volume_check_size() and neph_grid_create(). */
+ * `turn` and puts its first node at `origin`; `is_z_up` of the request is applied after that.
+ * `turned` receives the indices of the values. Errors: neph_volume_check_size(),
+ * neph_grid_create(). */
 enum neph_status neph_volume_create_grid(const struct neph_volume_request *request,
                                          const struct neph_axis_turn *turn,
                                          const struct neph_block *block,

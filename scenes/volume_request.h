@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a reader of volume files is asked for.
+ * The parameters of reading a volume file.
  */
 #ifndef NEPH_SCENES_VOLUME_REQUEST_H
 #define NEPH_SCENES_VOLUME_REQUEST_H
@@ -15,15 +15,15 @@ struct neph_volume_box {
 
 struct neph_volume_request {
     const char *path;
-    /* What messages call the file: as the user wrote it, since `path` may hold more than that (the
-     * value of an environment variable). NULL: the path. */
+    /* Name of the file in messages: as the user wrote it, because `path` may contain the value of
+     * an environment variable. NULL: the path. */
     const char *shown;
     const char *grid_name; /* of a .vdb; NULL: the only grid, or "density" */
     size_t memory_limit_bytes;
     bool is_z_up;                            /* (x, y, z) of the file becomes (x, z, -y) */
-    const struct neph_volume_box *index_box; /* which voxels to read; NULL: the file's block */
+    const struct neph_volume_box *index_box; /* the voxels to read; NULL: the file's block */
     bool counts_zeros; /* active voxels of 0 are part of the block of a .vdb */
-    bool is_fitted;    /* the block will be scaled to a size: stray voxels must not decide it */
+    bool is_fitted;    /* the block will be scaled to a size: refuse stray voxels that decide it */
 };
 
 #endif

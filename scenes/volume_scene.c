@@ -36,7 +36,7 @@ static double largest_column_m(const struct neph_grid *grid)
     return largest * grid->spacing_m.y;
 }
 
-/* Text between double quotes of YAML. */
+/* Checks that a text can be written between double quotes of YAML. */
 static enum neph_status check_written(const char *written, struct neph_diag *diag)
 {
     const size_t length = strlen(written);
@@ -73,8 +73,8 @@ static enum neph_status check_grid(const char *path, const struct neph_grid *gri
     return NEPH_OK;
 }
 
-/* From the middle of a box to a camera that looks back at it and sees its eight corners in a frame
- * as wide as high, with a margin of a tenth. */
+/* Distance from the centre of a box to a camera that looks back at it and sees its eight corners in
+ * a square frame, with a margin of a tenth. */
 static double distance_of(struct neph_vec3 size_m, struct neph_vec3 backward)
 {
     const double slope = tan(0.5 * FOV_DEG * NEPH_RAD_PER_DEG);

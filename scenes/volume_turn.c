@@ -67,8 +67,7 @@ struct neph_turned_block neph_axis_turn_block(const struct neph_axis_turn *turn,
         turned.step[i] = turn->is_reversed[i] ? -stride : stride;
         if (!turn->is_reversed[i])
             continue;
-        turned.first += (size_t)(last *
-                                 stride); /* the file's last node is the first of the world */
+        turned.first += (size_t)(last * stride); /* last node of the file, first of the world */
         origin.at[turn->axis[i]] -= last * spacing.at[i];
     }
     turned.block.origin = to_vec3(&origin);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Turns by 90 degrees and mirrors, which only rename axes: each axis of a volume file lies along an
- * axis of the world, forwards or backwards. No value is resampled. Private to scenes/volume_*.c.
+ * Rotations by multiples of 90 degrees and mirrors, which only permute axes: each axis of a volume
+ * file lies along an axis of the world, forwards or backwards. No value is resampled. Private to
+ * scenes/volume_*.c.
  */
 #ifndef NEPH_SCENES_VOLUME_TURN_H
 #define NEPH_SCENES_VOLUME_TURN_H
@@ -35,7 +36,7 @@ struct neph_block {
     struct neph_vec3 spacing; /* > 0, along the same axes as `size` */
 };
 
-/* A block after the turn, and where its values go: value (i, j, k) of the file is
+/* A block after the turn, and the places of its values: value (i, j, k) of the file is
  * values[first + i * step[0] + j * step[1] + k * step[2]] of a grid of `block.size` nodes. */
 struct neph_turned_block {
     struct neph_block block; /* along the axes of the world */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * neph's side of the program neph-vdb: find it, run it, and check every number that it hands over.
+ * neph's side of the protocol with neph-vdb: finds it, runs it, and checks every number it returns.
  */
 #include "scenes/volume_vdb.h"
 
@@ -24,16 +24,16 @@ _Static_assert(NEPH_VDB_LAYOUT_COUNT == 2, "a new kind");
 
 enum { REASON_BYTES = 1000, PATH_BYTES = 64, UUID_BYTES = 40, BOX_BYTES = 80, ARGUMENTS_MAX = 11 };
 
-/* Zip is read at 50 MB/s and more; a file that takes ten times as long is not honest. */
+/* Zip is read at 50 MB/s or more; a file that takes ten times as long is treated as hostile. */
 static const size_t cpu_bytes_per_s = 5000000;
 static const size_t cpu_start_s = 10;
-static const double wall_per_cpu = 20.0; /* of a busy machine */
+static const double wall_per_cpu = 20.0; /* on a busy machine */
 
 static const float padding = 1e-9f; /* NEPH_VDB_BLENDER */
 
 static const char program_name[] = "neph-vdb";
 
-/* ---- the program and what it says ------------------------------------------------------------ */
+/* ---- the program and its log ----------------------------------------------------------------- */
 
 enum neph_status neph_volume_find_openvdb(char **program, struct neph_diag *diag)
 {
@@ -77,13 +77,13 @@ static void shared_destroy(struct shared *shared)
         close(shared->fd);
 }
 
-/* What the last line of the log says: why, and the way out ("" if there is none). */
+/* The last line of the log: the reason, and the way out ("" if there is none). */
 struct reason {
     char text[REASON_BYTES];
     const char *hint;
 };
 
-/* Split it, in printable ASCII: names in damaged files may be anything. */
+/* Splits the line, in printable ASCII: names in damaged files may contain any bytes. */
 static void find_hint(struct reason *reason)
 {
     char *tab = strchr(reason->text, '\t');
@@ -136,14 +136,14 @@ static enum neph_status explain(const struct neph_child_result *result, int log_
                      program_name, result->exit_code, reason.text);
 }
 
-/* Where neph found its own libraries, this other half of it finds its own. */
+/* The library path of this process, so that the program finds the same libraries. */
 static char *library_folders(void)
 {
     const char *folders = getenv("LD_LIBRARY_PATH");
     return neph_format("LD_LIBRARY_PATH=%s", folders ? folders : "");
 }
 
-/* argv[0] is filled in here. */
+/* Runs the program with these arguments; fills in argv[0]. */
 static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time_limit_s,
                                     struct neph_diag *diag)
 {
@@ -174,7 +174,7 @@ static enum neph_status run_program(const char *argv[ARGUMENTS_MAX], double time
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* "all", or "i,j,k,i,j,k". */
+/* Formats "all", or "i,j,k,i,j,k". */
 static void format_box(const struct neph_volume_box *box, char text[BOX_BYTES])
 {
     if (box)
@@ -204,7 +204,7 @@ static enum neph_status run_reader(const struct neph_volume_request *request, si
     return run_program(argv, wall_per_cpu * (double)cpu_s, diag);
 }
 
-/* What the program handed over. */
+/* The output of the program. */
 struct voxels {
     const unsigned char *bytes;
     size_t size, used;
@@ -241,7 +241,7 @@ static enum neph_status check_placement(const struct neph_vdb_placement *placeme
                : neph_fail(diag, NEPH_ERR_INPUT, "damaged: OpenVDB read nonsense from it");
 }
 
-/* A grid of zeros, and where its values go. */
+/* A grid of zeros, and the places of its values. */
 static enum neph_status create_grid(const struct neph_volume_request *request,
                                     const struct neph_vdb_placement *placement,
                                     struct neph_turned_block *turned, struct neph_grid **grid,
@@ -327,7 +327,7 @@ static enum neph_status map_and_take(const struct neph_volume_request *request, 
     return status;
 }
 
-/* The program opens the file by its path again; `source` only proved that it can be read. */
+/* The program opens the file again by its path; `source` has only shown that it is readable. */
 enum neph_status neph_volume_read_vdb(const struct neph_volume_request *request,
                                       const struct neph_volume_source *source,
                                       struct neph_grid **grid, struct neph_diag *diag)
@@ -366,8 +366,8 @@ static float world_value(const struct neph_grid *grid, int i, int j, int k)
     return node_or_padding(grid, i, j, k);
 }
 
-/* Blender's (x, y, z) is the world's (x, -z, y): its y runs from the last z of the grid down. The
- * padding moves the first index by one spacing, the voxel's lower corner by another half. */
+/* Blender's (x, y, z) is the world's (x, -z, y): its y runs from the last z of the grid downwards.
+ * The padding moves the first index by one spacing, the voxel's lower corner by another half. */
 static struct neph_vdb_placement blender_placement(const struct neph_grid *grid)
 {
     const struct neph_vec3 o = grid->origin_m, h = grid->spacing_m;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The program neph-vdb: the one place that knows OpenVDB (scenes/volume_vdb.h says why it is a
- * program). No exception leaves it.
+ * The program neph-vdb, the only code that uses OpenVDB (scenes/volume_vdb.h has the reasons). No
+ * exception leaves it.
  */
 #include "scenes/volume_vdb.h"
 #include "scenes/openvdb_grids.h"
@@ -44,26 +44,27 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 
-/* Libraries, stacks, and the file's own tables of contents. */
+/* Memory for libraries, stacks, and the file's own tables of contents. */
 constexpr uint64_t base_memory_bytes = uint64_t{512} << 20;
 constexpr int32_t grids_max = 1024;
 constexpr size_t listed_names_max = 8;
 
-/* How far, in voxels, a transform may move a node from where a turn by 90 degrees puts it: programs
- * that turn in float32 have a cosine of 4.4e-8 there, which is 4.5e-5 of a voxel after 1024. */
+/* Largest distance, in voxels, of a node from its place under an exact rotation by 90 degrees:
+ * programs that rotate in float32 have a cosine of 4.4e-8, which is 4.5e-5 of a voxel after
+ * 1024. */
 constexpr double skew_max_voxels = 1e-3;
 
-/* Voxels are stray when they have less than this part of the density and make a side of the box so
- * many times as long. The detached wisps of the Disney cloud have less, and make 1.03 of it. */
+/* Voxels are stray when they have less than this part of the density and make a side of the box
+ * longer by this factor. The detached wisps of the Disney cloud have less, and a factor of 1.03. */
 constexpr double stray_density_max = 1e-3;
 constexpr double stray_growth_min = 1.1;
 
-/* The file is to blame, in words for its owner; after a tab the way out. */
+/* A fault of the file, in words for the user; after a tab the way out. */
 struct bad_file : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/* What neph asks for. */
+/* The arguments from neph. */
 struct request {
     const char *path;
     uint64_t memory_limit_bytes;
@@ -72,7 +73,7 @@ struct request {
     bool counts_zeros;
     bool has_index_box;
     CoordBBox index_box;
-    const char *grid_name; /* nullptr: not given */
+    const char *grid_name; /* nullptr: none */
 };
 
 [[gnu::format(printf, 1, 2)]] std::string words(const char *format, ...)
@@ -105,13 +106,13 @@ struct entry {
     }
 };
 
-/* As the file has it, without the number that tells it from others of the name. */
+/* The name in the file, without the number that distinguishes grids of the same name. */
 std::string plain_name(const entry &each)
 {
     return openvdb::io::GridDescriptor::stripSuffix(each.descriptor.uniqueName());
 }
 
-/* OpenVDB's own numbers, and where they are missing the order in the file. */
+/* Labels have OpenVDB's own numbers; where they are missing, the order in the file. */
 void set_labels(std::vector<entry> &entries)
 {
     for (entry &each : entries)
@@ -128,9 +129,9 @@ void set_labels(std::vector<entry> &entries)
     }
 }
 
-/* openvdb::io::File never asks whether a read came short, and would fill a truncated grid with what
- * happens to be in memory. This reads the same way from a stream that throws at the end of the
- * file, and stops between the topology and the voxels to look at the size. */
+/* openvdb::io::File does not check for short reads, and would fill a truncated grid with arbitrary
+ * memory. This class reads in the same way from a stream that throws at the end of the file, and
+ * stops between topology and voxels so that the size can be checked. */
 class archive : openvdb::io::Archive
 {
   public:
@@ -140,7 +141,7 @@ class archive : openvdb::io::Archive
         stream.open(path, std::ios::binary);
         readHeader(stream);
         openvdb::io::setStreamMetadataPtr(stream, state, false);
-        setFormatVersion(stream); /* which the parts of the file ask for */
+        setFormatVersion(stream); /* read by the parts of the file */
         setLibraryVersion(stream);
         setDataCompression(stream);
         if (fileVersion() < openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION)
@@ -227,7 +228,7 @@ entry &choose(std::vector<entry> &entries, const char *wanted)
                          name.c_str(), list_names(all).c_str()));
 }
 
-/* ---- what a density must be ------------------------------------------------------------------ */
+/* ---- requirements for a density -------------------------------------------------------------- */
 
 void check_kind(const entry &chosen)
 {
@@ -242,7 +243,7 @@ void check_kind(const entry &chosen)
                              name.c_str(), chosen.descriptor.instanceParentName().c_str()));
 }
 
-/* Whether a medium may have this class is known after its metadata is read. */
+/* Checks the class of the grid, which is known after its metadata were read. */
 void check_class(const entry &chosen)
 {
     const openvdb::GridClass grid_class = chosen.grid->getGridClass();
@@ -251,7 +252,7 @@ void check_class(const entry &chosen)
                              openvdb::GridBase::gridClassToMenuName(grid_class).c_str()));
 }
 
-/* Which axis of the world an axis of the index lies along, at most a little skewed. */
+/* The axis of the world along which an axis of the index lies, with a small skew at most. */
 int main_axis(const openvdb::math::Mat4d &m, int i)
 {
     int axis = 0;
@@ -261,7 +262,7 @@ int main_axis(const openvdb::math::Mat4d &m, int i)
     return axis;
 }
 
-/* Axes of the index along axes of the world, forwards or backwards, or a refusal. */
+/* Maps axes of the index to axes of the world, forwards or backwards, or throws. */
 void place_axes(const entry &chosen, const openvdb::math::Mat4d &m, neph_vdb_placement &placement)
 {
     double spacing_along[3] = {0.0, 0.0, 0.0}; /* of the world */
@@ -289,7 +290,7 @@ void place_axes(const entry &chosen, const openvdb::math::Mat4d &m, neph_vdb_pla
                           chosen.name().c_str()));
 }
 
-/* Where the transform of the file puts a box of voxels. */
+/* The placement of a box of voxels by the transform of the file. */
 neph_vdb_placement placement_of(const entry &chosen, const CoordBBox &box)
 {
     const openvdb::math::MapBase::ConstPtr map = chosen.grid->transform().baseMap();
@@ -311,7 +312,7 @@ neph_vdb_placement placement_of(const entry &chosen, const CoordBBox &box)
     return placement;
 }
 
-/* ---- which voxels ---------------------------------------------------------------------------- */
+/* ---- choice of the voxels -------------------------------------------------------------------- */
 
 struct sides {
     explicit sides(const CoordBBox &box)
@@ -336,7 +337,7 @@ bool fits(const request &asked, const CoordBBox &box)
            sides(box).bytes() <= static_cast<double>(asked.memory_limit_bytes);
 }
 
-/* As in a scene file. */
+/* The key of a scene file for a box. */
 std::string key_of(const CoordBBox &box)
 {
     const Coord low = box.min(), high = box.max();
@@ -363,8 +364,8 @@ std::string key_of(const CoordBBox &box)
 const char *const smaller = "resample the volume to fewer nodes, or read a part of it with the key "
                             "index_box";
 
-/* What the metadata promise, so that a giant is refused before its topology is read. A box that is
- * too large because of stray voxels is looked into. */
+/* Checks the size in the metadata, so that a huge grid is refused before its topology is read. A
+ * box that is too large because of stray voxels is examined later. */
 void check_promised_size(const entry &chosen, const request &asked)
 {
     const auto low = chosen.grid->getMetadata<openvdb::Vec3IMetadata>("file_bbox_min");
@@ -401,7 +402,7 @@ void for_each_part(const FloatTree &tree, const CoordBBox &within, Uniform unifo
     }
 }
 
-/* The smallest box around what is not 0. */
+/* The smallest box around the values that are not 0. */
 CoordBBox box_of_values(const FloatTree &tree, const CoordBBox &within)
 {
     CoordBBox box;
@@ -432,7 +433,7 @@ double sum_of_values(const FloatTree &tree, const CoordBBox &within)
     return sum;
 }
 
-/* The values of each plane across an axis, added up; a plane that is all 0 has no entry. */
+/* The sum of the values of each plane across an axis; a plane of zeros has no entry. */
 using plane_sums = std::map<int32_t, double>;
 
 void add_tile(const CoordBBox &tile, float value, std::array<plane_sums, 3> &sums)
@@ -485,8 +486,8 @@ std::pair<int32_t, int32_t> densest_run(const plane_sums &sums)
     return best;
 }
 
-/* The box without stray voxels, which planes without any value separate from the rest. Empty if no
- * voxels are separated, or if they have too much of the density to be stray. */
+/* The box without stray voxels, which are separated by empty planes. Empty if no voxels are
+ * separated, or if they have too much of the density to be stray. */
 CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
 {
     const std::array<plane_sums, 3> sums = sum_planes(tree, box);
@@ -502,7 +503,7 @@ CoordBBox box_without_strays(const FloatTree &tree, const CoordBBox &box)
     return box_of_values(tree, main);
 }
 
-/* Whether some side of a box is much longer in another one. */
+/* Whether any side is much longer in `to`. */
 bool grows(const sides &from, const sides &to)
 {
     for (int i = 0; i < 3; i++)
@@ -511,7 +512,7 @@ bool grows(const sides &from, const sides &to)
     return false;
 }
 
-/* Refuse a box that is too large, or whose size will decide a scale and depends on stray voxels. */
+/* Refuses a box that is too large, or whose size defines a scale and depends on stray voxels. */
 void check_strays(const FloatTree &tree, const request &asked, const CoordBBox &box)
 {
     const bool is_too_large = !fits(asked, box);
@@ -573,11 +574,11 @@ class block_writer
     std::unique_ptr<FILE, int (*)(FILE *)> file;
 };
 
-/* The voxels of one grid on their way out. */
+/* Writes the voxels of one grid. */
 class exporter
 {
   public:
-    /* `block` is what neph gets; outside of `active` all of it is 0. */
+    /* `block`: the nodes for neph; nodes outside `active` are 0. */
     exporter(block_writer &to, const CoordBBox &block, const CoordBBox &active)
         : out(to), corner(block.min()), box(block)
     {
@@ -610,8 +611,8 @@ class exporter
     }
 
   private:
-    /* Cut to the box; false when nothing is left. A tree whose nodes overlap is damaged, and would
-     * take more time to copy than its size allows. */
+    /* Clips to the box; false when nothing remains. A tree with overlapping nodes is damaged, and
+     * would take more time to copy than its size allows. */
     bool start_block(CoordBBox where, neph_vdb_block &block)
     {
         where.intersect(box);
@@ -646,7 +647,7 @@ void export_voxels(const FloatTree &tree, const CoordBBox &block, const CoordBBo
         to.leaf(*leaf);
 }
 
-/* The box that neph gets, once the values are read. */
+/* The box that neph gets, after the values were read. */
 CoordBBox choose_block(const FloatTree &tree, const request &asked, const CoordBBox &active)
 {
     if (asked.has_index_box)
@@ -719,7 +720,7 @@ request parse_request(int argc, char **argv)
 int run_read(int argc, char **argv)
 {
     const uint64_t memory_limit_bytes = strtoull(argv[4], nullptr, 10);
-    /* A thread asks for tens of MiB of addresses, and some machines have hundreds of processors. */
+    /* A thread reserves tens of MiB of address space; a machine may have hundreds of processors. */
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     mallopt(M_ARENA_MAX, 1);
     try {
@@ -751,7 +752,7 @@ int run_read(int argc, char **argv)
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-/* OpenVDB puts a random UUID into each file. The same grid shall give the same bytes. */
+/* Replaces the random UUID that OpenVDB writes: the same grid must give the same bytes. */
 void replace_uuid(const char *path, const std::string &uuid)
 {
     constexpr std::streamoff uuid_offset = 8 + 4 + 2 * 4 + 1; /* magic, versions, has offsets */
@@ -799,7 +800,7 @@ void write_volume(const char *voxels, const char *path, const char *uuid)
     const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
     const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(CoordBBox(Coord(), last),
                                                                         values);
-    openvdb::tools::copyFromDense(dense, *grid, -1.0f); /* no tolerance at all: no tiles */
+    openvdb::tools::copyFromDense(dense, *grid, -1.0f); /* negative tolerance: no tiles */
     const auto transform = openvdb::math::Transform::createLinearTransform();
     transform->postScale(openvdb::Vec3d(placement->spacing));
     transform->postTranslate(openvdb::Vec3d(placement->origin));

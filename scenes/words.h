@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What enumerations are called in scene files. Each list ends with NULL. Private to scenes/; others
- * call neph_scattering_name() and the like.
+ * The words for enumerations in scene files. Each list ends with NULL. Private to scenes/; other
+ * folders call neph_scattering_name() and the like.
  */
 #ifndef NEPH_SCENES_WORDS_H
 #define NEPH_SCENES_WORDS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which scenes go with which settings (neph_realtime_can_render() in pipeline.h).
+ * neph_realtime_can_render() of pipeline.h: the scenes that each set of settings supports.
  */
 #include "renderer/march.h"
 #include "renderer/realtime/march_settings.h"
@@ -14,7 +14,7 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
-/* False, with the reason, where a smaller picture does not become the whole one. */
+/* False, with the reason, where a frame with fewer rendered pixels cannot be upsampled. */
 static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_settings *settings,
                          char *reason, size_t reason_size)
 {
@@ -32,7 +32,7 @@ static bool can_upsample(const struct neph_scene *scene, const struct neph_rt_se
     return false;
 }
 
-/* A fog that is a medium, too: in froxels. */
+/* Fog that is a medium as well is marched in froxels. */
 static bool can_march_near_fog(const struct neph_scene *scene, struct neph_march_veils veils,
                                enum neph_march_lighting lighting, char *reason, size_t reason_size)
 {

@@ -150,7 +150,7 @@ const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *
                                    : neph_rt_shader_for(device->view, pass, device->kind);
 }
 
-/* What a shader knows of a setting (realtime/shared/choices.glsl). */
+/* The digit of a setting for the shaders (realtime/shared/choices.glsl). */
 static uint32_t digit_of(int setting, float value)
 {
     if (setting >= RT_SETTING_COUNT || neph_rt_options[setting].kind == NEPH_OPTION_CHOICE)
@@ -160,7 +160,6 @@ static uint32_t digit_of(int setting, float value)
     return value != 0.0f;
 }
 
-/* What is static in the view. */
 static uint32_t rests_of(const struct neph_rt_device *device)
 {
     const bool all_rest = neph_rt_view_rests(device->view);
@@ -174,8 +173,8 @@ static bool is_of_rest(int setting)
     return setting == RT_STEADY || setting == RT_SOLID_MOTION;
 }
 
-/* Specialization constants of shaders/realtime_choices.glsl. To passes with rays it is all one
- * whether anything moves: they, which take longest to compile, have one kernel. */
+/* Specialization constants of realtime/shared/choices.glsl. Passes with rays take longest to
+ * compile and do not depend on motion: they have one kernel for static and moving frames. */
 static void set_choices(const struct neph_rt_device *device, const struct neph_rt_pass *pass,
                         struct neph_kernel_params *params)
 {
@@ -241,7 +240,7 @@ static enum neph_status add_colour(struct neph_rt_device *device, const struct n
     return status;
 }
 
-/* Pictures that have kernels of their own. */
+/* Kinds of frames with separate kernels. */
 enum { SOLIDS_MOVING, MOVING, AT_REST, STEADY, KINDS };
 
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,

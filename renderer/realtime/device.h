@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The targets of the real-time renderer on a Vulkan device, and one way to run a pass over them,
- * for pipeline.c and for tests that run one alone.
+ * The images of the real-time renderer (targets) on a Vulkan device, and functions that record and
+ * run one pass on them. For pipeline.c, and for tests that run a single pass.
  */
 #ifndef NEPH_RENDERER_REALTIME_DEVICE_H
 #define NEPH_RENDERER_REALTIME_DEVICE_H
@@ -11,82 +11,81 @@
 #include "renderer/in_flight.h"
 #include "renderer/realtime/submission.h"
 
-/* Ranks of the spatial mask of 64x64 and then of the spatiotemporal one of 64x64x32; the order of
+/* Ranks of the spatial 64x64 mask, then of the spatiotemporal 64x64x32 mask, in the order of
  * renderer/blue_noise.h. */
 enum { NEPH_RT_NOISE_COUNT = 64 * 64 * 33 };
 
 struct neph_rt_device {
     struct neph_vulkan *vulkan; /* borrowed */
-    struct neph_gpu_view *view; /* owned; change it between passes at will. Not the device's own:
-                                   reading mapped memory of a GPU is slow */
-    struct neph_buffer view_buffer; /* owned, as all that follow */
+    struct neph_gpu_view *view; /* owned; may change between passes. In CPU memory: reading mapped
+                                   memory of a GPU is slow */
+    struct neph_buffer view_buffer; /* owned, like all buffers below */
     struct neph_turns view_turns;
     struct neph_buffer noise;
-    struct neph_buffer targets[RT_TARGET_COUNT]; /* without memory where not asked for */
-    struct neph_buffer nothing; /* one word, where a pass does not declare a target */
-    bool specialises; /* compile the choices into the shaders: faster, but a compilation (seconds on
-                         lavapipe) for each set of them. Same bits. */
-    bool is_dark; /* rays see transmittance alone, and have no noise (ray_march/ray_march.comp) */
-    enum neph_rt_device_kind kind; /* kernels are compiled for it */
+    struct neph_buffer targets[RT_TARGET_COUNT]; /* no memory for targets that are not requested */
+    struct neph_buffer nothing; /* one word, bound for targets that a pass does not declare */
+    bool specialises; /* compile the choices into the shaders: faster, but each set of choices is
+                         compiled separately (seconds on lavapipe). Same bits. */
+    bool is_dark; /* rays compute only transmittance, without noise (ray_march/ray_march.comp) */
+    enum neph_rt_device_kind kind; /* selects the shader variants */
     bool has_no_variants;   /* run the readable shader of each pass, for tests and comparisons */
-    uint32_t native_halves; /* NEPH_HALVES_READ, ..: what the driver may do itself; 0 on a CPU, so
-                               that nobody has to be asked there. Same bits. */
+    uint32_t native_halves; /* NEPH_HALVES_READ, ..: conversions left to the driver; 0 on a CPU,
+                               where the driver is not tested for them. Same bits. */
     struct neph_buffer readback; /* as large as the largest target */
 };
 
-/* Buffers for some targets (NEPH_RT_BIT() of each) as `view` describes them, all zero, and a copy
- * of the view. `noise_ranks` has NEPH_RT_NOISE_COUNT elements; NULL: zeros. Zero-initialise
- * `device`; free with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a target is larger than
- * the device lets a kernel see. */
+/* Creates buffers for some targets (NEPH_RT_BIT() of each) with the shapes in `view`, all zero, and
+ * a copy of the view. `noise_ranks` has NEPH_RT_NOISE_COUNT elements; NULL: zeros. Zero-initialise
+ * `device`; free it with _destroy, also after an error. NEPH_ERR_UNSUPPORTED: a target is larger
+ * than a storage buffer may be on this device. */
 enum neph_status neph_rt_device_create(struct neph_vulkan *vulkan, const struct neph_gpu_view *view,
                                        uint32_t targets, const uint32_t *noise_ranks,
                                        struct neph_rt_device *device, struct neph_diag *diag);
 void neph_rt_device_destroy(struct neph_rt_device *device);
 
-/* Another buffer for a target, all zero. Zero-initialise `buffer`; its owner destroys it, also
- * after an error. */
+/* Creates another buffer for a target, all zero. Zero-initialise `buffer`; the caller destroys it,
+ * also after an error. */
 enum neph_status neph_rt_device_add_target(struct neph_rt_device *device, int target,
                                            struct neph_buffer *buffer, struct neph_diag *diag);
 
-/* The shader of a pass on this device. */
+/* The shader that runs a pass on this device: a variant or the readable one. */
 const struct neph_rt_shader *neph_rt_device_shader(const struct neph_rt_device *device,
                                                    const struct neph_rt_pass *pass);
 
-/* How many words a target has; 0 where it has no memory. */
+/* Number of 32-bit words of a target; 0 when it has no memory. */
 size_t neph_rt_device_words(const struct neph_rt_device *device, int target);
 
-/* All words of a target, from and to the CPU. */
+/* Copies all words of a target from or to the CPU. */
 enum neph_status neph_rt_device_upload(struct neph_rt_device *device, int target,
                                        const uint32_t *words, struct neph_diag *diag);
 enum neph_status neph_rt_device_download(struct neph_rt_device *device, int target, uint32_t *words,
                                          struct neph_diag *diag);
 
-/* What a pass hands on gets its name in the next frame. */
+/* Swaps the buffers of each target of a pass that is a history in the next frame. */
 void neph_rt_device_hand_on(struct neph_rt_device *device, const struct neph_rt_pass *pass);
 
-/* Show the device the view as it is, in memory of which nothing that is on its way may be in need:
- * neph_turns_take(). */
+/* Copies the view to the device, into memory that no frame in flight reads: neph_turns_take(). */
 void neph_rt_device_show(struct neph_rt_device *device);
 
-/* Fill in what a pass needs behind `first` other buffers and the constants of theirs: the view, the
- * noise and the targets that it declares. */
+/* Binds the view, the noise and the targets that a pass declares, after `first` other buffers and
+ * their constants. */
 void neph_rt_device_bind(struct neph_rt_device *device, const struct neph_rt_pass *pass, int first,
                          struct neph_kernel_params *params, struct neph_dispatch *dispatch);
 
-/* Compile a pass without rays for pictures at rest, for those that are known to be steady and for
- * others, so that none waits for that when the camera starts or stops. */
+/* Compiles a pass without rays for moving frames, for static ones and for those with RT_STEADY, so
+ * that no frame waits for the compiler when the camera starts or stops. */
 enum neph_status neph_rt_device_prepare(struct neph_rt_device *device,
                                         const struct neph_rt_pass *pass, struct neph_diag *diag);
 
-/* Ask for the kernel of a pass without rays, which is made while others are asked for. */
+/* Starts to compile the kernel of a pass without rays, in parallel with others. */
 enum neph_status neph_rt_device_ask(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_diag *diag);
 
-/* Add a pass without rays to what is on its way. */
+/* Records a pass without rays into a submission. */
 enum neph_status neph_rt_device_add(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_rt_submission *submission, struct neph_diag *diag);
 
-/* Run it alone, with the view as it is. */
+/* Runs one pass and waits for it, with the present view. */
 enum neph_status neph_rt_device_run(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                                     struct neph_diag *diag);
 

@@ -15,7 +15,7 @@ static size_t picture_count(const struct neph_rt_device *device)
     return (size_t)device->view->picture_px[0] * device->view->picture_px[1];
 }
 
-/* The texel of a full-resolution target that a rendered pixel has. */
+/* Index of the texel of a full-resolution target for a rendered pixel. */
 static size_t texel_of(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;
@@ -24,7 +24,7 @@ static size_t texel_of(const struct neph_rt_device *device, int target, size_t p
     return y * view->targets[target].width + x;
 }
 
-/* The rendered pixel whose area has the centre of one of the picture's: itself at 100 %. */
+/* The rendered pixel that contains the centre of an output pixel: the pixel itself at 100 %. */
 static size_t rendered_pixel(const struct neph_rt_device *device, size_t pixel)
 {
     const uint32_t *size = device->view->size_px, *picture = device->view->picture_px;
@@ -33,7 +33,7 @@ static size_t rendered_pixel(const struct neph_rt_device *device, size_t pixel)
     return y * size[0] + x;
 }
 
-/* The texel of a target for a pixel of the picture. */
+/* Index of the texel of a target for an output pixel. */
 static size_t texel_for(const struct neph_rt_device *device, int target, size_t pixel)
 {
     const struct neph_gpu_view *view = device->view;
@@ -66,7 +66,7 @@ enum neph_status neph_rt_give(struct neph_rt_device *device, int target, float *
     return status;
 }
 
-/* What the anti-aliasing makes is exposed. */
+/* Outputs of the anti-aliasing are multiplied by the exposure. */
 static float exposure_of(const struct neph_gpu_view *view, int target)
 {
     return neph_rt_is_of_picture(target) && view->settings[RT_TAA] != 0.0f ? view->exposure : 1.0f;
@@ -165,7 +165,7 @@ enum neph_status neph_rt_give_frame(struct neph_rt_device *device, const struct 
 
 /* --- finished frames ----------------------------------------------------------------------- */
 
-/* What is infinitely far says so in files; a medium that shows nothing is nowhere. */
+/* Files have infinity for the sky's depth, and for the distance of a medium without effect. */
 static void finish_distances(struct neph_image *image)
 {
     float *depth_m = neph_image_channel(image, "Z");

@@ -22,7 +22,7 @@ static bool is_half(const struct neph_gpu_target *target)
     return target->format == RT_R16F || target->format == RT_RG16F || target->format == RT_RGBA16F;
 }
 
-/* D. E. Knuth's multiplicative hash: any bits, and always the same. */
+/* D. E. Knuth's multiplicative hash: arbitrary bits, the same in each run. */
 static uint32_t garbage(size_t word)
 {
     return (uint32_t)word * 2654435761u;
@@ -46,7 +46,7 @@ static uint64_t channels_of(const struct neph_gpu_target *target)
     return neph_rt_format_bytes(target->format) / (is_half(target) ? 2 : 4);
 }
 
-/* What chooses elements of a target, (x, y). */
+/* Selects elements (x, y) of a target. */
 typedef bool choice(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,
                     const void *context);
 
@@ -77,7 +77,7 @@ static enum neph_status put_where(struct neph_rt_device *device, int target, cho
 
 /* --- the view and what is around it ----------------------------------------------------------- */
 
-/* In texels of a target. */
+/* x and y are texels of the target. */
 static bool is_of_view(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y)
 {
     const struct neph_rt_rectangle own = neph_rt_view_texels(device->view, target);
@@ -113,7 +113,7 @@ enum neph_status neph_rt_inject_history(struct neph_rt_device *device,
                                         enum neph_injected_value value, uint64_t *count,
                                         struct neph_diag *diag)
 {
-    uint32_t before = NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND); /* in their place */
+    uint32_t before = NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND); /* updated in place */
     enum neph_status status = NEPH_OK;
     for (int p = 0; neph_rt_passes[p]; p++) {
         const struct neph_rt_pass *pass = neph_rt_passes[p];
@@ -128,7 +128,7 @@ enum neph_status neph_rt_inject_history(struct neph_rt_device *device,
 
 /* --- rays ------------------------------------------------------------------------------------- */
 
-/* The ray k of `count` of `all`, in rows, is that in the middle of its share. */
+/* All tiles, in rows, are divided into `count` equal parts; the middle tile of each is chosen. */
 static bool is_chosen_ray(const struct neph_rt_device *device, int target, uint32_t x, uint32_t y,
                           const void *context)
 {

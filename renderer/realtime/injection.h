@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a scene's file wants put into the targets of a running renderer (scenes/injection.h). The
- * device must be done with all that it was sent. Each adds to `*count` how many values it put in.
+ * Fault injection: writes the values that a scene file requests (scenes/injection.h) into the
+ * targets of a running renderer. The device must be idle. Each function adds the number of values
+ * that it wrote to `*count`.
  */
 #ifndef NEPH_RENDERER_REALTIME_INJECTION_H
 #define NEPH_RENDERER_REALTIME_INJECTION_H
@@ -9,17 +10,17 @@
 #include "renderer/realtime/device.h"
 #include "scenes/injection.h"
 
-/* Into all that the next picture takes for its past. */
+/* Into every target that the next frame reads as history. */
 enum neph_status neph_rt_inject_history(struct neph_rt_device *device,
                                         enum neph_injected_value value, uint64_t *count,
                                         struct neph_diag *diag);
 
-/* Into what the march has found, before the next pass reads it. */
+/* Into the rays of the march, before the next pass reads them. */
 enum neph_status neph_rt_inject_rays(struct neph_rt_device *device,
                                      const struct neph_injected_rays *rays, uint64_t *count,
                                      struct neph_diag *diag);
 
-/* Into all of the targets that is not the view's. */
+/* Into all texels outside the view. */
 enum neph_status neph_rt_inject_around(struct neph_rt_device *device,
                                        enum neph_injected_value value, uint64_t *count,
                                        struct neph_diag *diag);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* The digits of a number in some base, mirrored at the point. */
+/* The digits of a number in base `base`, mirrored at the radix point. */
 static double radical_inverse(uint32_t number, uint32_t base)
 {
     double result = 0.0, digit_value = 1.0;
@@ -16,7 +16,7 @@ static double radical_inverse(uint32_t number, uint32_t base)
     return result;
 }
 
-/* A Gaussian cut off at `window_px`: one uniform number makes the radius, the other the angle. */
+/* A Gaussian cut off at `window_px`: u1 gives the radius, u2 the angle. */
 static void warp(double u1, double u2, double offset_px[2])
 {
     static const double sigma_px = 0.47, window_px = 0.5;

@@ -3,17 +3,17 @@
 
 #include "renderer/realtime/unread.h"
 
-enum { TURNS = 4 }; /* of a tile's slots */
+enum { TURNS = 4 }; /* phases of the slot schedule */
 
 enum { SCENE, TILES, PICTURE };
 
-/* Pictures until rays without noise have been taken twice by all texels that have any. */
+/* Frames until every texel with a ray has marched twice without noise. */
 enum { SETTLED = 2 * TURNS };
 
 static const struct {
     int targets[NEPH_RT_KEPT_TARGETS_MAX], target_count;
-    int place_count; /* 0: the jitter's */
-    uint32_t given;  /* with what at rest is the same in all places */
+    int place_count; /* 0: length of the jitter */
+    uint32_t given;  /* these targets, and those that are equal in all places of a static scene */
 } rows[NEPH_RT_KEPT_RINGS] = {
     {{RT_DEPTH, RT_BEHIND},
      2,
@@ -36,7 +36,7 @@ static int place_count_of(const struct neph_gpu_view *view, int ring)
                                   : (int)view->settings[RT_TAA_JITTER_LENGTH];
 }
 
-/* Two places at least, for which the depth map has been made twice, for now and for before. */
+/* At least two places: the depth map must exist twice, for this frame and the one before. */
 static bool may_keep(const struct neph_rt_device *device, int ring)
 {
     const struct neph_gpu_view *view = device->view;
@@ -72,7 +72,7 @@ static void exchange(struct neph_rt_device *device, int ring, struct neph_rt_kep
     }
 }
 
-/* The picture for which the device's targets were made, where they are those of an alike one. */
+/* Whether the targets were made in an earlier frame with the same content. */
 static bool is_known(const struct neph_rt_kept_place *place, uint32_t picture, uint32_t alike)
 {
     return place->is_made && picture != place->picture && picture - place->picture <= alike;

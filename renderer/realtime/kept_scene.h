@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What passes make of solids alone, kept for as many pictures as it takes to come back: depths and
- * the radiance behind all media for each place of the jitter, which texel a tile marches for each
- * turn of its slots. Where nothing has moved and no light has changed since, the pass would make it
- * again to the last bit, and does not run; nor does the depth map. Where media send no light more
- * is kept.
+ * Scene cache: reuses the outputs of passes that depend only on solids. It keeps depth and the
+ * radiance behind all media for each place of the jitter, and the slot of each tile for each phase
+ * of the slot schedule. In a static scene with constant light these passes would produce the same
+ * bits again, so they and the depth map are skipped. When no medium sends light the cache also
+ * keeps the composed frame.
  */
 #ifndef NEPH_RENDERER_REALTIME_KEPT_SCENE_H
 #define NEPH_RENDERER_REALTIME_KEPT_SCENE_H
@@ -14,42 +14,47 @@
 enum { NEPH_RT_KEPT_PLACES_MAX = 16, NEPH_RT_KEPT_TARGETS_MAX = 2, NEPH_RT_KEPT_RINGS = 3 };
 enum { NEPH_RT_KEPT_BYTES_MAX = 256 << 20 };
 
-/* The targets of as many pictures. */
+/* One cached set of targets for each frame of a period. */
 struct neph_rt_kept_ring {
     struct neph_rt_kept_place {
-        struct neph_buffer targets[NEPH_RT_KEPT_TARGETS_MAX]; /* owned; empty while the device has
-                                                                 them */
+        struct neph_buffer targets[NEPH_RT_KEPT_TARGETS_MAX]; /* owned; empty while they are bound
+                                                                 to the device */
         bool is_made;
-        uint32_t picture; /* for which they were made */
+        uint32_t picture; /* number of the frame that made them */
     } places[NEPH_RT_KEPT_PLACES_MAX];
-    int place_count; /* 0: nothing is kept */
-    int now;         /* the place that the device has */
+    int place_count; /* 0: nothing is cached */
+    int now;         /* the place whose buffers are bound to the device */
 };
 
 struct neph_rt_kept_scene {
     struct neph_rt_kept_ring rings[NEPH_RT_KEPT_RINGS];
 };
 
-/* Give the device the targets of a picture's places. `alike`: pictures in a row before it that
- * showed the same; `is_alone`: it sees nothing but the scene itself. What need not be made of them
- * is added to `*given` (NEPH_RT_BIT() of each). Nothing is kept before as many pictures as it takes
- * to come back were alike, of more than NEPH_RT_KEPT_PLACES_MAX or NEPH_RT_KEPT_BYTES_MAX together,
- * of depths that jitter, and on a GPU, where a game has made all that. */
+/* Binds the cached targets for this frame number to the device. `alike`: number of identical frames
+ * directly before this one. `is_alone`: rays see only the scene itself, without injections or a
+ * given frame. Targets whose contents are still valid are added to `*given` (NEPH_RT_BIT() of
+ * each).
+ *
+ * The cache starts after one full period of identical frames. It stays off
+ * - for periods above NEPH_RT_KEPT_PLACES_MAX frames or above NEPH_RT_KEPT_BYTES_MAX,
+ * - with jittered depths,
+ * - on a GPU, where a game renders the solids itself. */
 enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
                                          struct neph_rt_device *device, uint32_t picture,
                                          uint32_t alike, bool is_alone, uint32_t *given,
                                          struct neph_diag *diag);
 
-/* And the picture before anti-aliasing, where media only take light (neph_rt_device.is_dark) and
- * nobody reads what lies between: rays without noise make it anew, to the last bit, for each place
- * of the jitter once all texels have taken theirs. Behind neph_rt_kept_scene_take(), when it is
- * known whether the picture is read (RT_STEADY). */
+/* Keeps or takes the composed frame before anti-aliasing. It needs media that only absorb
+ * (neph_rt_device.is_dark) and intermediate targets that no later frame reads: rays without noise
+ * then give the same bits for each place of the jitter, once every texel has its ray. Call it after
+ * neph_rt_kept_scene_take(), when RT_STEADY of the frame is known. */
 enum neph_status neph_rt_kept_scene_take_picture(struct neph_rt_kept_scene *kept,
                                                  struct neph_rt_device *device, uint32_t picture,
                                                  uint32_t alike, uint32_t *given,
                                                  struct neph_diag *diag);
 
-/* Before the device goes, whose own targets stay with it. A zero one is fine. */
+/* Call before the device is destroyed, which keeps its own targets. A zero-initialised cache is
+ * fine. */
 void neph_rt_kept_scene_destroy(const struct neph_vulkan *vulkan, struct neph_rt_kept_scene *kept);
 
 #endif

@@ -24,13 +24,13 @@ int neph_rt_rendered_px(int picture_px, int percent)
     return (int)divide_up(picture_px * percent, 100);
 }
 
-/* The view's pixels, or the picture's. */
+/* Size of the output, or of the view. */
 static const uint32_t *pixels_of(const struct neph_gpu_view *view, int resolution)
 {
     return resolution == RT_PICTURE ? view->picture_px : view->size_px;
 }
 
-/* Pixels along the side of a texel. */
+/* Pixels along a side of a texel. */
 static int texel_px(int resolution)
 {
     return resolution == RT_PICTURE ? 1 : resolution;
@@ -41,7 +41,7 @@ static uint32_t froxel_columns(const struct neph_gpu_view *view, int axis)
     return divide_up((int)view->size_px[axis], (int)view->settings[RT_FROXEL_PX]);
 }
 
-/* One, for nobody, where there are none. */
+/* Without froxels a target of one element, which no pass reads. */
 static struct neph_gpu_target froxels_of(const struct neph_gpu_view *view, uint32_t format)
 {
     const bool any = view->settings[RT_FROXEL_VOLUME] != 0.0f;
@@ -74,8 +74,8 @@ int neph_rt_jitter_length(int length, int percent)
     return grown + (length % 2 == 1 && grown % 2 == 0);
 }
 
-/* A smaller picture is upsampled by the anti-aliasing that there is, with more places of its rays;
- * these are all over the pixel, and the box is that of the rays nearby, as in Unreal. */
+/* With fewer rendered pixels the anti-aliasing also upsamples. Its jitter is longer and covers the
+ * whole pixel, and its neighbourhood clamp takes rays by distance, as in Unreal. */
 static void set_upsampling(struct neph_gpu_view *view)
 {
     float *settings = view->settings;
@@ -91,7 +91,7 @@ static void set_upsampling(struct neph_gpu_view *view)
         (int)settings[RT_TAA_JITTER_LENGTH], percent);
 }
 
-/* What froxel_px=0 stands for: 12 pixels of 1920, and as many columns of other pictures. */
+/* froxel_px=0: 12 pixels at a width of 1920, and as many columns at other widths. */
 enum { FROXEL_COLUMNS = 160 };
 
 void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *settings,
@@ -102,7 +102,7 @@ void neph_rt_view_init(struct neph_gpu_view *view, const struct neph_settings *s
         view->settings[s] = (float)settings->values[s];
     set_upsampling(view);
     view->exposure = view->exposure_before = 1.0f;
-    /* No tiles, no rays of theirs to be marched twice, or from the end of froxels on; no volume. */
+    /* Without split there are no tiles, so no gradient samples, no froxels and no volume. */
     if (view->settings[RT_SPLIT] == (float)RT_SPLIT_NONE)
         view->settings[RT_GRADIENT] = view->settings[RT_FROXEL_VOLUME] =
             view->settings[RT_TAA_RESPONSIVE] = view->settings[RT_ATROUS] = 0.0f;

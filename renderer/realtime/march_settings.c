@@ -4,8 +4,8 @@
 /* A new kind does not compile before this file was looked through for it. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
-/* Light of higher orders is found over many frames: a round of paths and two cycles of diffusion in
- * each, and paths of the last 32. */
+/* Light of higher orders is accumulated over frames: each adds one round of paths and two cycles of
+ * diffusion; paths of the last 32 frames count. */
 enum { LIGHT_TEXEL_PX = 8, LIGHT_ROUNDS = 1, LIGHT_MEMORY = 32, DIFFUSION_CYCLES = 2 };
 static const double light_blur_texels = 1.0;
 

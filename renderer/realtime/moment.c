@@ -33,7 +33,7 @@ static struct neph_gpu_view_camera camera_from(const struct neph_camera *camera,
     return made;
 }
 
-/* Every so many cycles of four frames one without override. */
+/* Every `override_rest` cycles of four frames one cycle has no override. */
 static bool is_resting(const struct neph_gpu_view *view, uint32_t number)
 {
     const uint32_t period = (uint32_t)view->settings[RT_OVERRIDE_REST];
@@ -59,7 +59,7 @@ struct neph_rt_moment neph_rt_moment_of(const struct neph_gpu_view *view,
     return now;
 }
 
-/* The same moment in a world that lies elsewhere now. */
+/* The same transforms after the origin of the world has moved. */
 static struct neph_rt_moment in_world_of(const struct neph_rt_moment *before,
                                          const struct neph_rt_moment *now)
 {
@@ -70,7 +70,7 @@ static struct neph_rt_moment in_world_of(const struct neph_rt_moment *before,
     return moved;
 }
 
-/* Where the pivot of a mover is, from the camera of now. */
+/* The pivot of a mover relative to the camera of this frame. */
 static struct neph_vec3 pivot_from(const struct neph_rt_moment *now,
                                    const struct neph_rt_moment *then,
                                    const struct neph_placing *placing)
@@ -79,7 +79,7 @@ static struct neph_vec3 pivot_from(const struct neph_rt_moment *now,
     return neph_vec3_sub(neph_vec3_add(own_m, then->origin_m), now->camera.position_m);
 }
 
-/* The angle back is the difference of both, in double: it is exactly 0 at rest. */
+/* The rotation back is the difference of two angles in double precision: exactly 0 when static. */
 static struct neph_gpu_mover mover_from(const struct neph_scene *scene,
                                         const struct neph_mover *mover,
                                         const struct neph_rt_moment *now,

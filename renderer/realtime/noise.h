@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How soon the dither of each kind repeats.
+ * Periods of the dithers.
  */
 #ifndef NEPH_RENDERER_REALTIME_NOISE_H
 #define NEPH_RENDERER_REALTIME_NOISE_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings as the files settings.toml define them (renderer/settings.py), and the words of
- * those that are gone. "The article" in them is the one on the frame split: the weather of Red Dead
+ * The settings from the files settings.toml (renderer/settings.py), and messages for removed ones.
+ * "The article" in their texts is the article on the frame split: the weather of Red Dead
  * Redemption 2 after F. Bauer, SIGGRAPH 2019, written down for Unreal Engine 4.24. A tile is 2x2
- * half-resolution texels, 4x4 pixels; its slots are these texels in the order in which they are
+ * half-resolution texels, or 4x4 pixels; its slots are these texels in the order in which they are
  * marched. docs/realtime.md lists the article's steps and faults with their settings.
  */
 #include "renderer/realtime/options.h"
@@ -12,10 +12,10 @@
 #include "renderer/march_params.h"
 #include "renderer/realtime/suns.h"
 
-/* The range of override_wake (tile_index/settings.toml). */
+/* The upper limit of override_wake (tile_index/settings.toml). */
 _Static_assert(NEPH_RT_SUNS_MAX == 64, "override_wake");
 
-/* Gone on 2026-11-29; their words go with the next release. */
+/* Removed on 2026-11-29; these messages go with the next release. */
 static const char *const gone[] = {
     "override_depth",
     "it was 0.25 in every preset",

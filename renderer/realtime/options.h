@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the real-time renderer can be set to, and the presets: named sets of values. Every
- * difference between two presets is a setting of this table.
+ * Settings of the real-time renderer, and the presets: named sets of values. Every difference
+ * between two presets is a setting of this table.
  */
 #ifndef NEPH_RENDERER_REALTIME_OPTIONS_H
 #define NEPH_RENDERER_REALTIME_OPTIONS_H
@@ -13,13 +13,13 @@
 /* By the names RT_*; ends with a NULL name. The defaults are the preset `fixed`. */
 extern const struct neph_option neph_rt_options[RT_SETTING_COUNT + 1];
 
-/* Values of these options, by the pass that they are of. */
+/* Values of these options, grouped by pass. */
 struct neph_rt_settings neph_rt_settings_of(const struct neph_settings *settings);
 
-/* Whole pipelines: presets.c says where each comes from. */
+/* Complete pipelines; presets.c names the source of each. */
 extern const struct neph_preset neph_rt_presets[];
 
-/* What takes a preset when none is named. */
+/* The commands that use a preset when the user names none. */
 enum neph_rt_preset_use {
     NEPH_RT_STRESS_QUICK = 1 << 0, /* stress tests: the quick tier, .. */
     NEPH_RT_STRESS_FULL = 1 << 1,  /* .. and the full one */

@@ -36,36 +36,36 @@ _Static_assert((int)NEPH_RT_NOISE_COUNT == (int)NEPH_BLUE_NOISE_COUNT, "all rank
 struct neph_realtime {
     struct neph_vulkan *vulkan; /* borrowed */
     struct neph_settings values;
-    struct neph_rt_settings settings; /* the same */
+    struct neph_rt_settings settings; /* the same values, grouped by pass */
     uint32_t seed;
     uint32_t *noise_ranks; /* owned; NULL: no dither reads them */
     int picture_px[2];
-    struct neph_march_params march; /* of what is rendered for it */
+    struct neph_march_params march; /* at rendered resolution */
     struct neph_march_scene scene;  /* of the split frame */
-    struct neph_march *whole;       /* owned; without a split the march of every pixel, else NULL */
-    struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* of the passes that have rays */
+    struct neph_march *whole;       /* owned; split=none: the march of every pixel, else NULL */
+    struct neph_march_cut cuts[NEPH_RT_PASSES_MAX]; /* splits of passes with rays */
     struct neph_buffer states, counters;
     struct neph_rt_device device;
-    uint32_t frame_count; /* that it has rendered */
+    uint32_t frame_count; /* frames rendered so far */
     bool has_past;
     struct neph_rt_moment past;
     struct neph_rt_suns suns;
     struct neph_rt_stillness stillness;
     struct neph_rt_kept_scene kept;
-    bool has_mirrored_past; /* of the camera that is mirrored (inject.mirror) */
+    bool has_mirrored_past; /* of the mirrored camera (inject.mirror) */
     struct neph_rt_moment mirrored_past;
-    uint64_t injected_values;  /* since the last picture */
-    bool has_injected_rays;    /* in the last picture */
-    bool has_injected_history; /* ever */
+    uint64_t injected_values;  /* since the last frame */
+    bool has_injected_rays;    /* in the last frame */
+    bool has_injected_history; /* in any frame */
     struct neph_in_flight flight;
     struct neph_realtime_stats flights[NEPH_IN_FLIGHT_FRAMES]; /* of the frames in flight */
-    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES];    /* before them */
+    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES];    /* sun tables of these frames */
     neph_realtime_observer *observer;
     void *observer_context;
     struct neph_realtime_test_hooks hooks;
 };
 
-/* Whether fewer pixels are rendered than the picture has. */
+/* Whether fewer pixels are rendered than the output has. */
 static bool is_upsampled(const struct neph_realtime *realtime)
 {
     return realtime->settings.shared.screen_percent < 100;
@@ -78,7 +78,7 @@ static enum neph_rt_device_kind kind_of(const struct neph_vulkan *vulkan)
 
 /* --- passes with rays ------------------------------------------------------------------------ */
 
-/* The dispatches of one pass, cut as its rays need them. */
+/* The dispatches of one pass, split as the cost of its rays requires. */
 struct ray_pass {
     const struct neph_rt_pass *pass;
     const struct neph_kernel *kernel;
@@ -88,7 +88,8 @@ struct ray_pass {
     double *gpu_s; /* borrowed; one of neph_realtime.flights */
 };
 
-/* A piece of a pass that is cut is as much as the device may get at once. */
+/* Records one part of a split pass and submits it: a part is the most that the device may get in
+ * one submission. */
 static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *context,
                                  struct neph_diag *diag)
 {
@@ -104,7 +105,7 @@ static enum neph_status add_rays(const struct neph_gpu_march_run *run, void *con
     return neph_rt_submission_send(work->submission, diag);
 }
 
-/* Few enough for a shader to be compiled for; on a GPU those of a loop that is unrolled. */
+/* The largest counts that shaders are compiled for; on a GPU the loop over them is unrolled. */
 enum { GPU_SOLIDS_MAX = 32 };
 
 static uint32_t known_solids(const struct neph_gpu_scene *scene)
@@ -114,7 +115,7 @@ static uint32_t known_solids(const struct neph_gpu_scene *scene)
     return count <= most ? count : RT_SOLIDS_UNKNOWN;
 }
 
-/* Which of these are balls, a bit each. */
+/* Bit masks of the solids that are spheres. */
 static void set_known_balls(const struct neph_gpu_scene *scene, uint32_t balls[2])
 {
     const struct neph_gpu_solids *all = scene->buffers[1].mapped;
@@ -122,7 +123,7 @@ static void set_known_balls(const struct neph_gpu_scene *scene, uint32_t balls[2
         balls[s / 32] |= (all->solids[s].kind == NEPH_SOLID_SPHERE ? 1u : 0u) << s % 32;
 }
 
-/* The light of froxels has its own eyes for a fog that is handed over to them: a medium there. */
+/* Froxels have their own copy of the scene: there a fog that is handed over to them is a medium. */
 static bool is_of_froxels(const struct neph_rt_pass *pass)
 {
     return pass->resolution == RT_FROXEL;
@@ -192,7 +193,7 @@ static enum neph_status add_ray_pass(struct neph_realtime *realtime,
 
 /* --- making -------------------------------------------------------------------------------- */
 
-/* A picture of this size. */
+/* Sets the size of the output, and the rendered size from it. */
 static void set_size(struct neph_realtime *realtime, int width_px, int height_px)
 {
     const int percent = realtime->settings.shared.screen_percent;
@@ -205,7 +206,7 @@ static void set_size(struct neph_realtime *realtime, int width_px, int height_px
         memcpy(march->picture_px, realtime->picture_px, sizeof(march->picture_px));
 }
 
-/* How the rays of the passes are cut, and room for those that lie in between. */
+/* Computes the splits of all passes with rays, and creates buffers for the state of the rays. */
 static enum neph_status create_rays(struct neph_realtime *realtime, const struct neph_scene *scene,
                                     const struct neph_gpu_view *view, struct neph_diag *diag)
 {
@@ -236,13 +237,13 @@ static bool has_taa(const struct neph_realtime *realtime)
            realtime->settings.shared.split != RT_SPLIT_NONE;
 }
 
-/* Whether solids may move, and somebody wants to know how far. */
+/* Whether solids may move and the anti-aliasing uses their motion. */
 static bool follows_solids(const struct neph_realtime *realtime, const struct neph_scene *scene)
 {
     return realtime->settings.solid_motion.is_on && scene->mover_count > 0 && has_taa(realtime);
 }
 
-/* Which pass lays the volume over what is behind it. */
+/* The pass that composes the volume with the background. */
 static int composition_of(const struct neph_realtime *realtime, const struct neph_gpu_view *view)
 {
     const struct neph_rt_tuning *tuning = neph_rt_tuning_of(kind_of(realtime->vulkan));
@@ -253,7 +254,7 @@ static int composition_of(const struct neph_realtime *realtime, const struct nep
     return has_froxels ? RT_COMPOSITION_PASS : RT_COMPOSITION_UPSCALE;
 }
 
-/* What the scene and the settings say together. */
+/* Sets the far end of the froxels where they carry the scene's fog. */
 static void set_hand_over(const struct neph_realtime *realtime, const struct neph_scene *scene,
                           struct neph_gpu_view *view)
 {
@@ -261,7 +262,7 @@ static void set_hand_over(const struct neph_realtime *realtime, const struct nep
         view->settings[RT_FROXEL_END_M] = (float)scene->fog_look.volumetric_fog_distance_m;
 }
 
-/* What the settings say where it pays alone. */
+/* Settings that the pipeline selects by scene and device. */
 static void choose(const struct neph_realtime *realtime, const struct neph_scene *scene,
                    struct neph_gpu_view *view)
 {
@@ -270,7 +271,7 @@ static void choose(const struct neph_realtime *realtime, const struct neph_scene
     neph_rt_absorb_passes(view, kind_of(realtime->vulkan), true);
 }
 
-/* Their kernels, where the device compiles them in no time. */
+/* Compiles all kernels in advance on devices where this is fast. */
 static enum neph_status prepare_passes(struct neph_realtime *realtime, struct neph_diag *diag)
 {
     const struct neph_gpu_view *view = realtime->device.view;
@@ -286,8 +287,9 @@ static enum neph_status prepare_passes(struct neph_realtime *realtime, struct ne
     return status;
 }
 
-/* Whether rays see a transmittance of closed form alone, as march.comp asks: no medium sends light,
- * so that there is no noise either. What has no gradient is as it was. */
+/* Whether rays compute only a transmittance in closed form, by the same rule as march.comp: no
+ * medium sends light, so there is no noise either. Needs a gradient; without one nothing
+ * changes. */
 static bool is_dark(const struct neph_realtime *realtime)
 {
     const struct neph_gpu_view *view = realtime->device.view;
@@ -302,7 +304,7 @@ static bool is_dark(const struct neph_realtime *realtime)
            view->settings[RT_JITTERED_DEPTH] == 0.0f && view->settings[RT_FROXEL_VOLUME] == 0.0f;
 }
 
-/* Everything that depends on the size. */
+/* Creates all objects that depend on the size. */
 static enum neph_status create_sized(struct neph_realtime *realtime, const struct neph_scene *scene,
                                      struct neph_diag *diag)
 {
@@ -344,7 +346,7 @@ static void destroy_sized(struct neph_realtime *realtime)
     neph_buffer_destroy(realtime->vulkan, &realtime->states);
 }
 
-/* Whether any dither reads the masks of blue noise. */
+/* Whether a dither reads the masks of blue noise. */
 static bool needs_masks(const struct neph_realtime *realtime)
 {
     const struct neph_rt_settings *settings = &realtime->settings;
@@ -459,15 +461,15 @@ void neph_realtime_set_test_hooks(struct neph_realtime *realtime,
 
 /* --- the passes of a frame ------------------------------------------------------------------ */
 
-/* A frame on its way. Targets are NEPH_RT_BIT() of each. */
+/* The state of a frame while its passes are recorded. Targets are NEPH_RT_BIT() of each. */
 struct progress {
-    uint32_t given;                        /* what no pass needs to write */
-    uint32_t touched;                      /* what passes have read or written so far */
-    uint32_t past;                         /* what they hand on, as the next frame calls it */
+    uint32_t given;                        /* targets that no pass has to write */
+    uint32_t touched;                      /* targets that passes have read or written so far */
+    uint32_t past;                         /* histories for the next frame, under its names */
     int picture;                           /* the target that shows the frame */
-    bool counts;                           /* whether passes with rays count what they do */
-    const struct neph_injected_rays *rays; /* to put in, or NULL */
-    struct neph_sun_fill_cost *fill;       /* borrowed, as stats: of the split frame's sun tables */
+    bool counts;                           /* whether passes with rays count their work */
+    const struct neph_injected_rays *rays; /* to inject, or NULL */
+    struct neph_sun_fill_cost *fill;       /* borrowed, like stats: the split frame's sun tables */
     struct neph_march_moment moment;
     struct neph_realtime_stats *stats; /* borrowed; one of neph_realtime.flights */
 };
@@ -481,7 +483,7 @@ static uint64_t targets_bytes(const struct neph_gpu_view *view, uint32_t targets
     return bytes;
 }
 
-/* An observer sees what the pass has made: the device must have done it. It may change the view. */
+/* Waits for the pass, so that an observer sees its results. The observer may change the view. */
 static enum neph_status observe(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                                 struct neph_rt_submission *submission, struct neph_diag *diag)
 {
@@ -492,7 +494,7 @@ static enum neph_status observe(struct neph_realtime *realtime, const struct nep
     return status;
 }
 
-/* Behind the march, before anybody has seen what it found. */
+/* After the march, before another pass reads its rays. */
 static enum neph_status inject_rays(struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                                     const struct neph_injected_rays *rays,
                                     struct neph_rt_submission *submission, struct neph_diag *diag)
@@ -528,14 +530,14 @@ static enum neph_status add_pass(struct neph_realtime *realtime, const struct ne
     return realtime->observer ? observe(realtime, pass, submission, diag) : NEPH_OK;
 }
 
-/* Those that the settings want and that make something which is not given. */
+/* Whether the settings enable a pass and it writes a target that is not given. */
 static bool is_wanted(const struct neph_realtime *realtime, const struct neph_rt_pass *pass,
                       const struct progress *made)
 {
     return neph_rt_holds(realtime->device.view, pass->condition) && (pass->writes & ~made->given);
 }
 
-/* All kernels of the first frame at once. */
+/* Starts to compile all kernels of the first frame in parallel. */
 static enum neph_status begin_passes(struct neph_realtime *realtime, const struct progress *made,
                                      struct neph_diag *diag)
 {
@@ -595,7 +597,7 @@ static void take_counters(const struct neph_realtime *realtime, struct neph_real
     stats->closed_forms = whole_number(counters->closed_forms);
 }
 
-/* One ray for each tile, or whatever the settings make of the split. */
+/* The split frame: one ray for each tile, or as the settings define it. */
 static enum neph_status render_split(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
                                      const struct neph_scene *still, struct neph_image **image,
@@ -622,8 +624,8 @@ static enum neph_status render_split(struct neph_realtime *realtime,
     return status;
 }
 
-/* What passes there are behind the march of every pixel. `image`: in, what was marched; out, the
- * picture. */
+/* Runs the passes after the march of every pixel. `image`: the marched frame in, the finished frame
+ * out. */
 static enum neph_status finish(struct neph_realtime *realtime, struct neph_image **image,
                                struct progress *made, struct neph_diag *diag)
 {
@@ -645,7 +647,7 @@ static enum neph_status finish(struct neph_realtime *realtime, struct neph_image
     return status;
 }
 
-/* Without a picture for the CPU there is none for the passes behind the march either. */
+/* The passes after the march read an image on the CPU, which a frame in flight lacks. */
 static enum neph_status send_whole(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame,
                                    const struct neph_scene *still,
@@ -664,7 +666,7 @@ static enum neph_status send_whole(struct neph_realtime *realtime,
     return neph_march_frame(realtime->whole, still, frame->frame, moment, NULL, NULL, diag);
 }
 
-/* Every pixel, every frame: the march itself. */
+/* Marches every pixel in every frame. */
 static enum neph_status render_whole(struct neph_realtime *realtime,
                                      const struct neph_realtime_frame *frame,
                                      const struct neph_scene *still, struct neph_image **image,
@@ -695,7 +697,7 @@ static enum neph_status render_whole(struct neph_realtime *realtime,
     return status;
 }
 
-/* A frame that is complete becomes the past of the next. */
+/* Makes a finished frame the past of the next one. */
 static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_moment *now,
                          struct progress *made)
 {
@@ -709,7 +711,7 @@ static void finish_frame(struct neph_realtime *realtime, const struct neph_rt_mo
     neph_in_flight_end(realtime->vulkan, &realtime->flight);
 }
 
-/* A frame is home: what its passes took, together, and for the cut of the next. */
+/* Adds up the device times of a finished frame, and adapts the splits of the next frame to them. */
 static void take_times(struct neph_realtime *realtime, struct neph_realtime_stats *stats)
 {
     stats->gpu_s = stats->light_gpu_s + neph_sky_gpu_s(&stats->sky);
@@ -720,7 +722,7 @@ static void take_times(struct neph_realtime *realtime, struct neph_realtime_stat
     }
 }
 
-/* A sun cache is of the march, but no measure of its cut. */
+/* Filling a sun cache counts as time of the march, but not for the split of its dispatches. */
 static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fill_cost *fill)
 {
     uint64_t evaluations, closed_forms;
@@ -732,7 +734,7 @@ static void add_fill(struct neph_realtime_stats *stats, const struct neph_sun_fi
     stats->closed_forms += closed_forms;
 }
 
-/* What a view that has its moment says to who marches. */
+/* The transforms of a frame in the form that the marcher needs. */
 static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
                                              const struct neph_rt_moment *now)
 {
@@ -743,8 +745,8 @@ static struct neph_march_moment march_moment(const struct neph_gpu_view *view,
     };
 }
 
-/* The scene as it stands in a picture, wherever its world lies, seen by its camera or by that which
- * is mirrored. */
+/* The static scene of a frame at the world's present origin, with its own or the mirrored
+ * camera. */
 static enum neph_status stand_still(const struct neph_realtime_frame *frame, bool is_mirrored,
                                     struct neph_scene **still, struct neph_diag *diag)
 {
@@ -762,7 +764,8 @@ static enum neph_status stand_still(const struct neph_realtime_frame *frame, boo
     return NEPH_OK;
 }
 
-/* What the picture takes for its past; NULL: it has none. */
+/* Injects values into the history of a frame. Sets `*past` to NULL where the frame shall have no
+ * past. */
 static enum neph_status inject_history(struct neph_realtime *realtime,
                                        const struct neph_realtime_frame *frame,
                                        const struct neph_rt_moment **past, struct neph_diag *diag)
@@ -791,16 +794,16 @@ static struct neph_rt_moment moment_of(const struct neph_realtime *realtime,
     return now;
 }
 
-/* Where none of them has moved since the picture before all motions would come out as 0. */
+/* Where no solid has moved since the frame before, all motion vectors would be 0. */
 static void set_solid_motion(struct neph_realtime *realtime, const struct neph_scene *scene)
 {
     struct neph_gpu_view *view = realtime->device.view;
     view->settings[RT_SOLID_MOTION] = !neph_rt_movers_rest(view) && follows_solids(realtime, scene);
 }
 
-/* What rays cannot tell of the sun: whether a look at the medium, four frames after the first, or
- * at what is behind it, as many as the jitter has places, sees what it does; and whether what the
- * override keeps from being marched has old light. */
+/* Flags from the sun history that rays cannot find: whether the two samples of a gradient see the
+ * same phase of a flashing sun (samples of the medium are 4 frames apart, samples behind it as many
+ * as the jitter has places), and whether texels that the override leaves out have old light. */
 static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_frame *frame)
 {
     struct neph_gpu_view *view = realtime->device.view;
@@ -815,8 +818,9 @@ static void set_suns(struct neph_realtime *realtime, const struct neph_realtime_
     view->resting |= number / 4 % 2 == 1 && neph_rt_suns_jumped(&realtime->suns, awake);
 }
 
-/* Whether rays see nothing but what is kept of the scene: no paths that find light from picture to
- * picture, no table that is filled over some of them, and nobody who puts something in between. */
+/* Whether rays see only the content that neph_rt_stillness_keep() compares: no light that is
+ * accumulated over frames, no table that is filled over several frames, no injection, no given
+ * frame and no observer. */
 static bool sees_scene_alone(const struct neph_realtime *realtime,
                              const struct neph_realtime_frame *frame)
 {
@@ -830,7 +834,8 @@ static bool sees_scene_alone(const struct neph_realtime *realtime,
            !realtime->observer && injected == 0;
 }
 
-/* Whether the gradient need not look (RT_STEADY), and what of the scene is known as it is. */
+/* Decides whether the gradient is known to be 0 (RT_STEADY), and which targets the cache
+ * provides. */
 static enum neph_status set_steady(struct neph_realtime *realtime,
                                    const struct neph_realtime_frame *frame, bool is_mirrored,
                                    bool is_read, const struct neph_scene *still, uint32_t *given,
@@ -923,8 +928,8 @@ static void change_view(struct neph_realtime *realtime)
     realtime->has_mirrored_past = has_past;
 }
 
-/* A picture that nobody looks at; its history is the next one's, and what is counted goes on. Both
- * views have the same phase: they are of one frame. */
+/* Renders the mirrored view, which is not output: only its history and its counts are used. Both
+ * views have the same phase because they belong to one frame. */
 static enum neph_status render_mirrored(struct neph_realtime *realtime,
                                         const struct neph_realtime_frame *frame,
                                         struct neph_diag *diag)
@@ -947,7 +952,7 @@ static int scaled_px(int side_px, double scale)
     return (int)fmin(fmax(1.0, round(side_px * scale)), NEPH_MARCH_SIDE_MAX_PX);
 }
 
-/* A picture of another size, that nobody looks at, and back. */
+/* Renders a frame in another size, which is not output, and changes back. */
 static enum neph_status render_resized(struct neph_realtime *realtime,
                                        const struct neph_realtime_frame *frame, double scale,
                                        struct neph_diag *diag)
@@ -1013,7 +1018,7 @@ enum neph_status neph_realtime_watch(struct neph_realtime *realtime, uint64_t *b
                          "split=none has no images of its own to count in: count in the pictures");
     if (realtime->has_injected_rays)
         targets &= ~NEPH_RT_BIT(RT_RAY);
-    if (realtime->has_injected_history) /* overwritten bit by bit, in their place */
+    if (realtime->has_injected_history) /* updated in place, bit by bit */
         targets &= ~(NEPH_RT_BIT(RT_KEPT_RAY) | NEPH_RT_BIT(RT_KEPT_BEHIND));
     return neph_rt_watch(&realtime->device, targets, bad, diag);
 }

@@ -1,51 +1,55 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each preset is the defaults, `fixed`, with what it does otherwise. All march one ray in 16 pixels
- * and run with the anti-aliasing of Unreal Engine 4.26. What is a guess in each is said below; in
- * all of them the distance that is kept with a ray is ours, the mean of what it sees.
+ * Each preset is a list of differences from the defaults, `fixed`. All march one ray in 16 pixels
+ * and use the anti-aliasing of Unreal Engine 4.26. Below, "guess" marks a choice without a source.
+ * In all presets the distance that is kept with a ray is ours: the mean over the light that the ray
+ * collects.
  *
- * seed   the article on the frame split, to the letter, with its faults:
- *        - The depths of rays are limited and those of texels are not: geometry beyond 15 km passes
- *          for sky. The sky is 20 km away where the article writes that, and elsewhere where
+ * seed   the article on the frame split as written, with its faults:
+ *        - The depths of rays are limited, the depths of texels are not: geometry beyond 15 km
+ *          counts as sky. The sky is 20 km away where the article writes that, elsewhere where
  *          Unreal's depth buffer has its 0.
- *        - All tiles override at once, each as if the others kept the slot whose turn it is.
- *        - The box of a single accepted ray erases the history, and the tile's own ray is left out.
- *        - The last tiles, split views and sizes that are no multiple of 4 are off.
- *        - History is looked up at the distance of the tile's own ray, taken for an eye depth;
- *          there is no wind, nothing is ever void, and no cut is noticed.
+ *        - All tiles override at once, each as if the others kept their scheduled slots.
+ *        - The neighbourhood clamp with a single accepted ray erases the history, and the tile's
+ *          own ray is left out of the clamp.
+ *        - The last tiles, split views, and sizes that are not multiples of 4 are wrong.
+ *        - The history is reprojected with the distance of the tile's own ray, used as an eye
+ *          depth. Wind, invalid history and cuts are ignored.
  *        - Both shifts of the upscale come from one number.
- *        - The jitter repeats after 8 frames, twice the four of the slots, and moves the depth map.
- *        The weight 0.5 of its fresh rays stands behind a return and is never reached: it is not
- *        here. Known of Unreal alone: where a depth of 0 lies, 1000 km away, and that the matrices
- *        have the jitter in them. Guesses: amount and law of the upscale's shift, its slice of the
- *        mask, what the 25 % are parts of, the mask of the rays' dither. Left out: marching from
- *        the end of the froxels on, cirrus, aerial perspective; neighbours of a split view beyond
- *        its side are held at it.
- * ue     after Unreal Engine 5's volumetric render target, mode 0, without its second trace: the
- *        branch that compares history with the half-resolution texel's own depth, 10 %, and takes
- *        the nearest of the eight rays around instead. The other branch, where compute shaders are
- *        to be had, traces each tile to its nearest and to its farthest depth and keeps two layers;
- *        its rules (2000 m between scenes, 1000 m between nearest depths of a tile) are not here.
- *        Guesses: the noises of shift and ray; no acceptance of noisy taps (Unreal's 20); history
- *        is compared with the depth map of the frame before and not with the depth of the ray that
- *        it came from.
- * c52e   after c52e/SkyRendering: fresh rays weigh a fifth, mixed and held in tone-mapped colour,
- *        the box lets similar opacities in, depth matters in the upscale where opacity has
- *        contrast. Guesses: it has no jitter of its own, ours is Unreal's; its rays beyond the
- *        sides of the picture are black, ours are held there.
- * unity  after HDRP's volumetric clouds with ghosting reduction (a box, which is off by default
- *        there): a running mean of at most 16 rays, clipped to the rays that end as the texel does,
- *        in the sky or on solids, void where the depth has changed by 20 %, and bilateral from 3x3
- *        half-resolution texels. Guesses: the noise; the far plane, 1 km, that its tolerance of
- *        depth is a part of; its tiles of the other colour are the ones that are ahead.
- * ours1  `fixed`, but the history of what is at rest is held in the box only where a ray sees that
- *        the light has changed, and voided where the scene behind it has; no dither in the upscale,
- *        so that the anti-aliasing can be quick. docs/realtime.md holds what it was measured at.
- * ours   its second generation: change is told from noise by rays that are marched twice, so that
- *        what is at rest is the mean of all its frames, at half resolution and in the
- *        anti-aliasing, and takes slow light along; elsewhere that is quick and follows the medium.
+ *        - The jitter repeats after 8 frames, twice the period of the slots, and shifts the depth
+ *          map.
+ *        The weight 0.5 of its fresh rays follows a return, so it has no effect and is left out.
+ *        From Unreal only: the distance of a depth of 0, 1000 km, and that the matrices include the
+ *        jitter. Guesses: amount and law of the upscale's shift, its slice of the mask, the
+ *        quantity of which the tolerance is 25 %, the mask of the rays' dither. Left out: marching
+ *        from the end of the froxels, cirrus, aerial perspective. Neighbours beyond the side of a
+ *        split view are clamped to the side.
+ * ue     after Unreal Engine 5's volumetric render target, mode 0, without its second trace. This
+ *        is the branch that compares history with the half-resolution texel's own depth (10 %) and
+ *        falls back to the nearest of the eight rays around. The other branch, for devices with
+ *        compute shaders, traces each tile to its nearest and to its farthest depth and keeps two
+ *        layers; its rules (2000 m between scenes, 1000 m between nearest depths of a tile) are not
+ *        implemented. Guesses: the noises of shift and ray; no acceptance of noisy taps (Unreal's
+ *        20); history is compared with the depth map of the frame before and not with the depth of
+ *        the ray that it came from.
+ * c52e   after c52e/SkyRendering: fresh rays have weight 1/5, are blended and clamped in
+ *        tone-mapped colour; the clamp accepts similar opacities; the upscale uses depth where
+ *        opacity has contrast. Guesses: the original has no jitter, here it is Unreal's; rays
+ *        beyond the sides of the frame are black in the original, here clamped to the sides.
+ * unity  after HDRP's volumetric clouds with ghosting reduction (a neighbourhood clamp, off by
+ *        default there): a running mean of at most 16 rays, clamped to the rays that end as the
+ *        texel does, in the sky or on solids; invalid where the depth has changed by 20 %;
+ *        bilateral upscale from 3x3 half-resolution texels. Guesses: the noise; the far plane, 1
+ *        km, to which its depth tolerance is relative; the tiles of the other colour are the ones
+ *        that are ahead.
+ * ours1  `fixed`, but static history is clamped only where a ray finds that the light has changed,
+ *        and is invalid where the scene behind it has changed. The upscale has no dither, so that
+ *        the anti-aliasing can be fast. docs/realtime.md has its measurements.
+ * ours   the second generation: rays that are marched twice separate change from noise. Static
+ *        pixels are the mean of all their frames, at half resolution and in the anti-aliasing, and
+ *        that mean follows slow light. Elsewhere the anti-aliasing is fast and follows the medium.
  * fsr2   after AMD's FidelityFX Super Resolution 2, and
- * svgf   after Schied et al., HPG 2017: docs/taau.md says what in them is not like the originals.
+ * svgf   after Schied et al., HPG 2017: docs/realtime.md lists the differences from the originals.
  */
 #include "renderer/realtime/options.h"
 

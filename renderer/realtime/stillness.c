@@ -9,7 +9,7 @@
 
 static void take_content(const struct neph_scene *still, struct neph_rt_content *content)
 {
-    memset(content, 0, sizeof(*content)); /* with what lies between its members */
+    memset(content, 0, sizeof(*content)); /* with the padding, for memcmp */
     content->sun.present = still->sun.present;
     content->sun.direction = still->sun.direction;
     content->sun.irradiance_w_per_m2 = still->sun.irradiance_w_per_m2;
@@ -61,21 +61,21 @@ void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness)
     *stillness = (struct neph_rt_stillness){.pictures = 0};
 }
 
-/* Pictures until a change of 1 is forgotten (CHANGE_LEAST of
+/* Frames until a change of 1 has decayed to 0 (CHANGE_LEAST of
  * realtime/gradient/change_around.glsl). */
 static double forgetting_pictures(double hold)
 {
     return hold > 0.0 ? ceil(log(0x1p-14) / log(hold)) + 1.0 : 0.0;
 }
 
-/* Pictures until both looks of all rays were at what is there now, through the same texels. */
+/* Frames until both samples of every gradient show the present content, through the same texels. */
 static double looking_pictures(const struct neph_gpu_view *view)
 {
     return fmax(fmax(4.0, (double)view->settings[RT_TAA_JITTER_LENGTH]),
                 (double)view->settings[RT_OVERRIDE_WAKE] + 8.0);
 }
 
-/* A tile that is cut has no room for all of its rays; one beside it stands in for it. */
+/* A partial tile lacks texels for some of its rays and uses the samples of a neighbouring tile. */
 static bool have_looks(const struct neph_gpu_view *view)
 {
     const bool is_cut_twice = 2 * view->tile_count[0] > view->half_size_px[0] &&

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * How long pictures have shown the same: where camera, sun, lights, media and solids have stood
- * still for long enough, rays that are marched a second time (gradient/gradient.comp) see what
- * they saw, to the last bit, and what they have seen before is forgotten. That is known without a
- * look.
+ * Counts the frames in a row with the same content. When camera, sun, lights, media and solids have
+ * been static for long enough, gradient samples (gradient/gradient.comp) give the same bits as the
+ * frame before and older changes have decayed to 0: the gradient is 0 without being computed.
  */
 #ifndef NEPH_RENDERER_REALTIME_STILLNESS_H
 #define NEPH_RENDERER_REALTIME_STILLNESS_H
 
 #include "renderer/gpu_scene.h"
 
-/* What a picture shows of a scene. */
+/* The content of a frame: all parts of a scene that change its light. */
 struct neph_rt_content {
     struct neph_sun sun;
     struct neph_rgb background_w_per_m2_sr;
@@ -19,14 +18,14 @@ struct neph_rt_content {
 };
 
 struct neph_rt_stillness {
-    struct neph_rt_content content; /* of the latest picture */
-    struct neph_solid *solids;      /* owned; of it */
+    struct neph_rt_content content; /* of the latest frame */
+    struct neph_solid *solids;      /* owned; of the latest frame */
     int solid_count;
-    uint32_t pictures; /* in a row before the latest that showed the same */
+    uint32_t pictures; /* frames in a row before the latest one with the same content */
 };
 
-/* Keep what a picture shows of a scene as it stands. `rests`: it is the next after the latest, and
- * its camera stands where that stood. */
+/* Compares the content of a frame with the latest one and stores it. `rests`: the frame directly
+ * follows the latest one, with the same camera. */
 enum neph_status neph_rt_stillness_keep(struct neph_rt_stillness *stillness,
                                         const struct neph_scene *still, bool rests,
                                         struct neph_diag *diag);
@@ -34,10 +33,10 @@ enum neph_status neph_rt_stillness_keep(struct neph_rt_stillness *stillness,
 /* A zero one is fine. */
 void neph_rt_stillness_destroy(struct neph_rt_stillness *stillness);
 
-/* Whether the gradient of a view sees nothing and remembers nothing, if rays see nothing but what
- * is kept. Never where an override comes and goes (override_rest), since then two looks go through
- * two texels, nor where the picture's last tiles have no second look: less than 2x2 of them, or cut
- * on both sides. */
+/* Whether the gradient of a view is known to be 0, provided that rays see nothing beyond the stored
+ * content. False with override_rest, because the two samples of a gradient then come from two
+ * texels; false where tiles lack a second sample: fewer than 2x2 tiles, or partial tiles on both
+ * sides. */
 bool neph_rt_stillness_is_known(const struct neph_rt_stillness *stillness,
                                 const struct neph_gpu_view *view);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/submission.h"
 
-/* Beside the targets: what all passes with rays count in and keep their rays in, and the word that
- * stands in for targets which a pass leaves alone: whoever checks may take it for written. */
+/* A further bit for two buffers that are no targets: the ray states and counters of all passes with
+ * rays, and the word that is bound for unused targets. A validation layer may take both for
+ * written, so they need barriers. */
 #define RAY_BUFFERS NEPH_RT_BIT(31)
 _Static_assert(RT_TARGET_COUNT <= 31, "a bit for each target");
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Passes on their way to the device, as many as possible in one go: what they read and write says
- * where one must wait for another.
+ * Records passes into command batches, as many as possible per submission. The targets that each
+ * pass reads and writes decide where a barrier is needed.
  */
 #ifndef NEPH_RENDERER_REALTIME_SUBMISSION_H
 #define NEPH_RENDERER_REALTIME_SUBMISSION_H
@@ -14,24 +14,24 @@ struct neph_rt_submission {
     const struct neph_vulkan *vulkan; /* borrowed */
     struct neph_batch batch;
     bool is_open;
-    uint32_t reads, writes; /* of the targets, since the last barrier */
+    uint32_t reads, writes; /* targets since the last barrier */
 };
 
-/* Add a dispatch of a pass. */
+/* Records a dispatch of a pass. */
 enum neph_status neph_rt_submission_add(struct neph_rt_submission *submission,
                                         const struct neph_rt_pass *pass,
                                         const struct neph_kernel *kernel,
                                         const struct neph_dispatch *dispatch,
                                         struct neph_diag *diag);
 
-/* The time on the device since the last such mark belongs to `*gpu_s`: neph_batch_stamp(). */
+/* Adds the device time since the last mark to `*gpu_s`: neph_batch_stamp(). */
 void neph_rt_submission_mark(struct neph_rt_submission *submission, double *gpu_s);
 
-/* Send the device all that has been added. */
+/* Submits all recorded dispatches to the device. */
 enum neph_status neph_rt_submission_send(struct neph_rt_submission *submission,
                                          struct neph_diag *diag);
 
-/* Send it, and wait for all that was ever sent. */
+/* Submits them and waits for every submission so far. */
 enum neph_status neph_rt_submission_wait(struct neph_rt_submission *submission,
                                          struct neph_diag *diag);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The suns of the pictures before, of which no ray can tell: whether they flash with the period of
- * two looks at the same light, so that rays which are marched a second time after as many frames
- * (gradient/gradient.comp) see what they saw; and whether a sun has jumped, which texels that the
- * override never marches would not learn.
+ * Sun history: the suns of the last frames. Gradient samples (gradient/gradient.comp) compare light
+ * over a fixed number of frames, so they cannot see two cases, which are found here:
+ * - the sun flashes with exactly this period, and both samples see the same light;
+ * - the sun jumps, and texels that the slot override never marches keep the old light.
  */
 #ifndef NEPH_RENDERER_REALTIME_SUNS_H
 #define NEPH_RENDERER_REALTIME_SUNS_H
@@ -16,22 +16,23 @@
 enum { NEPH_RT_SUNS_MAX = 64 };
 
 struct neph_rt_suns {
-    struct neph_sun suns[NEPH_RT_SUNS_MAX]; /* of picture number n the n mod NEPH_RT_SUNS_MAX-th */
-    uint32_t last;                          /* the number of the latest picture */
-    uint32_t count;                         /* of pictures in a row up to it; 0: none yet */
+    struct neph_sun suns[NEPH_RT_SUNS_MAX]; /* of frame n at n mod NEPH_RT_SUNS_MAX */
+    uint32_t last;                          /* number of the latest frame */
+    uint32_t count;                         /* consecutive frames up to it; 0: none yet */
 };
 
-/* Keep the sun of a picture. The same number again replaces it, and another one than the next
- * begins anew. */
+/* Stores the sun of a frame. The number of the latest frame replaces its sun; a number that is not
+ * the next one restarts the history. */
 void neph_rt_suns_keep(struct neph_rt_suns *suns, uint32_t number, const struct neph_sun *sun);
 
-/* Whether the latest 2 x `period` suns are one period twice and are not alike within it. A tenth of
- * the irradiance of a channel, or 0.1 rad, is a difference: from which on light counts as changed
- * in the presets that look twice. A slow sun is never that: where it turns back it is unlike itself
- * a period before. False while fewer are known, and beyond half of NEPH_RT_SUNS_MAX. */
+/* Whether the latest 2 x `period` suns are one period twice, with a difference inside the period.
+ * Two suns differ when a channel of the irradiance differs by a tenth or the direction by 0.1 rad:
+ * from there on the presets with a gradient treat light as changed. A slow sun is never periodic in
+ * this sense: at its turning point it differs from the sun one period before. False while the
+ * history is shorter, and for periods above half of NEPH_RT_SUNS_MAX. */
 bool neph_rt_suns_flash(const struct neph_rt_suns *suns, uint32_t period);
 
-/* Whether one of the latest `pictures` has another sun than the one before it, in that sense. */
+/* Whether the sun of one of the latest `pictures` frames differs from the frame before it. */
 bool neph_rt_suns_jumped(const struct neph_rt_suns *suns, uint32_t pictures);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the pipeline does on one kind of device and not on the other. Frames keep their bits, but
- * for freely rounded values. Shaders that differ between devices: `variants` in passes.h.
+ * Decisions of the pipeline that differ between a CPU and a GPU. Frames keep their bits, except for
+ * values with free rounding. Shaders that differ between devices: `variants` in passes.h.
  */
 #ifndef NEPH_RENDERER_REALTIME_TUNING_H
 #define NEPH_RENDERER_REALTIME_TUNING_H
@@ -11,13 +11,13 @@
 enum neph_rt_device_kind { NEPH_RT_CPU, NEPH_RT_GPU, NEPH_RT_DEVICE_KINDS };
 
 struct neph_rt_tuning {
-    int composition; /* the pass that lays the volume over what is behind it: RT_COMPOSITION_TAA,
-                        _UPSCALE; where it cannot, a pass of its own */
-    bool has_driver_halves; /* converts halves as the driver does where that is right (halves.h) */
-    bool prepares_kernels;  /* before the first frame; on a CPU that takes seconds */
-    bool has_air_kernels;   /* for still air before a moving camera */
-    bool elides_outputs;    /* that no later frame reads (unread.h), and keeps static scenes
-                               (kept_scene.h) */
+    int composition; /* the pass that composes volume and background where it can, else a pass of
+                        its own: RT_COMPOSITION_TAA, _UPSCALE */
+    bool has_driver_halves; /* leave conversion of halves to the driver where correct (halves.h) */
+    bool prepares_kernels;  /* compile before the first frame; takes seconds on a CPU */
+    bool has_air_kernels;   /* kernels for static media with a moving camera */
+    bool elides_outputs;    /* skip outputs that no later frame reads (unread.h), and cache static
+                               scenes (kept_scene.h) */
 };
 
 const struct neph_rt_tuning *neph_rt_tuning_of(enum neph_rt_device_kind kind);

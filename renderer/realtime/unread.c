@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/unread.h"
 
-/* What they must be; of numbers that are "off" at 0 whether they are. */
+/* Settings and the values that output elision needs. */
 static const struct {
     int setting;
     float value;

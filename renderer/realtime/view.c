@@ -35,7 +35,7 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-/* Keep the upper bits, ties to even. */
+/* Shifts right and rounds to nearest, ties to even. */
 static uint32_t round_shift(uint32_t bits, uint32_t shift)
 {
     const uint32_t half = 1u << (shift - 1), odd = (bits >> shift) & 1u;

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * What all passes of one frame of the real-time renderer are told, buffer View of
- * realtime/shared/view.glsl, and how a target keeps its numbers.
+ * The view: the parameters of one frame for all passes, buffer View of realtime/shared/view.glsl.
+ * Also the formats of the elements of targets.
  */
 #ifndef NEPH_RENDERER_REALTIME_VIEW_H
 #define NEPH_RENDERER_REALTIME_VIEW_H
 
 #include "renderer/realtime/shared/names.h"
-#include "renderer/shaders/constants.h" /* NEPH_GPU_FAR_M: where the targets' sky lies [m] */
+#include "renderer/shaders/constants.h" /* NEPH_GPU_FAR_M: depth of the sky in targets [m] */
 #include "shaders/structs.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Words of an element. */
+/* Number of 32-bit words of an element. */
 uint32_t neph_rt_format_words(uint32_t format);
 
-/* Bytes of an element in a texture of that format: what a GPU would move. */
+/* Bytes of an element in a texture of that format on a GPU. */
 uint32_t neph_rt_format_bytes(uint32_t format);
 
 /* The nearest half, ties to even; beyond 65504 infinite from 65520 on; NaN stays NaN (0x7e00 with
@@ -26,18 +26,18 @@ uint32_t neph_rt_format_bytes(uint32_t format);
 uint16_t neph_rt_to_half(float value);
 float neph_rt_from_half(uint16_t half);
 
-/* Element `index` of a target, from and to its words; channels it has not got are read as 0. */
+/* Converts element `index` of a target from or to its words; absent channels are read as 0. */
 void neph_rt_load(const struct neph_gpu_target *target, const uint32_t *words, size_t index,
                   float value[4]);
 void neph_rt_store(const struct neph_gpu_target *target, uint32_t *words, size_t index,
                    const float value[4]);
 
-/* Whether the medium, as far as it is followed, and solids that may move stand where they stood in
- * the frame before. */
+/* Whether the medium (as far as settings follow it), or all solids that may move, have not moved
+ * since the frame before. */
 bool neph_rt_air_rests(const struct neph_gpu_view *view);
 bool neph_rt_movers_rest(const struct neph_gpu_view *view);
 
-/* Whether camera and air do, and solids need no motion vectors. */
+/* Whether camera and air are static and solids need no motion vectors. */
 bool neph_rt_view_rests(const struct neph_gpu_view *view);
 
 #endif

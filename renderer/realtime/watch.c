@@ -9,7 +9,7 @@ static const uint32_t code[] = {
 #include "realtime/watch.comp.inc"
 };
 
-/* Directions. */
+/* Targets with directions, which may be negative. */
 #define SIGNED_TARGETS NEPH_RT_BIT(RT_MOVED)
 
 enum { local_size = 64 }; /* of watch.comp */

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// How many values of a rectangle of a target are not finite, or negative where they may not be: by
-// their bits, in whatever format they are kept. No pass of a frame: who watches asks for it.
+// Counts the values of a rectangle of a target that are not finite, or are negative where they may
+// not be. Works on the bits, in each format of a target. For neph_rt_watch(); no pass of a frame.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/names.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The blend of anti-aliasing and its output in closed form: weights, ages, light that changes,
- * media without motion vectors, exposure, rounding. */
+ * Tests of the blend and the output of anti-aliasing against closed forms: weights, ages, changing
+ * light, media without motion vectors, exposure, rounding. */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
 static void run(struct test_passes *test, const char *pass)
@@ -10,7 +10,7 @@ static void run(struct test_passes *test, const char *pass)
     test_take(test, RT_TAA_OUT);
 }
 
-/* 256x64 pixels of 1 m each at 128 m: numbers that float32 has exactly. */
+/* 256x64 pixels of 1 m each at 128 m: exact in float32. */
 static void open_wall(struct neph_vulkan *vulkan, const char *settings_text,
                       struct test_passes *test)
 {
@@ -30,14 +30,14 @@ static double moving_weight(double speed_px)
 
 /* --- the blend and the format --------------------------------------------------------------- */
 
-/* The weight that a frame had over a history, from the output. */
+/* The weight of a frame against a history, from the output. */
 static double weight_of(double out, double frame, double history)
 {
     return (out - history) / (frame - history);
 }
 
-/* alpha = max(.04, min(1, .01 / r)) for a frame that is r of the history's luma off: noise below
- * 1 % is not averaged at all. Colours are known to some ulps, the weight to that over r. */
+/* alpha = max(.04, min(1, .01 / r)) for a frame that differs by r of the history's luma: noise
+ * below 1 % is not averaged at all. Colours are exact to some ulps, the weight to that over r. */
 static void test_the_contrast_law_takes_small_differences_whole(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -66,7 +66,7 @@ static void test_the_contrast_law_takes_small_differences_whole(void **state)
         }
 }
 
-/* From taa_alpha at rest to 0.2 at 20 pixels and beyond. */
+/* From taa_alpha for static pixels to 0.2 at 20 pixels and beyond. */
 static void test_the_weight_grows_with_speed(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -86,7 +86,7 @@ static void test_the_weight_grows_with_speed(void **state)
 
 /* --- static pixels, and motion with the medium ---------------------------------------------- */
 
-/* After n frames the pixel is their mean, whatever they were: no box, no contrast law. */
+/* After n frames the pixel is their mean, for any values: no box, no contrast law. */
 static void test_a_static_pixel_is_the_mean_of_its_frames(void **state)
 {
     enum { FRAMES = 12, AGE_MAX = 8 };
@@ -112,14 +112,15 @@ static void put_change(struct test_passes *test, int target, float gain, float r
     test_fill(test, target, gain, gain, gain, residue);
 }
 
-/* A change of the light, of the medium or behind it, and motion (in parts of 0.02 px) each bring
- * back weight and box: at twice the limit wholly, at one and a half by half. The age begins anew by
- * as much, and before it counts no more frames than are alike but for the limit. */
+/* A change of the light of the medium or behind it, and motion (in parts of 0.02 px), each restore
+ * weight and box: fully at twice the limit, by half at one and a half. The age decreases by the
+ * same share, and is limited before to the number of frames that are alike within the limit. */
 static void test_change_and_motion_begin_a_new_mean(void **state)
 {
     static const struct {
         float medium, behind, motion;
-        double part, age; /* what of the 19 counts: 4 frames, 7 behind, times 0.2 over the change */
+        double part,
+            age; /* age after the change, from 19: 4 frames, 7 behind, times 0.2 / change */
     } cases[] = {{0.0f, 0.0f, 0.0f, 0.0, 19.0}, {0.1f, 0.0f, 0.0f, 0.0, 8.0},
                  {0.2f, 0.0f, 0.0f, 0.0, 4.0},  {0.3f, 0.0f, 0.0f, 0.5, 8.0 / 3.0},
                  {0.4f, 0.0f, 0.0f, 1.0, 2.0},  {0.0f, 0.3f, 0.0f, 0.5, 14.0 / 3.0},
@@ -140,7 +141,7 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
         run(&test, "anti-aliasing");
         const double part = cases[i].part, age = cases[i].age;
         const double alpha = part * 0.25 + (1.0 - part) / (age + 1.0);
-        /* the box of a flat frame is the frame; a motion is known to 1e-4 px of 0.02 */
+        /* the box of a flat frame is the frame; a motion is exact to 1e-4 px of 0.02 */
         const double error = cases[i].motion > 0.0f ? motion_error_px / 0.02 : 1e-5;
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, 80, 34, 0),
                           2.0 - (1.0 - alpha) * (1.0 - part), 0.0, error);
@@ -149,12 +150,12 @@ static void test_change_and_motion_begin_a_new_mean(void **state)
     }
 }
 
-/* History at rest is multiplied with what the light of the pixel has been: that of the medium and
- * that behind it by their shares. What moves is not. */
+/* Static history is multiplied by the gain of the pixel's light: the gains of medium and background
+ * weighted by their shares. Moving history is not. */
 static void test_history_takes_the_light_along(void **state)
 {
     static const struct {
-        double share, medium, behind, motion, gain; /* of the pixel's light; motion / 0.02 px */
+        double share, medium, behind, motion, gain; /* share of the medium; motion / 0.02 px */
     } cases[] = {{1.0, 0.98, 1.0, 0.0, 0.98},
                  {0.0, 0.98, 1.0, 0.0, 1.0},
                  {0.5, 0.98, 1.02, 0.0, 1.0 / (0.5 / 0.98 + 0.5 / 1.02)},
@@ -185,7 +186,7 @@ static void test_history_takes_the_light_along(void **state)
     }
 }
 
-/* Without a gradient nobody knows whether something changes: nothing rests. */
+/* Without a gradient changes are not detected: no pixel is static. */
 static void test_without_a_gradient_no_pixel_is_static(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -199,9 +200,9 @@ static void test_without_a_gradient_no_pixel_is_static(void **state)
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 99, 33, 0), 0.75, 0.0, 1e-6);
 }
 
-/* The wind blows by 8 pixels at 128 m, where clouds before a wall at 200 m are; those at half that
- * distance move by twice as many. What goes with them is what they hide more than half of, and the
- * sky; not what is before them, and nothing that does not change. */
+/* The wind moves clouds at 128 m, in front of a wall at 200 m, by 8 pixels; clouds at half that
+ * distance move by 16. Their motion is used for the sky and for surfaces that they hide by more
+ * than half; not for surfaces in front of them, and not in constant light. */
 static void test_the_history_goes_with_the_medium(void **state)
 {
     static const struct {
@@ -243,7 +244,7 @@ static void test_the_history_goes_with_the_medium(void **state)
             }
         test.view.wind_m[0] = 8.0f;
         run(&test, "anti-aliasing");
-        /* what is at rest is the mean of the frame, which is black, and one before */
+        /* a static pixel is the mean of the frame, which is black, and one before */
         const bool is_mean = i == 8;
         const double weight = is_mean ? 0.5 : moving_weight(cases[i].motion_px);
         for (int y = 0; y < 64; y++)
@@ -256,7 +257,7 @@ static void test_the_history_goes_with_the_medium(void **state)
     }
 }
 
-/* With alpha = 1, of a history however bright; and 65504 is the end, with or without the guard. */
+/* With alpha = 1, for any history; and values are limited to 65504, with or without the guard. */
 static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
 {
     static const char *const guards[] = {"taa_guard=off", "taa_guard=on"};
@@ -276,7 +277,8 @@ static void test_a_frame_of_full_weight_comes_out_as_it_is(void **state)
     }
 }
 
-/* Weights 1 / (Y + 4), Y four times the luma: a blend of alpha .5 leaves the darker one ahead. */
+/* Weights 1 / (Y + 4), Y four times the luma: in a blend of alpha 0.5 the darker colour
+ * dominates. */
 static void test_hdr_weights_hold_bright_samples_back(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -292,9 +294,9 @@ static void test_hdr_weights_hold_bright_samples_back(void **state)
                       (1.0 * dark + 9.0 * bright) / (dark + bright), 1e-6, 0.0);
 }
 
-/* Every output is one of the two halves around the exact value, the CPU reference's choice bit by
- * bit, and the mean of 12288 is the value: to 4 standard errors, a half's step / 2 / sqrt(12288)
- * each. */
+/* Every output is one of the two halves around the exact value, bit by bit the choice of the CPU
+ * reference, and the mean of 12288 outputs is the value: to 4 standard errors, a half's step / 2 /
+ * sqrt(12288) each. */
 static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
 {
     static const double values[] = {1.0, 1.0003, 0.7777, 0x10dfp-37, 0xd6cp-37, 65503.0, 0.0};
@@ -319,8 +321,8 @@ static void try_rounding_by_chance(struct neph_vulkan *vulkan, uint64_t seed)
     }
 }
 
-/* By floats, and by whole numbers as a GPU does: the same choice of each number. Below 2^-14 a GPU
- * knows a value to 2^-37. */
+/* In floats, and in integers as on a GPU: the same choice of each number. Below 2^-14 a GPU
+ * represents a value to 2^-37. */
 static void test_rounding_by_chance_is_right_on_average(void **state)
 {
     for (uint64_t seed = 0; seed < 2; seed++)
@@ -348,8 +350,7 @@ static void open_plain(struct neph_vulkan *vulkan, int p, const char *words,
     test_fill(test, RT_VOLUME, 0, 0, 0, 1);
 }
 
-/* Where more than half of the light is of the medium the frame weighs a quarter, unless it weighs
- * more anyhow. */
+/* Where more than half of the light is the medium's, the frame's weight is at least a quarter. */
 static void test_media_are_responsive(void **state)
 {
     static const struct {
@@ -372,8 +373,8 @@ static void test_media_are_responsive(void **state)
         }
 }
 
-/* Light of 2 and a history of 1 that was kept at half the exposure. Both are kept exposed; the
- * history by the exposure of its own frame unless it is told. */
+/* Light of 2 and a history of 1 that was stored at half the exposure. Both are stored exposed; the
+ * history is converted from its own frame's exposure only with taa_pre_exposure. */
 static void test_history_follows_the_exposure(void **state)
 {
     static const struct {

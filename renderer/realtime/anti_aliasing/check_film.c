@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * What temporal anti-aliasing makes of many frames: the arithmetic of an exponential mean, blur by
- * resampling, the stall of a history in half floats, and bad numbers.
+ * Tests of temporal anti-aliasing over many frames: the exponential mean, blur by resampling, the
+ * stall of a history in half floats, and bad numbers.
  */
 #include "tests/renderer/realtime_test.h"
 
-/* Plain running mean: nothing but alpha, so that closed forms hold. */
+/* A plain running mean with weight alpha, for which closed forms are valid. */
 #define PLAIN "taa_filter=off taa_box=none taa_hdr_weight=off taa_contrast=0 taa_guard=off "
 
 static const double alphas[] = {0.04, 0.1, 0.2, 0.5};
 enum { ALPHAS = COUNT(alphas) };
 
-/* A film is a test_passes whose RT_TAA_BEFORE is the last output, on both sides. */
+/* A film is a test_passes whose RT_TAA_BEFORE is the last output, on the device and the CPU. */
 static void film_open(struct neph_vulkan *vulkan, const char *settings_text, const int size_px[2],
                       struct test_passes *film)
 {
@@ -31,14 +31,14 @@ static void film_upload(struct test_passes *film, int target)
                    &diag);
 }
 
-/* The history before the first frame. */
+/* Sets the history before the first frame. */
 static void film_start(struct test_passes *film, float value)
 {
     test_fill(film, RT_TAA_BEFORE, value, value, value, 0);
     film_upload(film, RT_TAA_BEFORE);
 }
 
-/* Take one more frame in, whose colours the CPU reference has. */
+/* Adds one frame, with the colours in the CPU reference's memory. */
 static void film_step(struct test_passes *film)
 {
     struct neph_diag diag = {0};
@@ -60,7 +60,7 @@ static float film_value(const struct test_passes *film, size_t index, int channe
     return value[channel];
 }
 
-/* A running mean and `more`. */
+/* A running mean with the settings `more`. */
 static void open_plain(struct neph_vulkan *vulkan, double alpha, const char *more,
                        const int size_px[2], struct test_passes *film)
 {
@@ -72,8 +72,8 @@ static void open_plain(struct neph_vulkan *vulkan, double alpha, const char *mor
 /* --- the exponential mean ----------------------------------------------------------------------
  */
 
-/* A step in red, periods of 4 and 2 frames in green and blue. All of it is exact but for
- * float32; the tables are to two or three digits. */
+/* A step in red, periods of 4 and 2 frames in green and blue. Results are exact up to float32; the
+ * tables have two or three digits. */
 static void test_steps_and_strobes_pass_as_alpha_says(void **state)
 {
     static const double half_life[] = {17.0, 6.6, 3.1, 1.0}, settled[] = {113, 44, 21, 7};
@@ -90,7 +90,7 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
             test_set(&film, RT_COLOR, 0, (float[4]){2.0f, four[frame % 4], two[frame % 2]});
             film_step(&film);
             const double left = 2.0 - film_value(&film, 0, 0);
-            if (left_before > 0.5 && left <= 0.5) /* where the exponential between crosses */
+            if (left_before > 0.5 && left <= 0.5) /* interpolated exponentially */
                 crossed_half = frame + log(left_before / 0.5) / log(left_before / left);
             one_percent += left > 0.01;
             left_before = left > 0.0 ? left : left_before;
@@ -109,15 +109,15 @@ static void test_steps_and_strobes_pass_as_alpha_says(void **state)
 
 enum { WALL_PX = 256 };
 
-/* 256x1 pixels of 1 m at 128 m, passing at `speed_px` a frame to the left; a Gaussian of 2 px on
- * them ends at pixel 96. Its place and variance in the history of 10 / alpha frames. */
+/* 256x1 pixels of 1 m at 128 m, moving by `speed_px` a frame to the left; a Gaussian of 2 px on
+ * them ends at pixel 96. Returns its place and variance in the history of 10 / alpha frames. */
 static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, double speed_px,
                 double *centre_px, double *variance_px2)
 {
     static const double sigma_px = 2.0;
     const int frames = (int)(10.0 / alpha);
     OWNED(passes) struct test_passes film;
-    /* The frame's weight is 0.2 from 20 px on: the weight without motion that makes it `alpha`. */
+    /* From 20 px on the frame's weight is 0.2: this weight without motion gives `alpha` here. */
     const double quickness = speed_px / 20.0;
     open_plain(vulkan, (alpha - 0.2 * quickness) / (1.0 - quickness), words, (int[2]){WALL_PX, 1},
                &film);
@@ -143,9 +143,9 @@ static void pan(struct neph_vulkan *vulkan, double alpha, const char *words, dou
     *variance_px2 = sums[2] / sums[0] - *centre_px * *centre_px - sigma_px * sigma_px;
 }
 
-/* Each bilinear sample between pixels widens by v (1 - v) px^2, and a frame of age k has had k:
- * (1 - a) / a v (1 - v) in all. What is older than 10 / a frames is missing: at most 0.96^250 of
- * it, times its age in mean ages, 4e-4. */
+/* Each bilinear sample between pixels adds a variance of v (1 - v) px^2, and a frame of age k has
+ * had k samples: (1 - a) / a v (1 - v) in total. Frames older than 10 / a are missing: at most
+ * 0.96^250 of the weight, times their age in mean ages, 4e-4. */
 static void test_bilinear_history_blurs_as_alpha_says(void **state)
 {
     static const double table_px[] = {2.45, 1.50, 1.00, 0.50};
@@ -154,14 +154,14 @@ static void test_bilinear_history_blurs_as_alpha_says(void **state)
         double centre_px, variance_px2;
         pan(*state, alphas[a], words, 0.5, &centre_px, &variance_px2);
         neph_assert_close(sqrt(variance_px2), table_px[a], 0.02, 0.0);
-        neph_assert_close(centre_px, 0.0, 0.0, 0.001); /* the history keeps up */
+        neph_assert_close(centre_px, 0.0, 0.0, 0.001); /* no lag */
         pan(*state, alphas[a], words, 0.25, &centre_px, &variance_px2);
         neph_assert_close(variance_px2, (1.0 - alphas[a]) / alphas[a] * 0.25 * 0.75, 0.01, 0.0);
     }
 }
 
-/* Catmull-Rom gives parabolas back: it leaves the variance alone. float32 loses some 1e-7 of values
- * up to 1 each frame, at up to 128 px from the middle; the Gaussian's sum is 5. */
+/* Catmull-Rom reproduces parabolas: it does not change the variance. float32 loses some 1e-7 of
+ * values up to 1 each frame, at up to 128 px from the centre; the Gaussian's sum is 5. */
 static void test_catmull_rom_does_not_widen(void **state)
 {
     static const char words[] = "target_format=float taa_history=catmull_rom";
@@ -175,7 +175,7 @@ static void test_catmull_rom_does_not_widen(void **state)
  */
 
 /* 64 pixels whose frame is 0 .. 63 ulps above the history of 1: each step of the mean is rounded to
- * whole ulps, and a step of 0.04 d < 1/2 is none. So the history stays 12 ulps short, 1.2 %. */
+ * whole ulps, and a step of 0.04 d < 1/2 to 0. So the history stays 12 ulps below, 1.2 %. */
 static void test_a_history_in_halves_stalls(void **state)
 {
     OWNED(passes) struct test_passes film;
@@ -202,15 +202,15 @@ static int count_nan(const struct test_passes *film)
     return count;
 }
 
-/* A NaN in a pixel of one frame. The filter gives it to 3x3 pixels. Where the camera moves along x
- * by a part of a pixel Catmull-Rom reads four texels of a row: 3 columns more in each frame. The
- * clamp does not move a NaN. */
+/* A NaN in a pixel of one frame. The filter spreads it to 3x3 pixels. Where the camera moves along
+ * x by a part of a pixel Catmull-Rom reads four texels of a row: 3 more columns in each frame. The
+ * clamp does not change a NaN. */
 static void test_a_nan_grows_without_guard_only(void **state)
 {
     static const struct {
         const char *settings;
         float way_m;
-        int counts[3]; /* in its frame and in the two after it */
+        int counts[3]; /* in its frame and in the next two */
     } cases[] = {{"taa_guard=off", 0.3f, {9, 18, 27}},
                  {"taa_guard=off", 0.0f, {9, 9, 9}},
                  {"taa_guard=on", 0.3f, {0, 0, 0}}};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Upsampling with locks against its CPU reference, and what each of its parts is there for: thin
- * features are locked, what is uncovered has no history, a history counts by what is in it.
+ * Tests of upsampling with locks against its CPU reference, and of each of its parts: thin features
+ * are locked, disoccluded pixels have no history, a history is weighted by its accumulated weight.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
@@ -14,7 +14,7 @@ static void run(struct test_passes *test)
 
 /* --- against the CPU reference --------------------------------------------------------------- */
 
-/* Locks of all ages, with lumas of the picture or of none; depths of all sorts. */
+/* Locks of all ages, with matching lumas or others; depths of all kinds. */
 static void fill_states(struct test_passes *test, double most, uint64_t *seed)
 {
     static const float left[] = {0.0f, 0.01f, 0.5f, 1.0f, -1.0f, 2.0f, NAN};
@@ -67,7 +67,7 @@ static void test_the_pass_equals_the_cpu_reference(void **state)
 
 /* --- its parts -------------------------------------------------------------------------------- */
 
-/* 32x16 pixels at 128 m, all of the colour `value`, no jitter. */
+/* 32x16 pixels at 128 m, all with the colour `value`, no jitter. */
 static void open_flat(struct neph_vulkan *vulkan, const char *words, float value,
                       struct test_passes *test)
 {
@@ -79,8 +79,8 @@ static void open_flat(struct neph_vulkan *vulkan, const char *words, float value
     test_fill(test, RT_TAA_STATE_BEFORE, 0, 0, 128, 0);
 }
 
-/* Lanczos is 1 at its texel and 0 at all others: at 100 % and without jitter the frame comes
- * out. */
+/* The Lanczos kernel is 1 at its texel and 0 at all others: at 100 % and without jitter the output
+ * is the frame. */
 static void test_a_first_frame_comes_out_as_it_is(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -95,7 +95,7 @@ static void test_a_first_frame_comes_out_as_it_is(void **state)
                                   pixel_value(&test, RT_COLOR, x, y, c), 0.0, 1e-6);
 }
 
-/* Whole frames go into the mean until it has eight, and then one in nine. */
+/* Frames are averaged until the history has the weight of eight, then each has a weight of 1/9. */
 static void test_a_history_counts_by_what_is_in_it(void **state)
 {
     static const float frames[] = {3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8};
@@ -113,13 +113,13 @@ static void test_a_history_counts_by_what_is_in_it(void **state)
     }
 }
 
-/* A line of one rendered pixel is locked where its ray went, at half the size in two of its four
- * pixels' columns; an edge and a flat wall are not. A lock is whole, and loses a share of the
- * jitter's length in each frame in which it is not made anew. */
+/* A line of one rendered pixel is locked where its ray passed, at half the size in two of its four
+ * output columns; an edge and a flat wall are not. A lock starts at full strength and loses 1 /
+ * (length of the jitter) in each frame that does not renew it. */
 static void test_thin_features_are_locked(void **state)
 {
     static const struct {
-        int first, end; /* columns of light */
+        int first, end; /* lit columns */
         bool is_locked;
     } cases[] = {{7, 8, true}, {7, 16, false}, {0, 0, false}};
     for (int i = 0; i < 3; i++) {
@@ -139,13 +139,13 @@ static void test_thin_features_are_locked(void **state)
     test.view.has_history = 1;
     for (size_t e = 0; e < test_elements(&test, RT_TAA_STATE_BEFORE); e++)
         test_set(&test, RT_TAA_STATE_BEFORE, e,
-                 (float[4]){0.5f, e % 2 ? 0.4f : 0.6f, 128.0f}); /* luma of the wall, or not */
+                 (float[4]){0.5f, e % 2 ? 0.4f : 0.6f, 128.0f}); /* the wall's luma, or another */
     run(&test);
     neph_assert_close(pixel_value(&test, RT_TAA_STATE, 5, 5, 0), 0.5 - 1.0 / 32.0, 0.0, 1e-6);
     assert_true(pixel_value(&test, RT_TAA_STATE, 6, 5, 0) == 0.0);
 }
 
-/* A lock keeps its part of the history out of the box, which is that of a flat frame here. */
+/* A lock keeps its share of the history out of the box, which here is the box of a flat frame. */
 static void test_a_lock_keeps_the_history(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -154,15 +154,15 @@ static void test_a_lock_keeps_the_history(void **state)
     for (size_t e = 0; e < test_elements(&test, RT_TAA_BEFORE); e++) {
         test_set(&test, RT_TAA_BEFORE, e, (float[4]){3.0f, 3.0f, 3.0f, 7.0f});
         test_set(&test, RT_TAA_STATE_BEFORE, e,
-                 (float[4]){0.515625f, e % 2 ? 4.0f : 9.0f, 128.0f}); /* half is left */
+                 (float[4]){0.515625f, e % 2 ? 4.0f : 9.0f, 128.0f}); /* half remains */
     }
     run(&test);
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 5, 5, 0), 1.0 + 7.0 / 8.0, 0.0, 1e-5);
     neph_assert_close(pixel_value(&test, RT_TAA_OUT, 6, 5, 0), 1.0, 0.0, 1e-5);
 }
 
-/* What stood nearer by more than 2 % has left no history; at the rim of something that
- * is still within two pixels it has. */
+/* A surface that was nearer by more than 2 % leaves no valid history, except within two pixels of a
+ * surface that is still as near. */
 static void test_what_is_uncovered_has_no_history(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -176,7 +176,7 @@ static void test_what_is_uncovered_has_no_history(void **state)
             cpu_put_picture(&test.cpu, RT_TAA_BEFORE, x, y, (float[4]){3.0f, 3.0f, 3.0f, 3.0f});
         }
     run(&test);
-    for (int x = 0; x < 32; x++) /* 15 has a texel of 126 m next to it */
+    for (int x = 0; x < 32; x++) /* pixel 15 has a neighbour at 126 m */
         neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, 8, 0), x < 3 || x > 14 ? 2.5 : 1.0, 0.0,
                           1e-5);
 }

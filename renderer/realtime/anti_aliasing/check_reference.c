@@ -2,7 +2,7 @@
  *
  * The CPU reference of anti-aliasing and upsampling, in the order of the shader's files:
  * neighbourhood.glsl, motion.glsl, history.glsl, taa.glsl, rounding.glsl. Decisions are made in
- * float32, operation by operation, as there; colours are double.
+ * float32, operation by operation as in the shader; colours are double.
  */
 #include "renderer/realtime/anti_aliasing/check_reference.h"
 
@@ -56,7 +56,7 @@ static double hdr_weight(const struct reference *cpu, struct colour colour)
     return choice(cpu, RT_TAA_HDR_WEIGHT) ? 1.0 / (taa_luma_4(colour) + 4.0) : 1.0;
 }
 
-/* The frame as the camera exposes it. */
+/* The frame's colour, exposed. */
 struct colour taa_fetch_colour(const struct reference *cpu, int target, int x, int y)
 {
     float value[4];
@@ -70,7 +70,7 @@ static bool upsamples(const struct reference *cpu)
     return choice(cpu, RT_TAA) == RT_TAA_UPSAMPLING || choice(cpu, RT_TAA) == RT_TAA_LOCKS;
 }
 
-/* The rendered pixel whose ray went nearest, in the shader's float32. */
+/* The rendered pixel with the nearest ray, in the shader's float32. */
 struct place taa_find_source(const struct reference *cpu, int x, int y)
 {
     const struct neph_gpu_view *view = cpu->view;
@@ -81,7 +81,7 @@ struct place taa_find_source(const struct reference *cpu, int x, int y)
     return (struct place){x, y, (int)floorf(way_x), (int)floorf(way_y)};
 }
 
-/* From a pixel's centre to where its source's ray went, along one side. */
+/* From a pixel's centre to its source's ray, along one axis. */
 float taa_shift_px(const struct reference *cpu, int pixel, int source, int axis)
 {
     const struct neph_gpu_view *view = cpu->view;
@@ -109,7 +109,7 @@ struct neighbourhood taa_fetch_neighbourhood(const struct reference *cpu, struct
 
 /* --- the filter ------------------------------------------------------------------------------- */
 
-/* By the distance in pixels of the picture. */
+/* Weight by the distance in output pixels. */
 static double filter_weight(const struct reference *cpu, const struct neighbourhood *around, int i)
 {
     double squared = 0.0;
@@ -118,7 +118,7 @@ static double filter_weight(const struct reference *cpu, const struct neighbourh
     return exp(-2.29 * squared);
 }
 
-/* How much of the pixel is covered by samples: the sum of the filter's weights, at most 1. */
+/* Coverage of the pixel by samples: the sum of the filter's weights, at most 1. */
 double taa_coverage(const struct reference *cpu, const struct neighbourhood *around)
 {
     double sum = upsamples(cpu) ? 0.0 : 1.0;
@@ -167,7 +167,7 @@ static struct colour from_space(int space, struct colour value)
     return value;
 }
 
-/* Empty, low above high, where no colour is valid. */
+/* Empty, with low above high, when no colour is valid. */
 static struct box extremes(const struct neighbourhood *around, const bool among[9])
 {
     struct box box = {{3e38, 3e38, 3e38}, {-3e38, -3e38, -3e38}};
@@ -214,7 +214,7 @@ static struct box variance_box(const struct neighbourhood *around, struct colour
     return box;
 }
 
-/* A decision of the distance box, therefore float32. */
+/* Decides membership in the distance box, therefore float32. */
 static float distance_squared(const struct neighbourhood *around, int i)
 {
     const float x = around->off_px[i][0], y = around->off_px[i][1];
@@ -256,7 +256,7 @@ struct colour taa_clamp_history(const struct reference *cpu, struct colour histo
 
 /* --- motion: the shader's float32, operation by operation ------------------------------------- */
 
-/* What has changed around the tile of a pixel, of the medium and behind it; false where no setting
+/* Reads the change around the tile of a pixel, of the medium and behind it; false when no setting
  * uses it. */
 static bool find_change(const struct reference *cpu, int x, int y, float changes[2][4])
 {
@@ -270,7 +270,7 @@ static double beyond(double value, double least)
     return least > 0.0 ? taa_clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-/* Whether the light changes by more than taa_change; without a gradient it may. */
+/* Whether the light changes by more than taa_change; always true without a gradient. */
 static bool is_changing(const struct reference *cpu, int x, int y)
 {
     float changes[2][4];
@@ -349,8 +349,8 @@ static float nearest_depth(const struct reference *cpu, int x, int y, float move
     return nearest_m[0];
 }
 
-/* The medium is what is seen, and before the solids around, and is known to have been before the
- * camera. What moves by itself is seen through more of it. */
+/* False unless the medium is visible, nearer than the solids around, and was in front of the camera
+ * of the frame before. A moving solid is followed down to a lower transmittance. */
 static bool find_medium_motion(const struct reference *cpu, int x, int y, const float ray[3],
                                float motion_px[2])
 {
@@ -395,7 +395,7 @@ bool taa_find_before(const struct reference *cpu, struct place at, float place_p
 
 /* --- the history ------------------------------------------------------------------------------ */
 
-/* R. Keys' cubic convolution (IEEE Trans. ASSP 29(6), 1981, a = -1/2) of a texel at a distance. */
+/* R. Keys' cubic convolution (IEEE Trans. ASSP 29(6), 1981, a = -1/2) for a texel at a distance. */
 static double catmull_rom(double distance)
 {
     const double d = fabs(distance);
@@ -407,7 +407,7 @@ static double catmull_rom(double distance)
 static double tap_weight(const struct reference *cpu, double distance)
 {
     switch (choice(cpu, RT_TAA_HISTORY)) {
-    case RT_FILTER_NEAREST: /* halfway it is the next one */
+    case RT_FILTER_NEAREST: /* at half a texel the next one */
         return distance > -0.5 && distance <= 0.5;
     case RT_FILTER_BILINEAR:
         return fabs(distance) < 1.0 ? 1.0 - fabs(distance) : 0.0;
@@ -443,7 +443,7 @@ bool taa_fetch_history(const struct reference *cpu, const float place_px[2], str
     return is_sound;
 }
 
-/* The age of the history at a place; 1 where it has none, 0 where none is kept. */
+/* The age of the history at a place; 1 where it is not valid, 0 where ages are not stored. */
 static double fetch_age(const struct reference *cpu, const float place_px[2])
 {
     const double most = setting(cpu, RT_TAA_AGE_MAX);
@@ -455,11 +455,12 @@ static double fetch_age(const struct reference *cpu, const float place_px[2])
     return value[3] >= 1.0f ? fmin(value[3], most) : 1.0;
 }
 
-/* --- how much of the clamp applies, and the blend --------------------------------------------- */
+/* --- share of the clamp, and the blend
+ * --------------------------------------------------------- */
 
 static const double static_px = 0.02f;
 
-/* The history of a static pixel, in the light of this frame. */
+/* The history of a static pixel, multiplied by the gain. */
 static struct colour relight(const struct reference *cpu, int x, int y, struct colour history,
                              const struct neighbourhood *around, double speed_px)
 {
@@ -501,7 +502,7 @@ static double frame_weight(const struct reference *cpu, double part, double luma
     return least <= alpha ? alpha : least > 1.0 ? 1.0 : least;
 }
 
-/* How many frames are alike but for taa_change. */
+/* Number of frames within which the light changes by taa_change. */
 static double frames_alike(const struct reference *cpu, int x, int y)
 {
     const double limit = setting(cpu, RT_TAA_CHANGE);
@@ -516,7 +517,7 @@ static double frames_alike(const struct reference *cpu, int x, int y)
     return least;
 }
 
-/* A medium that hides more than half. */
+/* Whether the medium hides more than half. */
 static bool is_responsive(const struct reference *cpu, int x, int y)
 {
     float volume[4];

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the CPU references of anti-aliasing and of the upsampling with locks share; not for tests.
+ * Shared by the CPU references of anti-aliasing and of upsampling with locks; not for tests.
  */
 #ifndef NEPH_CHECK_REFERENCE_TAA_H
 #define NEPH_CHECK_REFERENCE_TAA_H
 
 #include "renderer/realtime/shared/check_reference.h"
 
-/* A colour in double; what it was made of in float is in the targets. */
+/* A colour in double precision. */
 struct colour {
     double c[3];
 };
 
-/* 3x3 colours, row by row; those that do not count are left out of everything. */
+/* 3x3 colours, row by row; invalid ones are ignored everywhere. */
 struct neighbourhood {
     struct colour colours[9];
     bool is_valid[9];
-    float off_px[9][2]; /* where their rays went, from the pixel's centre, in rendered pixels */
+    float off_px[9][2]; /* offsets of their rays from the pixel's centre, in rendered pixels */
 };
 
-/* A pixel of the picture, and the rendered one that it is made of: itself at 100 %. */
+/* An output pixel and its rendered source pixel: itself at 100 %. */
 struct place {
     int x, y, source_x, source_y;
 };
@@ -45,7 +45,7 @@ double taa_coverage(const struct reference *cpu, const struct neighbourhood *aro
 bool taa_filter_samples(const struct reference *cpu, const struct neighbourhood *around,
                         struct colour *filtered);
 
-/* `scale`: of the deviations of taa_box=variance. */
+/* `scale`: factor of the deviations of taa_box=variance. */
 struct colour taa_clamp_history(const struct reference *cpu, struct colour history,
                                 struct neighbourhood around, struct colour filtered, double scale);
 

@@ -19,13 +19,13 @@ static double lanczos(double x)
            pow(x * x / 4.0 - 1.0, 2.0);
 }
 
-/* Where the pixel's centre lies among the frame's rays, in rendered pixels. */
+/* The pixel's centre relative to the frame's rays, in rendered pixels. */
 static float centre_in_frame_px(const struct reference *cpu, int pixel, int axis)
 {
     return ((float)pixel + 0.5f) * cpu->view->rendered_per_px[axis] - cpu->view->jitter_px[axis];
 }
 
-/* The sum of 4x4, where all of them count; else the Gaussian's. */
+/* The sum over 4x4 if all are valid; else the Gaussian's. */
 static bool upsample(const struct reference *cpu, struct place at,
                      const struct neighbourhood *around, struct colour *colour)
 {
@@ -70,7 +70,7 @@ static float nearest_depth_m(const struct reference *cpu, struct place at, int r
     return nearest_m;
 }
 
-/* Everything that was seen there was nearer than everything that is about now. */
+/* Whether every depth seen there before was nearer than every depth around now. */
 static bool is_disoccluded(const struct reference *cpu, struct place at, const float before_px[2])
 {
     const struct neph_gpu_view *view = cpu->view;

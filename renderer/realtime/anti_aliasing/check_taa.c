@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame of temporal anti-aliasing against its CPU reference, with bad numbers, and closed forms
- * of its neighbourhood, motion and clamp; and the jitter that goes before it. The blend:
+ * Tests of one frame of temporal anti-aliasing against its CPU reference, with bad numbers, and of
+ * its neighbourhood, motion and clamp against closed forms; and of the jitter. The blend:
  * check_blend.c. Many frames: check_film.c. */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 
@@ -9,7 +9,7 @@
 
 /* --- jitter -------------------------------------------------------------------------------- */
 
-/* As listed in an analysis of Unreal Engine 4.26's jitter; printed with 9 digits from float32. */
+/* Values from an analysis of Unreal Engine 4.26's jitter; printed with 9 digits from float32. */
 static void test_the_eight_places_are_those_of_unreal(void **state)
 {
     static const double listed_px[8][2] = {
@@ -26,7 +26,7 @@ static void test_the_eight_places_are_those_of_unreal(void **state)
             sum_px[axis] += offset_px[axis] / 16.0;
         }
     }
-    /* The picture is off by that much; given to three digits. */
+    /* The mean offset of the image; published with three digits. */
     neph_assert_close(sum_px[0], -0.037, 0.0, 5e-4);
     neph_assert_close(sum_px[1], -0.006, 0.0, 5e-4);
 }
@@ -66,7 +66,7 @@ static void run(struct test_passes *test)
 static void test_the_pass_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 1;
-    int resting = 0; /* of static frames, by a GPU's kernel: odd seeds compile it on any device */
+    int resting = 0; /* static frames with a GPU's kernel: odd seeds compile it on any device */
     for (int round = 0; round < 120; round++) {
         const uint64_t start = seed;
         char text[768];
@@ -89,9 +89,9 @@ static void test_the_pass_equals_the_cpu_reference(void **state)
     assert_true(resting >= 8);
 }
 
-/* In all settings, with numbers that no renderer should make in both pictures. What comes out is a
- * colour, and the CPU reference's. Where it differs from the CPU reference's, the brightest held
- * number, 65504, sets the scale. */
+/* In all settings, with invalid numbers in frame and history. The output is a valid colour and
+ * equals the CPU reference, within a tolerance relative to the largest representable number,
+ * 65504. */
 static void test_the_guard_keeps_bad_numbers_out(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f, -1e30f, 0.0f};
@@ -136,7 +136,7 @@ static void test_the_guard_keeps_bad_numbers_out(void **state)
 
 /* --- motion ---------------------------------------------------------------------------------- */
 
-/* Where the camera before saw what is at `depth_m` behind a pixel's centre, in double. */
+/* Place in the frame before of the point at `depth_m` behind a pixel's centre, in double. */
 static bool place_before(const struct neph_gpu_view *view, int x, int y, double depth_m,
                          double place_px[2])
 {
@@ -160,7 +160,7 @@ static bool place_before(const struct neph_gpu_view *view, int x, int y, double 
            place_px[1] > 0.0 && place_px[1] < view->size_px[1];
 }
 
-/* Too close to tell whether it is in the picture. */
+/* Whether the place is too close to a side to decide whether it is in the frame. */
 static bool is_at_a_side(const double place_px[2], const int size_px[2])
 {
     for (int axis = 0; axis < 2; axis++)
@@ -179,7 +179,7 @@ static double nearest_of_five_m(const struct test_passes *test, int x, int y)
     return nearest_m;
 }
 
-/* The history's colours are the places of its pixels, which a bilinear filter gives back. */
+/* The history's colours are the places of its pixels, which a bilinear filter reproduces. */
 static void test_the_history_comes_from_where_things_were(void **state)
 {
     uint64_t seed = 7;
@@ -225,7 +225,7 @@ static void test_the_history_comes_from_where_things_were(void **state)
                 for (int axis = 0; axis < 2 && is_in; axis++) {
 
                     const double held_px = fmin(fmax(place_px[axis], 0.5), size_px[axis] - 0.5);
-                    /* the frame, which is black here, weighs more in what moves */
+                    /* the frame, which is black here, has more weight in moving pixels */
                     const double weight = pixel_value(&test, RT_TAA_OUT, x, y, 2) - 1.0;
                     neph_assert_close(pixel_value(&test, RT_TAA_OUT, x, y, axis) / (1.0 - weight),
                                       held_px, 0.0, motion_error_px);
@@ -237,7 +237,7 @@ static void test_the_history_comes_from_where_things_were(void **state)
 
 /* --- the frame, resets ----------------------------------------------------------------------- */
 
-/* No history: whatever it holds, the output is the filtered frame. */
+/* Without history the output is the filtered frame, for any contents of the history. */
 static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
 {
     static const struct {
@@ -263,9 +263,11 @@ static void test_a_cut_and_the_first_frame_take_nothing_over(void **state)
     }
 }
 
-/* A lit pixel spreads by the weights exp(-2.29 d^2) of its ray's distance from the others' centres.
- * Colours of a ramp, seen through jittered rays, come back as seen without: to 0.04 px, what nine
- * samples of the Gaussian can do. exp(x) of a driver is off by up to 3 + 2 |x| ulps, here 25. */
+/* A lit pixel spreads with the weights exp(-2.29 d^2) of the distance of its ray from the other
+ * pixels' centres. Colours of a ramp, rendered with jittered rays, are the same as without jitter:
+ * to
+ * 0.04 px, the accuracy of nine samples of the Gaussian. A driver's exp(x) is off by up to 3 + 2
+ * |x| ulps, here 25. */
 static void test_the_filter_is_about_the_unjittered_place(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -300,8 +302,8 @@ static void test_the_filter_is_about_the_unjittered_place(void **state)
 
 /* --- the box --------------------------------------------------------------------------------- */
 
-/* A history that is too bright is held at the box's upper side. One colour of nine is 1: at the
- * centre, a side and a corner of the pixel's surroundings. */
+/* A history that is too bright is clamped to the box's upper limit. One colour of nine is 1: at the
+ * centre, at a side and at a corner of the 3x3 pixels. */
 static void test_the_box_is_that_of_its_name(void **state)
 {
     static const struct {
@@ -316,7 +318,7 @@ static void test_the_box_is_that_of_its_name(void **state)
         {"taa_box=variance", {0, 0}, 1.0, 0.503948212, 0.503948212},
         {"taa_box=variance taa_sigma=2", {0, 0}, 1.0, 0.739650472, 0.739650472},
         {"taa_box=variance taa_sigma=0", {0, 0}, 1.0, 0.111111111, 0.111111111},
-        /* rays within 1.51 px: all, unless they are shifted away; the corner is 1.41 px off */
+        /* rays within 1.51 px: all, unless the jitter shifts them away; the corner is at 1.41 px */
         {"taa_box=distance", {0, 0}, 1.0, 1.0, 1.0},
         {"taa_box=distance", {0.2f, 0}, 1.0, 1.0, 0.0},
         {"taa_box=distance", {-0.2f, 0}, 1.0, 1.0, 1.0},
@@ -339,7 +341,8 @@ static void test_the_box_is_that_of_its_name(void **state)
     }
 }
 
-/* In YCoCg the box of greys is a line: a coloured history loses its colour there, not in RGB. */
+/* In YCoCg the box of greys is a line: a coloured history loses its colour there, but not in
+ * RGB. */
 static void test_the_space_of_the_box_matters(void **state)
 {
     static const struct {
@@ -364,7 +367,7 @@ static void test_the_space_of_the_box_matters(void **state)
     }
 }
 
-/* Between the extremes of its surroundings, it comes back to the last bit. */
+/* A history between the extremes of its surroundings is returned bit by bit. */
 static void test_a_history_in_the_box_is_left_alone(void **state)
 {
     static const char *const spaces[] = {"linear", "reinhard", "ycocg"};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What tests of temporal anti-aliasing and of upsampling share: pictures, cameras and settings of
- * all sorts, and how far the device may be from the CPU reference.
+ * Shared by tests of temporal anti-aliasing and of upsampling: random frames, cameras and settings,
+ * and the allowed difference between device and CPU reference.
  */
 #ifndef NEPH_TESTS_TAA_TEST_H
 #define NEPH_TESTS_TAA_TEST_H
@@ -10,10 +10,10 @@
 
 static const double float_ulp = 0x1p-24, half_ulp = 0x1p-11; /* relative, rounded to nearest */
 
-/* float32 knows the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a few times that. */
+/* float32 has the cameras' axes to 6e-8 and places in 127 pixels to 8e-6 px: a multiple of that. */
 static const double motion_error_px = 1e-4;
 
-/* Turned by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
+/* Rotated by up to `turn_rad` about all axes and moved by up to `way_m` since the frame before. */
 static inline void move_camera(struct neph_gpu_view *view, double turn_rad, double way_m,
                                uint64_t *seed)
 {
@@ -61,13 +61,13 @@ static inline void fill_depths(struct test_passes *test, uint64_t *seed)
         test_set(test, RT_DEPTH, i, (float[4]){random_depth_m(seed)});
 }
 
-/* Clouds of all distances, at some pixels none; what has changed, and ages of any kind. */
+/* Clouds at all distances, at some pixels none; changes and ages of any kind. */
 static inline void fill_medium(struct test_passes *test, uint64_t *seed)
 {
     static const float ages[] = {0.0f, 1.0f, 3.0f, 100.0f, 255.0f, -1.0f, NAN, 4096.0f};
     for (size_t i = 0; i < test_elements(test, RT_VOLUME); i++) {
         const float through = neph_test_random(seed) % 8 ? (float)test_uniform(seed) : 1.0f;
-        float colour[4]; /* of which the medium has a part, here and there more than all */
+        float colour[4]; /* of which the medium has a share, in some pixels more than all */
         test_get(test, RT_COLOR, i, colour);
         const float part = (float)(1.1 * test_uniform(seed));
         test_set(test, RT_VOLUME, i,
@@ -91,7 +91,7 @@ static inline void fill_medium(struct test_passes *test, uint64_t *seed)
         test->view.wind_m[c] = (float)neph_test_uniform(seed, -5.0, 5.0);
 }
 
-/* What each pixel sees has moved by itself; of draws of its own, so that others stay theirs. */
+/* Motion of each pixel's surface. Has its own random sequence, so that others stay the same. */
 static inline void fill_moves(struct test_passes *test, uint64_t seed)
 {
     for (size_t i = 0; i < test_elements(test, RT_MOVED); i++) {
@@ -103,8 +103,8 @@ static inline void fill_moves(struct test_passes *test, uint64_t seed)
     }
 }
 
-/* What a frame may find, another in each round: colours, depths, media, movers, a camera; each 16th
- * without history, each fifth at another exposure. Returns how bright it is at most. */
+/* Fills the inputs of a frame, different in each round: colours, depths, media, movers, a camera;
+ * every 16th without history, every fifth with another exposure. Returns the largest brightness. */
 static inline double fill_round(struct test_passes *test, int round, uint64_t *seed)
 {
     static const double brightest[] = {1e-3, 1.0, 100.0, 6e4};
@@ -138,7 +138,7 @@ static inline double pixel_value(const struct test_passes *test, int target, int
     return value[channel];
 }
 
-/* Any choice for every setting; returned to be printed. */
+/* A random choice for every setting; also returned as text, to be printed. */
 static inline struct neph_settings random_settings(uint64_t *seed, char *text, size_t text_size)
 {
     static const struct {
@@ -164,7 +164,7 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
         {"taa_age_max", {"0", "1", "8", "255"}},
         {"taa_change", {"0", "0.1", "0.5"}},
     };
-    uint64_t own = *seed; /* draws of its own, so that others stay theirs */
+    uint64_t own = *seed; /* its own random sequence, so that others stay the same */
     size_t length = (size_t)snprintf(
         text, text_size, "relight=%s taa_responsive=%s taa_pre_exposure=%s ",
         neph_test_random(&own) % 2 ? "0.1" : "0", neph_test_random(&own) % 3 ? "off" : "medium",
@@ -179,12 +179,12 @@ static inline struct neph_settings random_settings(uint64_t *seed, char *text, s
     return test_settings(text);
 }
 
-/* How far the device may be from the CPU reference when no colour is above `most`. float32 rounds
- * some 60 times on the way (16 + 9 taps with their weights, box, blend), each time by up to an ulp
- * and either way, which is some 8 ulps together, and twice that is allowed (worst of a million
- * pixels: 5). Multiplied where a step is ill-conditioned: the contrast law acts on differences down
- * to taa_contrast of the luma, so it magnifies their error by 1 / 0.01; the inverse of Reinhard's
- * curve has slope (1 + c)^2. Halves round both sides, by chance by up to a whole step. */
+/* Allowed difference between device and CPU reference when no colour is above `most`. float32
+ * rounds about 60 times (16 + 9 taps with their weights, box, blend), each time by up to an ulp in
+ * either direction, about 8 ulps in total; twice that is allowed (the largest of a million pixels:
+ * 5). Ill-conditioned steps multiply it: the contrast law acts on differences down to taa_contrast
+ * of the luma, so it increases their error by 1 / 0.01; the inverse of Reinhard's curve has slope
+ * (1 + c)^2. Halves are rounded on both sides, with stochastic rounding by up to a whole step. */
 static inline double allowed(const struct neph_gpu_view *view, double expected, double most)
 {
     double ulps = 16.0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Temporal upsampling: its places, one frame of it against the CPU reference, what many frames
- * make of a pattern that is known everywhere, and the pipeline with fewer pixels than its picture.
+ * Tests of temporal upsampling: its places, one frame against the CPU reference, many frames of a
+ * pattern with a closed form, and the pipeline with screen_percent below 100.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 #include "tests/renderer/sequence_test.h"
@@ -26,7 +26,8 @@ static void test_less_is_rendered_by_the_percentage(void **state)
 }
 
 /* A published table has 18, 23, 32 and 72 places for 8 and sides 1.5, 1.7, 2 and 3 times as long,
- * rounded up; here the nearest, and odd from odd, so that four slots see all of them. */
+ * rounded up; here rounded to nearest, and odd lengths stay odd, so that four slots see all
+ * places. */
 static void test_places_grow_with_the_square(void **state)
 {
     assert_int_equal(neph_rt_jitter_length(8, 100), 8);
@@ -67,9 +68,9 @@ static void test_the_pass_equals_the_cpu_reference(void **state)
     }
 }
 
-/* At 100 % the source of a pixel is the pixel unless the ray of another went nearer, which none
- * does within half a pixel; the box by distance is that of anti-aliasing. Only the places of the
- * rays are rounded differently: a few ulps. */
+/* At 100 % the source of a pixel is the pixel itself, because no other ray is nearer within half a
+ * pixel; the distance box is the same as in anti-aliasing. Only the places of the rays are rounded
+ * differently: a few ulps. */
 static void test_at_full_size_it_is_anti_aliasing(void **state)
 {
     static const char *const kinds[] = {"taa=on", "taa=upsampling"};
@@ -104,13 +105,13 @@ static void test_at_full_size_it_is_anti_aliasing(void **state)
 
 /* --- many frames ------------------------------------------------------------------------------ */
 
-/* Waves of `period_px` of the picture along x, around 1. */
+/* Waves with a period of `period_px` output pixels along x, around 1. */
 static double wave(double place_px, double period_px)
 {
     return 1.0 + 0.5 * sin(2.0 * M_PI * place_px / period_px);
 }
 
-/* What a row keeps of the wave: its amplitude, and how far it has gone [px of the picture]. */
+/* The wave in a row of the history: its amplitude, and its shift [output px]. */
 struct kept {
     double amplitude, shift_px;
 };
@@ -128,7 +129,7 @@ static struct kept find_wave(const struct test_passes *film, int y, double perio
     return (struct kept){hypot(sine, cosine), -atan2(cosine, sine) / (2.0 * M_PI) * period_px};
 }
 
-/* A camera at rest before waves, 1.5 cycles of the jitter's places. */
+/* A static camera in front of waves, for 1.5 periods of the jitter. */
 static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double period_px)
 {
     OWNED(passes) struct test_passes film;
@@ -157,11 +158,12 @@ static struct kept film_waves(struct neph_vulkan *vulkan, int percent, double pe
     return kept;
 }
 
-/* Waves of 6 pixels are 3 where half as many are rendered, of 4 pixels 2, which no single frame can
- * show. The Gaussian of 0.47 px takes exp(-2 (pi 0.47 / period)^2) of them: 0.89 and 0.76 are left.
- * Of a frame the nearest ray alone counts, nearly, and so more of what is off; and the mean of few
- * frames is not that of all places: 0.03 is allowed. The picture stays where it is, to 0.03 px: a
- * jitter with the wrong sign would blur it away or move it by tenths of a pixel. */
+/* At half the size waves of 6 output pixels have 3 rendered pixels, waves of 4 have 2, which no
+ * single frame can show. The Gaussian of 0.47 px reduces them by exp(-2 (pi 0.47 / period)^2): to
+ * 0.89 and 0.76. In a frame almost only the nearest ray has weight, so rays farther away count
+ * more; and the mean of few frames differs from the mean of all places: 0.03 is allowed. The image
+ * does not move, to 0.03 px: a jitter with the wrong sign would blur the waves away or move them by
+ * tenths of a pixel. */
 static void test_waves_come_back_that_no_frame_has(void **state)
 {
     static const int percents[] = {50, 67, 77, 99};
@@ -204,8 +206,8 @@ static struct neph_image *last_of(struct neph_vulkan *vulkan, const struct neph_
     return image;
 }
 
-/* At half the size, marched whole or split: the picture has its own size and shape, all channels,
- * and at most half of the squared error that its rendered pixels have when made larger. */
+/* At half the size, marched whole or split: the output has its own size and aspect, all channels,
+ * and at most half of the squared error of its rendered pixels when these are enlarged. */
 static void test_a_smaller_frame_makes_the_whole_picture(void **state)
 {
     static const char *const images[] = {"split=none screen_percent=50",
@@ -226,7 +228,7 @@ static void test_a_smaller_frame_makes_the_whole_picture(void **state)
         print_message("%s: rmse %.4f, of its pixels made larger %.4f\n", images[s], error,
                       of_blocks);
         assert_true(pow(error / of_blocks, 2.0) < 0.5);
-        /* 37 rows are 19 rendered ones: row y is within the rendered (2 y + 1) 19 / 74 */
+        /* 37 rows have 19 rendered ones: row y is within the rendered row (2 y + 1) 19 / 74 */
         const float *depth_m = neph_image_channel(image, "Z");
         for (int y = 0; y < HEIGHT_PX; y++)
             for (int x = 0; x < WIDTH_PX; x += 2)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The history: the output of the frame before, at the place where that frame showed what the pixel
-// shows now. The place lies between texels, so these are filtered:
+// The history: the output of the frame before, at the place where that frame showed the point that
+// the pixel shows now. The place lies between texels, so these are filtered:
 //
 //     t     t     t     t     t  texels of the history, the centres of its pixels
 //                             c  the texel up and left of the place
@@ -9,15 +9,15 @@
 //              x
 //     t     t     t     t     nearest: 1 texel; bilinear: the inner 2x2; Catmull-Rom: all 4x4.
 //                             (Unreal leaves out the corners of 4x4, whose weights sum to up to
-//     t     t     t     t     1/64, and divides by the rest.)
+//     t     t     t     t     1/64, and normalises the remaining weights.)
 #ifndef NEPH_REALTIME_TAA_HISTORY_GLSL
 #define NEPH_REALTIME_TAA_HISTORY_GLSL
 
 #include "filters.glsl"
 #include "motion.glsl"
 
-// RGB: filtered, A: the age of the nearest texel. A CPU skips rows at the ends that have no weight.
-// Other texels without a weight are read and not added, for they may not be finite.
+// RGB: filtered, A: the age of the nearest texel. A CPU skips rows at the ends without weight.
+// Other texels without weight are read but not added, because they may not be finite.
 vec4 filter_history(vec2 place_px)
 {
     precise vec2 corner = floor(place_px - 0.5);

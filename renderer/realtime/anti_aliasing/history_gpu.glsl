@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// history.glsl for a GPU: all 4x4 texels are on their way before the first is used, and a static
-// pixel's texel since the pixel above. Behind a branch a GPU waits for one texel after the other.
+// history.glsl for a GPU: all 4x4 texels are fetched before the first is used, and the texel of a
+// static pixel is fetched while the pixel above is resolved. After a branch a GPU would wait for
+// one texel after the other.
 #ifndef NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 #define NEPH_REALTIME_TAA_HISTORY_GPU_GLSL
 

@@ -1,32 +1,34 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Temporal upsampling with locks, after the description that comes with AMD's FidelityFX Super
-// Resolution 2 (MIT, version 2.2), with its parts in one pass:
+// Temporal upsampling with locks, after the description of AMD's FidelityFX Super Resolution 2
+// (MIT, version 2.2), with its parts in one pass:
 //
 //     1. frame           16 samples, filtered by a Lanczos kernel about the pixel's centre
-//     2. disocclusion    no history where the frame before showed something nearer than what is
-//                        here now
+//     2. disocclusion    the history is invalid where the frame before showed only points nearer
+//                        than this frame's surface
 //     3. lock            a thin feature, a ridge of lumas, keeps its history out of the clamp for
-//                        as long as the jitter: so wires that no frame has as a whole come together
-//     4. clamp, blend    as in taa.comp; the history counts by how much of frames is in it
+//                        one period of the jitter, so that wires which no single frame shows as a
+//                        whole are completed
+//     4. clamp, blend    as in taa.comp; the weight of the history is the accumulated weight of its
+//                        frames
 //
-// Like the original: dilated depths and their motion (3x3, taa_motion=square), the mask of
-// disocclusion by depth, locks by ridges of 3x3 lumas that last as long as the jitter and end with
-// the luma, accumulation by weights, less of it where a mask says reactive.
+// Like the original: dilated depths and their motion (3x3, taa_motion=square), disocclusion by
+// depth, locks by ridges of 3x3 lumas that last one period of the jitter and end with the luma,
+// accumulation by weights, less accumulation where a mask is reactive.
 // Different:
-// - The kernel is EASU's polynomial of 4x4 texels, along x and along y, of light as it is and not
-//   tone-mapped, clamped between the nearest 2x2; the history has taa_history. A frame's weight is
+// - The kernel is EASU's polynomial of 4x4 texels, along x and along y, on linear light (not
+//   tone-mapped), clamped between the nearest 2x2; the history has taa_history. A frame's weight is
 //   the sum of taau.comp's Gaussian.
-// - Depths of the frame before are those of the picture's pixels, looked up, where the original
-//   scatters depths forwards; nothing is uncovered that was nearer than 1 - SEPARATION of all
-//   depths of 5x5 now, whatever the jitter has moved.
+// - Depths of the frame before are read at output pixels; the original scatters depths forwards.
+//   History is valid where the depth before was at least 1 - SEPARATION of the nearest depth of 5x5
+//   now, whatever the jitter has shifted.
 // - A lock ends when its luma leaves the range of the 3x3 of the frame by 5 %; the original has a
-//   pyramid of lumas, and four frames of luma to tell flicker, which is left out.
-// - The box of variance is three times as wide when static as at FAST_PX, and the history counts by
-//   a quarter there: numbers of ours.
-// - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. No exposure of its
-//   own, no sharpening (sharpen=on).
+//   pyramid of lumas, and four frames of luma to detect flicker, which is left out.
+// - The variance clamp is three times as wide for a static pixel as at FAST_PX, and the
+//   history's maximum weight at FAST_PX is a quarter: numbers of ours.
+// - The reactive mask is the medium's opacity (taa_responsive), at most 0.9. There is no automatic
+//   exposure and no built-in sharpening (sharpen=on).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -73,11 +75,11 @@ bool upsample(Neighbourhood around, out vec3 colour)
 
 // --- disocclusion --------------------------------------------------------------------------------
 
-// Part of the depth by which everything seen at a place must have been nearer for the history there
+// Part of the depth by which all points seen at a place must have been nearer for the history there
 // to be invalid.
 const float SEPARATION = 0.02;
 
-// The nearest of all depths within a distance; motion.glsl's nearest_depth() is by taa_motion.
+// The nearest depth within a distance; nearest_depth() of motion.glsl depends on taa_motion.
 float nearest_depth_m(ivec2 source, int distance_px)
 {
     float nearest_m = FAR_M;
@@ -90,7 +92,7 @@ float nearest_depth_m(ivec2 source, int distance_px)
     return nearest_m;
 }
 
-// How deep a static point at this depth was for the camera before.
+// The eye depth of a static point at this depth for the camera of the frame before.
 float depth_before_m(ivec2 pixel, float depth_m)
 {
     vec3 ray = ray_through(vec2(pixel) + 0.5);
@@ -100,7 +102,7 @@ float depth_before_m(ivec2 pixel, float depth_m)
     return before_m;
 }
 
-// All four texels around the place in the frame before showed something nearer.
+// Whether all four texels around the place in the frame before showed a nearer surface.
 bool is_disoccluded(ivec2 pixel, ivec2 source, vec2 before_px)
 {
     ivec2 corner = ivec2(floor(before_px - 0.5));
@@ -114,9 +116,9 @@ bool is_disoccluded(ivec2 pixel, ivec2 source, vec2 before_px)
 
 // --- locks ---------------------------------------------------------------------------------------
 
-const float ALIKE_RATIO = 1.05;  // of lumas up to which neighbours are alike
-const float LUMA_SLACK = 0.05;   // by which a lock's luma may leave the range of the frame
-const float NEAR_SQUARED = 0.5;  // of the distance of a sample that may make a lock, in pixels
+const float ALIKE_RATIO = 1.05;  // largest ratio of two lumas that count as alike
+const float LUMA_SLACK = 0.05;   // tolerance of a lock's luma around the range of the frame
+const float NEAR_SQUARED = 0.5;  // largest squared distance of a sample that makes a lock [px^2]
 
 float luma_of(Neighbourhood around, int i)
 {
@@ -125,8 +127,8 @@ float luma_of(Neighbourhood around, int i)
     return sum;
 }
 
-// A ridge of lumas: no three neighbours at a corner are like the centre, and all that are unlike
-// are brighter, or all darker.
+// A ridge of lumas: no corner has three neighbours like the centre, and all neighbours that are
+// unlike it are brighter, or all are darker.
 bool is_thin(Neighbourhood around)
 {
     // Samples 0, 1, 3; 1, 2, 5; 3, 6, 7; 5, 7, 8: the neighbours at each corner.
@@ -149,7 +151,7 @@ bool is_thin(Neighbourhood around)
     return around.valid == SQUARE && (centre > high || centre < low);
 }
 
-// Whether the luma of a lock is still in the frame.
+// Whether the luma of a lock is within the range of the frame's lumas.
 bool is_trusted(Neighbourhood around, float luma)
 {
     float low = 3e38, high = -3e38;
@@ -162,7 +164,7 @@ bool is_trusted(Neighbourhood around, float luma)
     return luma >= least && luma <= most;
 }
 
-// The remaining share of a lock, and its luma.
+// X: the remaining strength of a lock, Y: its luma.
 vec2 update_lock(bool has_history, vec2 before_px, Neighbourhood around)
 {
     vec2 lock = vec2(0.0);
@@ -178,7 +180,7 @@ vec2 update_lock(bool has_history, vec2 before_px, Neighbourhood around)
 
 // --- the pixel -----------------------------------------------------------------------------------
 
-// How much of frames is in the history, at most what a pixel of this speed may have.
+// The accumulated weight of the history, limited by the pixel's speed and the reactive mask.
 float history_weight(vec2 before_px, ivec2 source, float quickness)
 {
     float weight = fetch_picture(RT_TAA_BEFORE, ivec2(floor(before_px))).a;

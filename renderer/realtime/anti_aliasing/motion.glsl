@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// Motion: where the frame before showed what a pixel shows now. A static scene before a static
-// camera has none; otherwise the pixel goes with the solid nearest to the camera around it, or with
-// the medium in front, which the wind carries.
+// Motion vectors: the place in the frame before of the point that a pixel shows now. In a static
+// scene with a static camera they are 0; otherwise the pixel follows the nearest solid around it,
+// or the medium in front, which the wind moves.
 #ifndef NEPH_REALTIME_MOTION_GLSL
 #define NEPH_REALTIME_MOTION_GLSL
 
 #include "renderer/realtime/gradient/change.glsl"
 #include "renderer/realtime/tile_index/slots.glsl"
 
-// --- what has changed ----------------------------------------------------------------------------
+// --- the temporal gradient -----------------------------------------------------------------------
 
-// What the temporal gradient (gradient/) says of this thread's tile of 4x4 pixels, of the media and
-// of what is behind them: `gain`, the light of this frame over the light of the frame before, and
-// `residue`, the relative change that the gain does not explain. Found once in main().
+// The temporal gradient (gradient/) of this thread's tile of 4x4 pixels, for the media and for the
+// scene behind them: `gain`, the light of this frame over the light of the frame before, and
+// `residue`, the relative change that the gain does not explain. Computed once in main().
 Change medium_change, behind_change;
 
 bool keeps_age() { return is_set(RT_TAA_AGE_MAX); }
@@ -28,7 +28,7 @@ void find_change(ivec2 tile)
     behind_change = change_of(RT_CHANGE_BEHIND, tile);
 }
 
-// 0: the light is that of the frame before, 1: another.
+// 0: same light as in the frame before, 1: different light.
 float light_change()
 {
     return beyond(max(medium_change.residue, behind_change.residue), setting(RT_TAA_CHANGE));
@@ -36,10 +36,10 @@ float light_change()
 
 bool follows_solids() { return choice(RT_SOLID_MOTION) != 0; }
 
-// The solids' motion is known by their distance. The medium's distance is a mean over all that a
-// ray meets: good enough for the wind, which moves all of it alike, but not for a camera that
-// moves. Where the light does not change the medium is not followed: an even veil looks the same
-// whatever the wind, and what is behind it keeps its history.
+// The motion of solids follows from their distance. The medium's distance is a mean along the ray:
+// accurate enough for the wind, which moves the whole medium, but not for camera motion. In
+// constant light the medium is not followed: a homogeneous haze looks the same under any wind, and
+// the scene behind it keeps its history.
 bool follows_medium()
 {
     return choice(RT_TAA_MEDIUM) != 0 && !air_rests() &&
@@ -59,7 +59,7 @@ float dot_in_order(vec3 a, vec3 b)
     return sum;
 }
 
-// The point at eye depth 1 that a pixel's centre shows, without jitter.
+// The point at eye depth 1 on the ray through a pixel's centre, without jitter.
 vec3 ray_through(vec2 centre_px)
 {
     precise float x = (2.0 * centre_px.x / float(picture_px.x) - 1.0) * view_now.half_width;
@@ -68,7 +68,7 @@ vec3 ray_through(vec2 centre_px)
     return ray;
 }
 
-// Where a camera sees a point, in pixels from the middle of its frame.
+// Projects a point into a camera's image, in pixels from the centre of the image.
 vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
 {
     float spread = view_spread(camera, depth);
@@ -80,11 +80,11 @@ vec2 project_from_middle(ViewCamera camera, vec3 point, float depth)
     return place_px;
 }
 
-// How many pixels a point `depth_m` deep has moved since the frame before. `from_m`: how far it has
-// moved relative to the camera of that frame. False when it was behind that camera. Lengths
-// are divided by the depth: the sky needs no rule of its own and loses no digits. The motion is a
-// difference of two projections, exactly 0 for a static camera. All depths of an orthographic frame
-// move alike, since its camera never turns (scenes/load_motion.c).
+// Motion in pixels since the frame before of a point at eye depth `depth_m`. `from_m`: its motion
+// relative to the camera of that frame. False when the point was behind that camera. Lengths are
+// divided by the depth, so the sky needs no special case and loses no precision. The motion is a
+// difference of two projections: exactly 0 for a static camera. In an orthographic frame all depths
+// move alike, because its camera never turns (scenes/load_motion.c).
 bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
 {
     precise vec3 ray_before = ray - from_m / view_spread(view_now, depth_m);
@@ -96,15 +96,15 @@ bool find_motion(vec3 ray, float depth_m, vec3 from_m, out vec2 motion_px)
     return depth_before > 0.0;
 }
 
-// --- which depth ---------------------------------------------------------------------------------
+// --- depth and motion of the surface -------------------------------------------------------------
 
 const ivec2 CROSS_2PX[4] = {ivec2(-2, -2), ivec2(2, -2), ivec2(-2, 2), ivec2(2, 2)};
 const ivec2 SQUARE_RING[8] = {ivec2(-1, -1), ivec2(0, -1), ivec2(1, -1), ivec2(-1, 0),
                               ivec2(1, 0),   ivec2(-1, 1), ivec2(0, 1),  ivec2(1, 1)};
 
-// The nearest of the pixel's depth and the four or eight around, so that the rim of an object moves
-// with it; and how far that object has moved by itself. As in Unreal the motion is that of the
-// pixel's own place at this depth, not of the neighbour's.
+// The nearest of the depths of the pixel and of four or eight around it, so that the edge of an
+// object moves with the object; and the object's own motion. As in Unreal the motion is computed at
+// the pixel's place with this depth, not at the neighbour's place.
 float nearest_depth(ivec2 pixel, out vec3 moved_m)
 {
     moved_m = vec3(0.0);
@@ -125,12 +125,13 @@ float nearest_depth(ivec2 pixel, out vec3 moved_m)
     return nearest_m;
 }
 
-// Transmittance below which a medium hides what is behind it: nearly all of a solid that moves by
-// itself, half of a static one. The sky has nothing that could smear.
+// Transmittance below which the motion of the medium is used: a moving solid must be almost hidden,
+// a static one half hidden. The sky has no features that could smear.
 const float HIDES_MOVER = 0.0625, HIDES_STATIC = 0.5, HIDES_SKY = 1.0;
 
-// The motion of the medium, where that hides the scene behind and lies before the solids around.
-// One of both motions, never a mix: that would drag solids along in the haze before them.
+// The motion of the medium, where it hides the scene behind it and is nearer than the solids
+// around. One of the two motions is used, never a mean, which would drag solids along with the haze
+// before them.
 bool find_medium_motion(ivec2 pixel, vec3 ray, float scene_m, bool is_mover, out vec2 motion_px)
 {
     float transmittance = fetch_full(RT_VOLUME, pixel).a;
@@ -143,8 +144,8 @@ bool find_medium_motion(ivec2 pixel, vec3 ray, float scene_m, bool is_mover, out
     return is_seen && depth_m < scene_m && find_motion(ray, depth_m, from_m, motion_px);
 }
 
-// The place in the frame before, in pixels, by the depths about a pixel's source; false when that
-// was out of the frame.
+// The place of a pixel in the frame before, in pixels, from the depths around its source; false
+// when it was outside the frame.
 bool find_before(ivec2 pixel, ivec2 source, out vec2 place_px, out float speed_px)
 {
     precise vec2 centre_px = vec2(pixel) + 0.5;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// The frame as the anti-aliasing takes it: nine samples around a pixel, their filtered colour, and
-// the box that history is clamped into.
+// The frame's input to the anti-aliasing: nine samples around a pixel, their filtered colour, and
+// the box that history is clamped to.
 //
 //     +-------+-------+-------+
 //     |    s  |    s  |    s  |     x  the centre of the pixel
-//     |       |       |       |     s  where this frame's rays went: all off from the centres of
-//     +-------+-------+-------+        their pixels by the jitter
-//     |    s  |   xs  |    s  |     d  the distance from x to an s; its colour weighs
-//     |       |       |       |        exp(-2.29 d^2) in the filtered colour
+//     |       |       |       |     s  this frame's rays: the jitter shifts all of them by the same
+//     +-------+-------+-------+        offset from the centres of their pixels
+//     |    s  |   xs  |    s  |     d  the distance from x to an s; its weight in the filtered
+//     |       |       |       |        colour is exp(-2.29 d^2)
 //     +-------+-------+-------+
 //     |    s  |    s  |    s  |     Samples have the numbers 0 .. 8, row by row; 1, 3, 4, 5 and 7
 //     |       |       |       |     are the plus.
@@ -27,7 +27,7 @@ const uint SQUARE = 0x1ffu, PLUS = 0x0bau; // bits of the samples
 
 bool is_guarded() { return choice(RT_TAA_GUARD) != 0; }
 
-// What a target can keep; with the guard what radiance can be.
+// Clamps to the range of the target's format; with the guard also to radiance >= 0.
 vec3 limit_colour(vec3 colour)
 {
     vec3 least = vec3(is_guarded() ? 0.0 : -HALF_MAX);
@@ -46,17 +46,16 @@ bool is_valid_colour(vec3 colour)
 struct Sample {
     vec3 colour; // exposed
     float hdr_weight;
-    bool is_valid; // others count nowhere
+    bool is_valid; // invalid samples have no weight
 };
 
-// Karis 2014: bright samples count less, or a single one would shine through for many frames.
+// Karis 2014: bright samples have less weight; a single one would remain visible for many frames.
 float hdr_weight(vec3 colour)
 {
     return choice(RT_TAA_HDR_WEIGHT) != 0 ? 1.0 / (luma_4(colour) + 4.0) : 1.0;
 }
 
-// Where there is no pass for it the volume is laid over what is behind it here
-// (composition/compose.comp).
+// Composes the volume with the background where no earlier pass does (composition/compose.comp).
 vec3 fetch_colour(ivec2 pixel)
 {
     if (choice(RT_COMPOSITION) != RT_COMPOSITION_TAA)
@@ -72,7 +71,7 @@ Sample sample_from(vec3 colour)
 }
 
 struct Neighbourhood {
-    vec3 colours[9]; // 0 where invalid, as the weights
+    vec3 colours[9]; // 0 where invalid, like the weights
     float hdr_weights[9];
     uint valid; // bit i: sample i
 };
@@ -101,14 +100,14 @@ Neighbourhood fetch_neighbourhood(ivec2 pixel)
 // --- the filter ----------------------------------------------------------------------------------
 
 // Unreal's Gaussian of 0.47 px, a fit to the Blackman-Harris window of 3.3 px. (Its
-// r.TemporalAACatmullRom, off by default, is another filter here, not of the history.)
+// r.TemporalAACatmullRom, off by default, selects another filter here and not for the history.)
 const float SHARPNESS = 2.29;
 
-// From the pixel's centre to the sample in the middle, in rendered pixels.
+// From the pixel's centre to the central sample, in rendered pixels.
 vec2 shift_px = jitter_px;
 
 float filter_weights[9];
-float coverage = 1.0; // of the pixel by samples: the sum of the weights, where that can be below 1
+float coverage = 1.0; // of the pixel by samples: sum of the weights, with upsampling
 
 // From the pixel's centre to a sample, squared, in rendered pixels.
 float distance_squared(int i)
@@ -125,7 +124,7 @@ void find_filter_weights()
         filter_weights[i] = exp(-SHARPNESS * distance_squared(i));
 }
 
-// False when no sample is valid; without the filter, when the one in the middle is not.
+// False when no sample is valid; without the filter, when the central one is not.
 bool filter_samples(Neighbourhood around, out vec3 colour)
 {
     colour = around.colours[CENTRE];
@@ -146,8 +145,8 @@ bool filter_samples(Neighbourhood around, out vec3 colour)
 
 float box_distance_squared = 2.2801; // of RT_BOX_DISTANCE: 1.51 px
 
-// Where the box is made and history is clamped. Unreal's Reinhard compresses each channel; that of
-// the reconstruction, RT_SPACE_REINHARD, the luminance.
+// The space of the box and of the clamp. Unreal's Reinhard compresses each channel; the
+// reconstruction's, RT_SPACE_REINHARD, compresses the luminance.
 int clamp_space()
 {
     return choice(RT_TAA_SPACE) == RT_SPACE_REINHARD ? RT_SPACE_CHANNELS : choice(RT_TAA_SPACE);
@@ -162,7 +161,7 @@ Box extremes(Neighbourhood around, uint among)
     return box;
 }
 
-// Halfway between the extremes of the plus and of the square: rounder than the square.
+// The mean of the extremes of the plus and of the square: less wide at the corners than the square.
 Box rounded_box(Neighbourhood around)
 {
     Box square = extremes(around, SQUARE), plus = extremes(around, PLUS);
@@ -171,8 +170,8 @@ Box rounded_box(Neighbourhood around)
     return Box(0.5 * (square.low + plus.low), 0.5 * (square.high + plus.high));
 }
 
-// The mean square of deviations. (Unreal's mean of squares less the square of the mean cancels: in
-// float32 a flat colour has a deviation of up to 3e-4 of itself.)
+// Variance as the mean of squared deviations. (Unreal subtracts the squared mean from the mean of
+// squares, which cancels: in float32 a flat colour then has a deviation of up to 3e-4 of itself.)
 Box sample_variance_box(Neighbourhood around, float sigma)
 {
     vec3 mean = vec3(0.0), variance = vec3(0.0);
@@ -195,8 +194,8 @@ Box near_box(Neighbourhood around)
     return extremes(around, near);
 }
 
-// In clamp_space(). The box of variance need not have the filtered colour in it, and is extended to
-// it. Boxes of shared/clamp.glsl have four channels: the last is not used here.
+// In clamp_space(). The variance box may miss the filtered colour and is extended to it. Boxes of
+// shared/clamp.glsl have four channels; the last one is unused here.
 Box find_box(Neighbourhood around, vec3 filtered, float sigma)
 {
     for (int i = 0; i < 9; i++)
@@ -210,7 +209,7 @@ Box find_box(Neighbourhood around, vec3 filtered, float sigma)
     return box;
 }
 
-// A history in the box comes out to the last bit.
+// A history inside the box is returned bit by bit.
 vec3 clamp_history(vec3 history, Box box)
 {
     if (choice(RT_TAA_BOX) == RT_BOX_NONE)
@@ -220,13 +219,13 @@ vec3 clamp_history(vec3 history, Box box)
     return clamped == value ? history : from_space(clamp_space(), clamped, 0.0);
 }
 
-// --- all of it -----------------------------------------------------------------------------------
+// --- the frame -----------------------------------------------------------------------------------
 
 struct Frame {
     vec3 colour; // filtered
     bool is_valid;
     Box box;
-    vec3 centre; // the sample in the middle
+    vec3 centre; // the central sample
     bool is_centre_valid;
 };
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/realtime/passes.h"
 
-/* What anti-aliasing and upsampling are bound to. */
+/* Targets that anti-aliasing and upsampling are bound to. */
 #define TAA_READS                                                                                  \
     NEPH_RT_BIT(RT_COLOR) | NEPH_RT_BIT(RT_DEPTH) | NEPH_RT_BIT(RT_TAA_BEFORE) |                   \
         NEPH_RT_BIT(RT_VOLUME) | NEPH_RT_BIT(RT_BEHIND) | NEPH_RT_BIT(RT_VOLUME_DISTANCE) |        \
         NEPH_RT_BIT(RT_CHANGE) | NEPH_RT_BIT(RT_CHANGE_BEHIND) | NEPH_RT_BIT(RT_MOVED)
-/* Targets that are not read unless one of these choices is made (passes.h). */
+/* Targets that are not read unless one of these choices is set (passes.h). */
 #define TAA_SPARED                                                                                 \
     {                                                                                              \
         {{{RT_COMPOSITION, RT_COMPOSITION_PASS}, {RT_COMPOSITION, RT_COMPOSITION_UPSCALE}},        \

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Stochastic rounding to half floats: one of the two next to a value, by random bits, so that their
-// mean is the value. A history that is rounded to nearest stalls short of its limit. A float has 13
-// bits more than a half: the upper 13 random bits decide.
-// (Unreal adds up to one step, and leaves the rest to the hardware's rounding.)
+// Stochastic rounding to half floats: random bits choose one of the two neighbours of a value, so
+// that their mean is the value. A history that is rounded to nearest stalls before its limit. A
+// float has 13 bits more than a half: the upper 13 random bits decide.
+// (Unreal adds up to one step and leaves the rounding to the hardware.)
 #ifndef NEPH_REALTIME_ROUNDING_GLSL
 #define NEPH_REALTIME_ROUNDING_GLSL
 
 #include "renderer/shaders/random.glsl"
 
 const uint HALF_MAX_BITS = 0x477fe000u;  // of 65504
-// The exponent of 2^-14; smaller halves lie as far apart as from there on.
+// The exponent of 2^-14; smaller halves have the same spacing as from there on.
 const uint LEAST_NORMAL_EXPONENT = 113u;
 
 float round_by_chance(float value, uint bits)

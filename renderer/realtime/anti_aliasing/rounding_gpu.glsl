@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// rounding.glsl for a GPU, on integers, with the same choice for values from 0 on: a number of 13
-// bits is added to the 13 bits that a half has no room for, and a carry rounds away from 0. A value
-// below 2^-14 is rounded as if it were as much above that, where float32 has it to 2^-37.
+// rounding.glsl for a GPU, on integers, with the same choice for values >= 0: a random 13-bit
+// number is added to the 13 bits that a half lacks, and a carry rounds away from 0. Values below
+// 2^-14 are first increased by 2^-14, where float32 has a spacing of 2^-37.
 #ifndef NEPH_REALTIME_ROUNDING_GPU_GLSL
 #define NEPH_REALTIME_ROUNDING_GPU_GLSL
 

@@ -13,7 +13,7 @@
 
 bool is_reset() { return !has_past || (is_cut && choice(RT_CUT_RESET) != 0); }
 
-// How many frames the history is a mean of; 0 where this is not kept.
+// The number of frames in the mean of the history; 0 where it is not stored.
 float limit_age(float age)
 {
     if (!keeps_age())
@@ -52,10 +52,11 @@ vec3 relight(vec3 history, ivec2 source, Frame frame, float speed_px)
     return mix(gain, vec3(1.0), beyond(speed_px, STATIC_PX)) * history;
 }
 
-// --- how much of the clamp applies ---------------------------------------------------------------
+// --- share of the clamp
+// ---------------------------------------------------------------------------
 
-// 0: the pixel is static and in the same light, so that its history is the mean of its frames, 1:
-// it moves or changes.
+// 0: the pixel is static and in the same light, so that its history is the mean of its frames; 1:
+// the pixel moves or its light changes.
 float find_change_share(float speed_px)
 {
     if (!uses_gradient())
@@ -63,9 +64,9 @@ float find_change_share(float speed_px)
     return max(beyond(speed_px, STATIC_PX), light_change());
 }
 
-// No clamp where the share is known to be 0 before the kernel is compiled: nothing moves, and
-// nothing has changed for many frames (is_unchanged()). Without the guard the clamp may turn a NaN
-// into a number, and is needed.
+// No clamp where the share is known to be 0 when the kernel is compiled: a static view without
+// changes for many frames (is_unchanged()). Without the guard the clamp stays, because it may turn
+// a NaN into a number.
 bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_set(RT_TAA_CHANGE) &&
                     is_guarded();
 
@@ -74,9 +75,10 @@ bool is_unclamped = is_static && uses_gradient() && is_unchanged() && is_set(RT_
 const float ALPHA_MOVING = 0.2; // weight of the frame at FAST_PX and above
 const float FAST_PX = 20.0;     // per frame; Unreal counts halves of pixels: its 40
 
-// Weight of the frame: more when the pixel moves, and by Unreal's contrast law enough for a step of
-// taa_contrast of the history's luma (before the clamp). So a smaller difference is taken whole,
-// and a history in half floats does not stall short of the frame (check_film.c).
+// Weight of the frame: it grows with the pixel's speed, and by Unreal's contrast law it is large
+// enough for a step of taa_contrast times the history's luma (before the clamp). A smaller
+// difference is applied in full, so that a history in half floats does not stall before the frame
+// (check_film.c).
 float frame_weight(float luma, float history_luma, float speed_px)
 {
     float way = speed_px / FAST_PX;
@@ -89,9 +91,9 @@ float frame_weight(float luma, float history_luma, float speed_px)
     return least > 1.0 ? 1.0 : least; // without the guard NaN, for black over black
 }
 
-// How many frames have the same light, to taa_change: a mean of more frames would lag behind. The
-// residue is a change in four frames for media, and in as many frames as the jitter has places for
-// what is behind them.
+// The number of frames within which the light changes by taa_change: a mean of more frames would
+// lag. The residue is a change in four frames for media, and in one period of the jitter for the
+// scene behind them.
 float frames_alike()
 {
     float limit = setting(RT_TAA_CHANGE);
@@ -114,7 +116,7 @@ float weight_with_age(float alpha, float change_share, inout float age)
 
 const float RESPONSIVE_ALPHA = 0.25, RESPONSIVE_BELOW = 0.5; // transmittance
 
-// A medium that hides most of what is behind it has no motion vectors: the frame weighs more.
+// A medium that hides most of the background has no motion vectors: the frame gets more weight.
 bool is_responsive(ivec2 source)
 {
     return choice(RT_TAA_RESPONSIVE) == RT_RESPONSIVE_MEDIUM &&
@@ -129,8 +131,9 @@ vec3 blend(vec3 frame, vec3 history, float alpha)
     return weight == 1.0 ? frame : history + weight * (frame - history);
 }
 
-// RGB: the colour of a pixel, A: its age. `source`: the rendered pixel in the middle of its frame,
-// which is the pixel itself but in upsampling. No sample: the history. No history: the frame.
+// RGB: the colour of a pixel, A: its age. `source`: the rendered pixel at the pixel's centre, which
+// is the pixel itself except with upsampling. Without samples: the history. Without history: the
+// frame.
 vec4 resolve(ivec2 pixel, ivec2 source, Frame frame)
 {
     vec2 before_px;

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// taa.comp for a CPU (lavapipe), to the same bits. A thread goes down a column of pixels: two of
-// the three rows of samples around a pixel are known from the pixel above, and the weights of the
+// taa.comp for a CPU (lavapipe), with the same bits. A thread processes a column of pixels from top
+// to bottom: two of the three rows of samples around a pixel come from the pixel above, and the
+// weights of the filter are computed once.
 // filter are found once.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,7 +14,7 @@
 
 const int TILE_PX = 4, COLUMN_PX = RT_TAA_COLUMN;
 
-// One row down.
+// Moves the neighbourhood one row down.
 void fetch_next_row(ivec2 pixel, inout Neighbourhood around)
 {
     around.valid >>= 3;
@@ -33,8 +34,8 @@ void resolve_pixel(ivec2 pixel, bool is_inside, inout Neighbourhood around)
         put_pixel(pixel, resolved);
 }
 
-// lavapipe carries what a thread keeps through memory in each turn of a loop. Where there is little
-// else to do the four pixels of a tile are written out.
+// lavapipe keeps a thread's variables in memory across the iterations of a loop. Where the loop has
+// little other work the four pixels of a tile are unrolled.
 bool unrolls() { return is_static && is_unchanged(); }
 
 void main()

@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// taa.comp for a GPU, to float32's rounding. A work group makes a block of pixels:
+// taa.comp for a GPU, equal up to float32 rounding. A work group computes a block of pixels:
 //
-//     +--------------------+    32x8 pixels; a thread makes 4, one below the other
+//     +--------------------+    32x8 pixels; a thread computes 4, one below the other
 //     |o o o o .. o o o o o|
 //     |o +--------------+ o|    o  the samples of the block and of the pixels around it are fetched
 //     |o |              | o|       once, into shared memory
@@ -11,10 +11,10 @@
 //     |o o o o .. o o o o o|
 //     +--------------------+
 //
-// Sums of three samples side by side serve the pixel above, beside and below: the filter's weights
-// are products of one along x and one along y, and a variance is made of the variances of its parts
-// (T. Chan et al., "Updating Formulae and a Pairwise Algorithm for Computing Sample Variances",
-// 1979). A static pixel's history is fetched while the pixel above is resolved.
+// Sums of three samples side by side are used by the pixels above, beside and below: the filter's
+// weights are products of one along x and one along y, and a variance is computed from the
+// variances of its parts (T. Chan et al., "Updating Formulae and a Pairwise Algorithm for Computing
+// Sample Variances", 1979). A static pixel's history is fetched while the pixel above is resolved.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -34,7 +34,7 @@ ivec2 area_corner; // its first pixel
 
 const int ROWS_AT_ONCE = GROUP_THREADS / BLOCK.x, AREA_TURNS = AREA.y / ROWS_AT_ONCE;
 
-// A thread's pixels of the area: those of its column, and in a last turn one at the sides.
+// A thread's pixels of the area: its column, and in a last turn one pixel at the sides.
 ivec2 area_pixel(int thread, int turn)
 {
     return turn < AREA_TURNS
@@ -42,7 +42,7 @@ ivec2 area_pixel(int thread, int turn)
                : ivec2((thread & 1) * (AREA.x - 1), min(thread >> 1, AREA.y - 1));
 }
 
-// By all threads of a group. All fetches are under way before the first is used.
+// Run by all threads of a group. All fetches are issued before the first is used.
 void fetch_area(ivec2 first_pixel)
 {
     area_corner = first_pixel - 1;
@@ -68,11 +68,11 @@ Sample sample_at(ivec2 pixel)
 
 // --- rows of samples -----------------------------------------------------------------------------
 
-// Three samples side by side. Invalid ones are 0, in all spaces of colours, too.
+// Three samples side by side. Invalid ones are 0 in every colour space.
 struct Row {
     vec4 weighted; // RGB: their sum, weighted along x and for HDR, A: the sum of these weights
     vec3 mean;     // in clamp_space()
-    vec3 scatter;  // squares of the distances from it
+    vec3 scatter;  // sum of squared deviations from the mean
     float count;   // of valid samples
 };
 
@@ -87,7 +87,7 @@ vec3 weights_along(float jitter)
 float part_of_one(float count) { return count > 0.0 ? 1.0 / count : 0.0; }
 
 bool needs_box; // of this thread's column
-// Few static pixels have a box: what rows keep for it would take registers from all.
+// Few static pixels have a box: its data in the rows would take registers from all threads.
 const bool ROWS_HAVE_BOXES = !ALL_REST;
 
 Row row_at(ivec2 pixel)
@@ -137,7 +137,7 @@ Box box_of_rows(Row rows[3], vec3 filtered)
     return box_of_row(all, filtered);
 }
 
-// In loops over all nine, which take fewer registers than rows.
+// As loops over all nine samples, which need fewer registers than rows.
 Box box_of_samples(ivec2 pixel, vec3 filtered)
 {
     Row all = Row(vec4(0.0), vec3(0.0), vec3(0.0), 0.0);
@@ -185,10 +185,10 @@ Frame frame_from_rows(ivec2 pixel, Row rows[3])
 
 // --- down the column -----------------------------------------------------------------------------
 
-// Other boxes than of variance are made of all nine samples.
+// The other kinds of boxes are computed from all nine samples.
 bool uses_rows() { return choice(RT_TAA_BOX) == RT_BOX_VARIANCE; }
 
-// Light that the gradient finds unchanged needs no box, either.
+// A static pixel whose light has not changed needs no box, either.
 bool has_box()
 {
     bool is_same = is_static && uses_gradient() && is_guarded() && light_change() == 0.0;

@@ -1,9 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Temporal upsampling as in Unreal Engine 4.26: anti-aliasing (taa.comp) of a picture that has more
-// pixels than are rendered (upsampling.glsl). Different from Unreal: the filter is the Gaussian of
-// the anti-aliasing, which is nowhere 0 / 0; Unreal has a polynomial of d^2 that ends at one pixel.
+// Temporal upsampling as in Unreal Engine 4.26: the anti-aliasing of taa.comp with more output
+// pixels than rendered pixels (upsampling.glsl). Different from Unreal: the filter is the Gaussian
+// of the anti-aliasing, which is nowhere 0 / 0; Unreal has a polynomial of d^2 that ends at one
+// pixel.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -12,7 +13,7 @@
 #include "taa.glsl"
 #include "upsampling.glsl"
 
-// 1.51 px, 1.3 at half the size.
+// 1.51 px at full size, 1.3 px at half size.
 float near_px_squared()
 {
     precise float times = 1.0 / rendered_per_px.x;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// What upsampling adds: the history has the pixels of the picture, the frame has fewer. The source
-// of a pixel is the rendered pixel whose jittered ray went nearest to its centre.
+// Upsampling: the history has output resolution, the frame has fewer pixels. The source of a pixel
+// is the rendered pixel whose jittered ray is nearest to the pixel's centre.
 //
 //     +-----------+-----------+     large cells: rendered pixels, with their rays s
-//     | .  s  .   | .  s  .   |     .  centres of the picture's pixels, here at 50 %
+//     | .  s  .   | .  s  .   |     .  centres of output pixels, here at 50 %
 //     |           |           |
 //     | .     .   | .     .   |     The nine samples about a source are filtered by their distance
-//     +-----------+-----------+     to the pixel's centre, in pixels of the picture.
+//     +-----------+-----------+     to the pixel's centre, in output pixels.
 #ifndef NEPH_REALTIME_UPSAMPLING_GLSL
 #define NEPH_REALTIME_UPSAMPLING_GLSL
 
 #include "neighbourhood.glsl"
 
-vec2 centre_in_frame_px; // the pixel's centre among the rays of the frame, in rendered pixels
+vec2 centre_in_frame_px; // the pixel's centre relative to the rays of the frame, in rendered pixels
 
 ivec2 find_source(ivec2 pixel)
 {
@@ -25,7 +25,7 @@ ivec2 find_source(ivec2 pixel)
     return ivec2(nearest);
 }
 
-// Where no ray went near the centre the frame weighs less, by the sum of the weights.
+// Where no ray is near the centre the frame has less weight: the sum of the weights.
 void find_filter_weights_and_coverage()
 {
     coverage = 0.0;

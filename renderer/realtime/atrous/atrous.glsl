@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: MIT
 //
 // One step of an edge-avoiding a-trous filter of the volume at half resolution, as in C. Schied et
-// al., "Spatiotemporal Variance-Guided Filtering", HPG 2017: 5x5 texels, ATROUS_STEP apart, by a
-// B-spline, by depth, and by the difference of luma against its deviation.
+// al., "Spatiotemporal Variance-Guided Filtering", HPG 2017: 5x5 texels, ATROUS_STEP apart,
+// weighted by a B-spline, by depth, and by the difference of luma relative to its deviation.
 //
-// Not as there: the deviation is that of the 3x3 around in what the step before has made, from the
-// plane through them, for there are no moments over time here; depth counts by its relative
-// difference, without its slope; there are no normals; and what is handed on to the next frame is
-// not filtered.
+// Differences from SVGF:
+// - The deviation is computed in the 3x3 around a texel of the step's input, from the plane through
+//   them: there are no moments over time here.
+// - Depth is weighted by its relative difference, without its slope.
+// - There are no normals.
+// - The history for the next frame is not filtered.
 //
-// Who includes this says what it reads, INPUT, and what it writes, OUTPUT.
+// A file that includes this one defines the target to read, INPUT, and the target to write, OUTPUT.
 #ifndef RT_ATROUS_GLSL
 #define RT_ATROUS_GLSL
 
 #include "renderer/realtime/shared/pass.glsl"
 
 const float SPLINE[3] = {0.375, 0.25, 0.0625};
-// Differences that count by 1 / e: of luma in standard deviations of the 3x3 around, of depth in
-// parts of the depth.
+// Differences that reduce a weight to 1 / e: luma in standard deviations of the 3x3 around, depth
+// relative to the depth.
 const float LUMA_SIGMAS = 4.0, DEPTH_PART = 0.1;
 
 float luma_of(vec4 volume) { return volume.r + 2.0 * volume.g + volume.b; }
@@ -27,8 +29,8 @@ bool is_there(vec4 volume, ivec2 half_pixel)
     return fetch_half(RT_HISTORY_STATE, half_pixel).x > 0.0 && is_sound(volume);
 }
 
-// Deviation of the lumas around, in single steps, from the plane through them: a slope is no
-// noise. Where some do not count, from the mean of the others.
+// Deviation of the lumas around, in single steps, from the plane through them, because a slope is
+// no noise; where some of the nine are invalid, from the mean of the others.
 float deviation_at(ivec2 half_pixel)
 {
     float sum = 0.0, squares = 0.0, count = 0.0;
@@ -52,7 +54,7 @@ float deviation_at(ivec2 half_pixel)
     return count > 0.0 ? sqrt(squares / (is_plane ? 6.0 : count)) : 0.0;
 }
 
-// exp(-x), and 1 for 0 / 0.
+// exp(-difference / unit), and 1 for 0 / 0.
 float falling(float difference, float unit)
 {
     return difference > 0.0 ? exp(-difference / max(unit, 1e-20)) : 1.0;

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The first step of the a-trous filter. The history of the frame before has been read and makes
-// room.
+// The first step of the a-trous filter. Its output overwrites the history of the frame before,
+// which is no longer needed.
 #extension GL_GOOGLE_include_directive : require
 
 #define ATROUS_STEP 1

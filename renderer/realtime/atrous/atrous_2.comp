@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The second, by way of memory that the temporal gradient would need.
+// The second step. Its output uses memory that belongs to the temporal gradient when that is on.
 #extension GL_GOOGLE_include_directive : require
 
 #define ATROUS_STEP 2

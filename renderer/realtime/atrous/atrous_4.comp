@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The third and last: what the upscale reads.
+// The third and last step. The upscale reads its output.
 #extension GL_GOOGLE_include_directive : require
 
 #define ATROUS_STEP 4

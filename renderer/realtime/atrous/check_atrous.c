@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The a-trous filter of the volume: its steps against their CPU reference, what it leaves alone,
- * what it takes of noise, and that the upscale reads it.
+ * Tests of the a-trous filter of the volume: its steps against their CPU reference, edges, the
+ * reduction of noise, and that the upscale reads its output.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -20,7 +20,7 @@ static void open_volume(struct neph_vulkan *vulkan, const char *words, const int
     test_fill(test, RT_HISTORY_STATE, 1, 50, 0, 0);
 }
 
-/* Rounding of some 75 sums, of exp() to 3 ulps times the weight's exponent, and of halves. */
+/* Rounding of about 75 sums, of exp() to 3 ulps times the weight's exponent, and of halves. */
 static void test_each_step_equals_the_cpu_reference(void **state)
 {
     static const int sizes_px[][2] = {{1, 1}, {9, 5}, {64, 36}};
@@ -74,9 +74,9 @@ static double deviation(struct test_passes *test, int target, double mean)
     return sqrt(squares / count);
 }
 
-/* White noise of transmittance, whose luma is the same everywhere: a step leaves the root of the
- * sum of the squared weights, 70 / 256. That of 2304 texels is known to 1 / sqrt(2 2304), 1.5 %,
- * which is more since those nearby are alike: 5 %. */
+/* White noise of transmittance with constant luma: a step reduces its deviation to the root of the
+ * sum of the squared weights, 70 / 256. The deviation of 2304 texels is exact to 1 / sqrt(2 2304),
+ * 1.5 %, and less exact because neighbours are correlated: 5 %. */
 static void test_noise_is_averaged_by_what_the_spline_says(void **state)
 {
     uint64_t seed = 5;
@@ -91,7 +91,7 @@ static void test_noise_is_averaged_by_what_the_spline_says(void **state)
                       0.05, 0.0);
 }
 
-/* A constant stays; nothing passes an edge of depth. */
+/* A constant stays constant; no light crosses an edge of depth. */
 static void test_edges_stay(void **state)
 {
     static const struct {

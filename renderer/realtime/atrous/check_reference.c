@@ -10,7 +10,7 @@ struct step {
     int input, output, apart;
 };
 
-/* False where there is no history, or none that is sound. */
+/* False where there is no valid history. */
 static bool fetch(const struct step *step, int x, int y, float volume[4])
 {
     float state[4];

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The composition: identities, exactly, and the one way to it like the other.
+ * Tests of the composition: exact identities, and equality of its two implementations.
  */
 #include "tests/renderer/realtime_test.h"
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-/* As the shader is run in both of a target's formats, on a view away from the corner. */
+/* A view away from the corner of its targets, in both formats of a target. */
 static void open_view(void **state, const char *assignments, const int size_px[2], uint64_t seed,
                       struct test_passes *test)
 {
@@ -26,8 +26,8 @@ static float random_radiance(uint64_t *seed)
     return neph_test_random(seed) % 8 ? (float)pow(10.0, 12.0 * test_uniform(seed) - 6.0) : 0.0f;
 }
 
-/* The shader multiplies, rounds, adds and rounds, as C does: with one rounding of a fused
- * multiply-add one value in nine would be another float. */
+/* The shader multiplies, rounds, adds and rounds, as C does: with the single rounding of a fused
+ * multiply-add one value in nine would differ. */
 static void test_compose_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 20261126;
@@ -50,8 +50,8 @@ static void test_compose_equals_the_cpu_reference(void **state)
         }
 }
 
-/* Without a volume the scene comes out as it went in, bit by bit; behind one that lets nothing
- * through, the volume alone; and T of a power of 2 scales what is behind exactly. */
+/* Without a volume the background is unchanged, bit by bit; behind an opaque volume only the volume
+ * is visible; a T that is a power of 2 scales the background exactly. */
 static void test_identities(void **state)
 {
     static const struct {
@@ -85,7 +85,7 @@ static void test_identities(void **state)
     }
 }
 
-/* Outside the view nothing is written. */
+/* Texels outside the view are not written. */
 static void test_the_rest_of_the_buffer_is_left_alone(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -104,7 +104,7 @@ static void test_the_rest_of_the_buffer_is_left_alone(void **state)
     assert_int_equal(written, sizes_px[2][0] * sizes_px[2][1]);
 }
 
-/* What the anti-aliasing makes of a volume and what is behind it; for the caller to free. */
+/* Output of the anti-aliasing from a volume and a background; the caller frees it. */
 static uint32_t *anti_aliased(struct test_passes *test, int composition)
 {
     test->view.settings[RT_COMPOSITION] = (float)composition;
@@ -112,8 +112,8 @@ static uint32_t *anti_aliased(struct test_passes *test, int composition)
     return test_download(test, RT_TAA_OUT);
 }
 
-/* The same bits where it composes by itself, whatever lies in the picture that it does not need; in
- * the kernels of a CPU and of a GPU. */
+/* The same bits where the anti-aliasing composes, for any contents of the unused target, in the
+ * kernels of a CPU and of a GPU. */
 static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
 {
     static const char *const settings[] = {
@@ -140,7 +140,7 @@ static void test_the_anti_aliasing_composes_as_the_pass_does(void **state)
     }
 }
 
-/* The picture of a pass that composes; for the caller to free. */
+/* The composed frame after the upscale; the caller frees it. */
 static uint32_t *upscaled(struct test_passes *test, int composition)
 {
     test->view.settings[RT_COMPOSITION] = (float)composition;
@@ -152,8 +152,8 @@ static uint32_t *upscaled(struct test_passes *test, int composition)
     return test_download(test, RT_COLOR);
 }
 
-/* The same bits where the upscale composes, of each format of the volume and in kernels that know
- * their settings and such that do not. */
+/* The same bits where the upscale composes, in each format of the volume, and in kernels with and
+ * without constant settings. */
 static void test_the_upscale_composes_as_the_pass_does(void **state)
 {
     static const char *const settings[] = {"target_format=half", "target_format=float"};

@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Composition: the volume over what is behind it, L = volume + T behind, with T the transmittance
-// of all media together (the article has in one place that of the fog alone). Without a volume,
-// (0, 0, 0, 1), the scene comes out as it went in.
+// Composition: L = volume + T background, where T is the transmittance of all media together (in
+// one place the article uses only the fog's transmittance). Without a volume, (0, 0, 0, 1), the
+// background is unchanged.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"

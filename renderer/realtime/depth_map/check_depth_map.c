@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How targets keep their numbers, and the depth map at half resolution.
+ * Tests of the formats of targets, and of the depth map at half resolution.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -15,7 +15,7 @@ static void test_every_half_comes_back(void **state)
     }
 }
 
-/* Against the compiler's own conversion, which rounds as IEEE 754 has it. */
+/* Against the compiler's own conversion, which rounds as IEEE 754 defines. */
 static void test_halves_round_to_nearest_even(void **state)
 {
     uint64_t seed = 20261121;
@@ -39,7 +39,7 @@ static void test_halves_round_to_nearest_even(void **state)
 
 static const int sizes_px[][2] = {{1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}, {641, 363}};
 
-/* Near, far, sky, all alike: what a depth buffer can hold. */
+/* Near, far, sky, equal: all kinds of depths. */
 static float random_depth_m(uint64_t *seed)
 {
     switch (neph_test_random(seed) % 4) {
@@ -72,7 +72,7 @@ static void test_min_max_equals_the_cpu_reference(void **state)
         }
 }
 
-/* Each tile knows two nearest and two farthest depths of its 4x4 pixels. */
+/* Each tile has two nearest and two farthest depths of its 4x4 pixels. */
 static void test_a_tile_has_two_near_and_two_far(void **state)
 {
     const struct neph_settings settings = test_settings("depth_map=checkerboard");

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The depth map (depth_map.glsl), a thread for each texel. On a GPU the tile index can
-// make it by itself (realtime/tile_index/tile_index.comp).
+// The depth map (depth_map.glsl), one thread a texel. On a GPU the tile index can write it
+// (realtime/tile_index/tile_index.comp).
 #extension GL_GOOGLE_include_directive : require
 
 #include "depth_map.glsl"

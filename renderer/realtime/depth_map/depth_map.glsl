@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// The depth map at half resolution. One texel stands for 2x2 pixels by one of their eye depths: on
-// the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the farthest, so
-// that 2x2 texels, a tile, know two near and two far depths of their 4x4 pixels.
-// "Nearest" and "farthest" are meant in distance: in a reversed depth buffer the names swap. The
-// article takes the minimum of such a buffer, the farthest, on the white squares: `reversed`.
+// The depth map at half resolution. One texel represents 2x2 pixels by one of their eye depths: on
+// the checkerboard's white squares (x % 2 == y % 2) the nearest, on the black ones the farthest:
+//
+//     n f n f     n  nearest of 2x2 pixels
+//     f n f n     f  farthest
+//
+// So 2x2 texels, a tile, have two near and two far depths of their 4x4 pixels. "Nearest" and
+// "farthest" are distances: in a reversed depth buffer the comparisons swap. The article takes the
+// minimum of such a buffer, the farthest, on the white squares: `reversed`.
 #ifndef NEPH_REALTIME_DEPTH_MAP_GLSL
 #define NEPH_REALTIME_DEPTH_MAP_GLSL
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Near froxels: each pass against its CPU reference, and the picture against the exact transport
- * as slices get thinner, at a wall and at the seam to the march.
+ * Tests of near froxels: each pass against its CPU reference, and the frame against the exact
+ * transport with ever thinner slices, at a wall and at the seam to the march.
  */
 #include "tests/renderer/sequence_test.h"
 
@@ -14,8 +14,7 @@ enum { WIDTH_PX = 32, HEIGHT_PX = 18 };
 
 /* ---- passes without the scene ---- */
 
-/* exp and log of the device have 3 units in the last place or so, and slices of a thin end cancel.
- */
+/* exp and log of the device have about 3 units in the last place, and thin slices cancel. */
 static const double passes_relative = 2e-4, passes_absolute = 1e-6;
 
 static void assert_same(struct test_passes *test, int target, size_t first, size_t count)
@@ -74,9 +73,9 @@ static void test_passes_equal_their_cpu_references(void **state)
     }
 }
 
-/* ---- pictures ---- */
+/* ---- frames ---- */
 
-/* As exact as the pipeline can be apart from froxels: one for each pixel, no history, no dither. */
+/* The pipeline's most exact settings apart from froxels: one per pixel, no history, no dither. */
 #define PLAIN                                                                                      \
     "froxels=on froxel_px=1 froxel_jitter=off froxel_history=0 taa=off "                           \
     "target_format=float ray_dither_amount=0 upscale_amount_px=0 steps=64 "
@@ -90,14 +89,14 @@ static struct neph_image *picture_of(struct neph_vulkan *vulkan, const struct ne
     struct neph_realtime *realtime = test_sequence(vulkan, scene, &settings, WIDTH_PX, HEIGHT_PX);
     struct neph_image *image = NULL;
     neph_realtime_observe(realtime, observer, context);
-    for (int frame = 0; frame < frames; frame++) { /* held after the scene's last */
+    for (int frame = 0; frame < frames; frame++) { /* the scene's last frame repeats */
         neph_image_destroy(image);
         image = test_next(realtime, scene, frame, NULL);
     }
     return image;
 }
 
-/* Fog over ground as far as froxels go, a camera at 1.6 m that looks level. */
+/* Fog over the ground up to the end of the froxels, a level camera at 1.6 m. */
 static void scene_fog(struct test_scene *test)
 {
     test_scene_init(test);
@@ -133,10 +132,10 @@ static void scene_lamps(struct test_scene *test)
 }
 
 struct error {
-    double bias, rms; /* of what the media send, over its mean */
+    double bias, rms; /* of the media's radiance, over its mean */
 };
 
-/* The last picture of a camera that moves, if it does. */
+/* Errors of the last frame, with its camera. */
 static struct error error_of(const struct test_scene *test, const struct neph_image *image)
 {
     const struct neph_camera camera = neph_scene_camera(&test->scene, 1e6);
@@ -157,7 +156,7 @@ static struct error error_of(const struct test_scene *test, const struct neph_im
                           sqrt(squares * WIDTH_PX * HEIGHT_PX) / expected_sum};
 }
 
-/* Prints the table of docs/froxels.md. */
+/* Prints the table of docs/lights.md. */
 static void converges(struct neph_vulkan *vulkan, const char *name,
                       void (*make)(struct test_scene *test), double most_rms)
 {
@@ -190,7 +189,7 @@ static void test_lamps(void **state)
     converges(*state, "lamps", scene_lamps, 0.03);
 }
 
-/* Columns as wide as four pixels, whose peaks are found a pixel at a time, or lost. */
+/* Columns as wide as four pixels; the peaks of lights are computed per pixel, or are lost. */
 static void test_peaks_of_lamps_are_of_pixels(void **state)
 {
     struct test_scene test;
@@ -212,7 +211,7 @@ static void test_peaks_of_lamps_are_of_pixels(void **state)
 
 /* ---- light ---- */
 
-/* What is scattered at a point, per metre, and the extinction. */
+/* Scattered light per metre at a point, and the extinction. */
 static void light_at(const struct neph_scene *scene, struct neph_vec3 point_m,
                      struct neph_vec3 direction, double light[2])
 {
@@ -241,8 +240,8 @@ static double extinction_at(const struct neph_scene *scene, struct neph_vec3 poi
                                         neph_vec3_along(point_m, direction, along_m));
 }
 
-/* Each froxel in its middle; those that a face of the fog cuts, or whose shadow changes within a
- * millimetre, are left out. */
+/* Compares each froxel at its centre, except those that a face of the fog cuts or whose shadow
+ * changes within a millimetre. */
 static void check_light(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                         void *context)
 {
@@ -299,8 +298,8 @@ static void test_each_froxel_has_its_light(void **state)
 
 /* ---- walls and seams ---- */
 
-/* A dark room; behind its wall, 6 m away, a lamp in the same fog. Without one it stands behind the
- * camera: as many solids have the same kernels. */
+/* A dark room; behind its wall, 6 m away, a light in the same fog. For the scene without a wall the
+ * wall is behind the camera: equal numbers of solids have the same kernels. */
 static void scene_room(struct test_scene *test, bool wall)
 {
     scene_fog(test);
@@ -312,7 +311,7 @@ static void scene_room(struct test_scene *test, bool wall)
     test_add_box(test, (struct neph_vec3){-20, -3, z_m - 0.3}, (struct neph_vec3){20, 12, z_m});
 }
 
-/* The most that comes through, over what comes without a wall. */
+/* The largest light through the wall, over the light without a wall. */
 static double leak(struct neph_vulkan *vulkan, const char *assignments)
 {
     struct test_scene room, open;
@@ -342,8 +341,8 @@ static void test_no_light_leaks_through_a_wall(void **state)
     assert_true(let > 0.01);
 }
 
-/* Wherever the march takes over, the picture is as good as without froxels. Sixteen pictures, so
- * that every texel has been marched. */
+/* For any place of the seam to the march the frame is as good as without froxels. After sixteen
+ * frames every texel has been marched. */
 static void test_the_seam_is_not_seen(void **state)
 {
     neph_test_waits_for_the_night();
@@ -366,7 +365,7 @@ static void test_the_seam_is_not_seen(void **state)
         assert_true(errors[i].rms < 1.1 * errors[COUNT(ends) - 1].rms + 1e-3);
 }
 
-/* A camera at rest: the mean over jittered pictures is no worse than the middles. */
+/* With a static camera the mean over jittered frames is no worse than the froxels' centres. */
 static void test_jitter_and_history(void **state)
 {
     neph_test_waits_for_the_night();
@@ -411,9 +410,10 @@ static void history_follows(struct neph_vulkan *vulkan, const char *name,
     assert_true(errors[1].rms < errors[0].rms + most_more);
 }
 
-/* Past shafts at 0.3 m a picture: what a place of the world was is looked up where it was seen.
- * From where the camera is now it may scatter another part of its light, which history does not
- * know; and a column that has come close to a lamp keeps what it saw there for a while. */
+/* A camera moves past shafts at 0.3 m a frame: the history of a place of the world is read where
+ * that place was in the frame before. Two errors remain: from the new camera the place may scatter
+ * another part of its light, and a column that has come close to a light keeps its earlier light
+ * for some frames. */
 static void test_history_follows_the_world(void **state)
 {
     neph_test_waits_for_the_night();
@@ -424,7 +424,7 @@ static void test_history_follows_the_world(void **state)
     history_follows(*state, "lamps, isotropic", scene_lamps, even, 0.6);
 }
 
-/* What froxels do not know is refused. */
+/* Scenes that froxels do not support are refused. */
 static void test_refusals(void **state)
 {
     struct test_scene test;

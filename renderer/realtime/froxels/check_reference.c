@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Near froxels: shaders froxels.glsl, rt_froxel_sum and rt_froxel_apply, in double.
+ * The CPU reference of near froxels: froxels.glsl, froxel_sum.comp and froxel_apply.comp, in
+ * double.
  */
 #include "renderer/realtime/shared/check_reference.h"
 
@@ -31,7 +32,7 @@ double cpu_froxel_edge_m(const struct reference *cpu, int edge)
     return v.near_m * (pow(1.0 + v.end_m / v.near_m, (double)edge / v.slices) - 1.0);
 }
 
-/* The slice of a depth; at an edge either does. */
+/* The slice of a depth; at an edge either slice is correct. */
 static int slice_of(const struct reference *cpu, double depth_m)
 {
     const int slices = volume_of(cpu).slices;
@@ -41,7 +42,7 @@ static int slice_of(const struct reference *cpu, double depth_m)
     return slice;
 }
 
-/* Section 0 and 1: light of even and odd pictures; 2: sums. */
+/* Section 0 and 1: light of even and odd frames; 2: sums. */
 static void fetch(const struct reference *cpu, int section, int column, int row, int slice,
                   double value[4])
 {
@@ -54,7 +55,7 @@ static void fetch(const struct reference *cpu, int section, int column, int row,
         value[c] = (double)word[c];
 }
 
-/* L (1 - e^(-sigma t)) / sigma and e^(-sigma t) of a froxel, behind what is before it. */
+/* Adds L (1 - e^(-sigma t)) / sigma and e^(-sigma t) of a froxel behind the sum so far. */
 static void put_behind(double sum[4], const double froxel[4], double length_m)
 {
     const double depth = froxel[3] * length_m;
@@ -64,7 +65,7 @@ static void put_behind(double sum[4], const double froxel[4], double length_m)
     sum[3] *= exp(-depth);
 }
 
-/* The way per depth of the ray through a place of the view. */
+/* Length per depth of the ray through a place of the view. */
 static double slope_at(const struct reference *cpu, double x_px, double y_px)
 {
     const struct neph_gpu_view *view = cpu->view;

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The froxels before the marched volume: of the four columns around a pixel what lies before its
-// depth, the last froxel in part, and behind them what the march found from the volume's end on.
+// Composes the froxels with the marched volume: from the four columns around a pixel the medium in
+// front of its depth, with a part of the last froxel, and behind it the march, which starts at the
+// far end of the froxels.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"

@@ -1,15 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Light that the media scatter towards the camera in each froxel, per metre, and their extinction:
-// sun with the shadows of solids and media, lamps, their own glow. A froxel is looked at in one
-// place, that of the picture's jitter within it (but for what its ray has in closed form: optical
-// depth, and 1/d^2 of lamps), and mixed with what the same place of the world was in the picture
-// before. Where the surface that its place of the picture shows lies within the slice, it looks
-// before that: behind is another room.
+// In each froxel, light that the media scatter towards the camera per metre, and their extinction:
+// sun with the shadows of solids and media, lamps, emission. A froxel has one sample point, which
+// is jittered within it, except for terms with a closed form along its ray (optical depth, and
+// 1/d^2 of lamps). The result is blended with the froxels of the frame before at the same place of
+// the world. Where the surface seen through the sample point lies within the slice, the sample is
+// taken in front of it: behind it may be another room.
 #extension GL_GOOGLE_include_directive : require
 
-// As froxels.glsl has it, which needs the view.
+// Defined in froxels.glsl, which needs the view.
 float left_to_pixels_m(vec3 lamp_m);
 #define LAMP_BALL_M(lamp) left_to_pixels_m(lamp.position_m)
 
@@ -22,8 +22,8 @@ float left_to_pixels_m(vec3 lamp_m)
     return choice(RT_LAMP_PEAKS) != 0 ? froxel_ball_m(lamp_m) : 0.0;
 }
 
-// A low-discrepancy sequence by M. Roberts (R3, 2018): whole numbers times fractions of the powers
-// of the root of x^4 = x + 1.
+// A low-discrepancy sequence by M. Roberts (R3, 2018): multiples of the inverse powers of the root
+// of x^4 = x + 1, modulo 1.
 vec3 froxel_jitter()
 {
     uvec3 bits = (view_frame + 1u) * uvec3(3518319155u, 2882110345u, 2360945575u);
@@ -37,14 +37,13 @@ ivec3 own_froxel(uint index)
     return ivec3(place.x, place.y - slice * froxel_count.y, slice);
 }
 
-// What a froxel has of its ray, and the part of that within the media's hull, where it is looked
-// at.
+// A froxel's part of its ray, and the part of that inside the media's hull, where the sample lies.
 struct Reach {
     float start_m, length_m;
     Stretch inside;
 };
 
-// Its mean extinction: by the closed form where there is one, so that edges of media count.
+// Mean extinction of a froxel; in closed form where there is one, so that edges of media count.
 float mean_extinction_per_m(Mixture mixture, ViewRay ray, Reach reach)
 {
     float marched_per_m = mixture.marched_per_m.x;
@@ -55,8 +54,8 @@ float mean_extinction_per_m(Mixture mixture, ViewRay ray, Reach reach)
            exact_optical_depth(start_m, ray.direction, reach.length_m).x / reach.length_m;
 }
 
-// Scattered per metre, of the mixture at the froxel's point: what, constant along the reach, sends
-// on as much as all of it does.
+// Light that is scattered per metre at the froxel's sample point. As a constant along the froxel it
+// gives the same radiance as the integral over the froxel.
 vec3 scattered_per_m(Mixture mixture, ViewRay ray, vec3 point_m, Reach reach,
                      float extinction_per_m)
 {
@@ -117,7 +116,7 @@ vec4 mix_at(int section, vec3 place)
     return sum;
 }
 
-// What the place of the world at the froxel's middle was in the picture before; false: not seen.
+// Light of the frame before at the place of the froxel's centre; false: outside that frame.
 bool light_before(ivec3 froxel, out vec4 light)
 {
     vec3 middle = vec3(froxel) + 0.5;
@@ -130,7 +129,7 @@ bool light_before(ivec3 froxel, out vec4 light)
     if (!(seen.z > 0.0) || seen.z > froxel_end_m() || any(lessThan(place.xy, vec2(0.0))) ||
         any(greaterThan(place.xy, vec2(froxel_count.xy))))
         return false;
-    // Between the middles of slices depth counts, not their number.
+    // Between the centres of slices interpolation is in depth, not in slice numbers.
     int slice = clamp(int(froxel_place(seen.z)), 0, froxel_count.z - 1);
     float middle_m = 0.5 * (froxel_edge_m(slice) + froxel_edge_m(slice + 1));
     int other = clamp(seen.z < middle_m ? slice - 1 : slice + 1, 0, froxel_count.z - 1);

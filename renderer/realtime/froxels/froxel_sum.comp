@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
-//
-// What lies before the far edge of each slice of a column, front to back: in-scattered radiance and
-// transmittance, each froxel's by the integral over its stretch (froxels.glsl), which conserves
+// Sums a column front to back: in-scattered radiance and transmittance in front of the far edge of
+// each slice. Each froxel is integrated along its length (froxels.glsl), which conserves energy for
+// any optical depth.
 // energy however thick it is.
 #extension GL_GOOGLE_include_directive : require
 

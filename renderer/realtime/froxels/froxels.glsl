@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// Near froxels: a volume before the camera, columns and rows of the picture, and slices of eye
-// depth that grow with it (B. Wronski, "Volumetric Fog: Unified Compute Shader-Based Solution to
-// Atmospheric Scattering", SIGGRAPH 2014; S. Hillaire, "Physically Based and Unified Volumetric
-// Rendering in Frostbite", SIGGRAPH 2015). Slice edges are at
+// Near froxels: a volume in front of the camera, divided into columns and rows of the frame and
+// into slices of eye depth that grow with depth (B. Wronski, "Volumetric Fog: Unified Compute
+// Shader-Based Solution to Atmospheric Scattering", SIGGRAPH 2014; S. Hillaire, "Physically Based
+// and Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015). Slice edges are at
 //     near ((1 + end / near)^(k / slices) - 1),
-// even at first and exponential from `near` on, with the first at the camera.
+// uniform at first and exponential beyond `near`, with the first at the camera.
 //
-// All of it lies in one target, sections of slices one below the other: light and extinction of
-// the froxels of even pictures, those of odd ones, and what lies before the far edge of each slice.
+// One target has three sections of slices, one below the other: light and extinction of the froxels
+// of even frames, of odd frames, and the sums in front of the far edge of each slice.
 #ifndef NEPH_FROXELS_GLSL
 #define NEPH_FROXELS_GLSL
 
 int froxel_px = int(settings[RT_FROXEL_PX]);
 ivec3 froxel_count = ivec3((size_px + froxel_px - 1) / froxel_px, settings[RT_FROXEL_SLICES]);
 
-const int FROXEL_SUMS = 2; // the section; 0 and 1: light of even and odd pictures
+const int FROXEL_SUMS = 2; // the section; 0 and 1: light of even and odd frames
 
 int froxel_section_now() { return int(view_frame & 1u); }
 int froxel_section_before() { return 1 - froxel_section_now(); }
 
-// Where the volume ends and the march begins [m of eye depth].
+// Eye depth of the far end, where the march begins [m].
 float froxel_end_m() { return setting(RT_FROXEL_END_M); }
 
 float froxel_log_ratio() { return log(1.0 + froxel_end_m() / setting(RT_FROXEL_NEAR_M)); }
@@ -33,7 +33,7 @@ float froxel_edge_m(int edge)
            (exp(froxel_log_ratio() * (float(edge) / float(froxel_count.z))) - 1.0);
 }
 
-// The other way, in slices.
+// The inverse of froxel_edge_m(), in slices.
 float froxel_place(float depth_m)
 {
     return float(froxel_count.z) * log(1.0 + depth_m / setting(RT_FROXEL_NEAR_M)) /
@@ -45,13 +45,13 @@ ivec2 froxel_texel(int section, ivec3 froxel)
     return ivec2(froxel.x, froxel.y + froxel_count.y * (froxel.z + froxel_count.z * section));
 }
 
-// Held at the sides and ends of the volume.
+// Clamped to the sides and ends of the volume.
 vec4 fetch_froxel(int section, ivec3 froxel)
 {
     return fetch(RT_FROXELS, froxel_texel(section, clamp(froxel, ivec3(0), froxel_count - 1)));
 }
 
-// What a homogeneous stretch lets through, and what it sends on per light per metre [m].
+// Transmittance of a homogeneous length, and its in-scattered radiance per light per metre [m].
 float froxel_through(float extinction_per_m, float length_m)
 {
     return transmittance(extinction_per_m * length_m);
@@ -76,7 +76,7 @@ vec4 froxel_over(vec4 before, vec4 behind)
     return vec4(before.rgb + before.a * behind.rgb, before.a * behind.a);
 }
 
-// What lies before a depth in a slice of one column, the last froxel in part.
+// Light and transmittance in front of a depth in a slice of one column; the last froxel in part.
 vec4 column_before(ivec2 column, int slice, float length_m)
 {
     vec4 before = vec4(0.0, 0.0, 0.0, 1.0);
@@ -86,7 +86,8 @@ vec4 column_before(ivec2 column, int slice, float length_m)
     return froxel_over(before, froxel_stretch(last, length_m));
 }
 
-// What lies before a depth at a place of the picture, by the four columns around it.
+// Light and transmittance in front of a depth at a place of the frame, from the four columns
+// around.
 vec4 froxels_before(vec2 place_px, float depth_m, float slope)
 {
     int slice = clamp(int(froxel_place(depth_m)), 0, froxel_count.z - 1);
@@ -102,10 +103,10 @@ vec4 froxels_before(vec2 place_px, float depth_m, float slope)
     return before;
 }
 
-// A lamp's light peaks with 1/d^2, more sharply than columns can tell. So within a ball around it
-// the peak is left out of them (march_lamps.glsl) and found a pixel at a time (lamp_peaks.comp).
-// The ball is that many columns in radius: over one a kernel of 1 - (1 - d^2 / R^2)^2 over d^2
-// changes by an eighth.
+// A lamp's light peaks with 1/d^2, more sharply than froxel columns can resolve. Within a ball
+// around the lamp the peak is left out of the froxels (march_lamps.glsl) and computed per pixel
+// (lamp_peaks.comp). The radius of the ball is FROXEL_BALL columns: over one column the kernel (1 -
+// (1 - d^2 / R^2)^2) / d^2 changes by an eighth.
 const float FROXEL_BALL = 4.0;
 
 float froxel_ball_m(vec3 lamp_m)

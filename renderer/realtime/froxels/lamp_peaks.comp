@@ -1,23 +1,23 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The peaks of lamps, which froxels leave out: what the media scatter within a ball around each
-// lamp, (1 - d^2 / R^2)^2 of it, along the pixel's own ray, seen through the froxels before it.
+// The peaks of lamps, which froxels leave out: light that the media scatter within a ball around
+// each lamp, (1 - d^2 / R^2)^2 of it, along the pixel's own ray, seen through the froxels in front.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/rays.glsl"
 
 #include "froxels.glsl"
 
-// The stretch of a ray that lies in the ball, behind the camera's plane and before `end_m`; places
-// as lamp_pass() has them.
+// The part of a ray inside the ball, in front of the camera and of `end_m`; places as in
+// lamp_pass().
 Stretch stretch_in_ball(LampPass pass, float end_m)
 {
     float half_m = sqrt(max(pass.ball_m * pass.ball_m - pass.height_m * pass.height_m, 0.0));
     return Stretch(max(-half_m, -pass.foot_m), min(half_m, end_m - pass.foot_m));
 }
 
-// The light of a short stretch, whose media are those of its middle; as a step of a march.
+// The light of a short part with the media of its centre; like one step of a march.
 vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
 {
     float length_m = s1_m - s0_m;
@@ -28,8 +28,8 @@ vec3 part_of_peak(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m)
     return lamp_scattered_per_m(lamp, pass, ray, s0_m, s1_m, peak / length_m) * length_m;
 }
 
-// What is seen of one lamp's peak before `end_m`, through the media before it: the optical depth
-// before the ball is that of the froxels, within it that of the lamp's own place.
+// The visible light of one lamp's peak in front of `end_m`: the optical depth up to the ball comes
+// from the froxels, within the ball from the media at the lamp.
 vec3 peak_of(Lamp lamp, ViewRay ray, vec2 place_px, float slope, float end_m)
 {
     LampPass pass = lamp_pass(lamp.position_m, ray, froxel_ball_m(lamp.position_m));

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What has changed around a tile (change_samples.glsl), a thread for each. On a GPU the
-// reconstruction finds it in place of this pass (realtime/reconstruction/reconstruct_gpu.comp).
+// The change around a tile (change_samples.glsl), one thread a tile. On a GPU the reconstruction
+// computes it in place of this pass (realtime/reconstruction/reconstruct_gpu.comp).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 

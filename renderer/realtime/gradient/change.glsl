@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The change around a tile, as the temporal gradient has it (gradient.comp, change.comp).
+// The change around a tile, the result of the temporal gradient (gradient.comp, change.comp).
 #ifndef NEPH_REALTIME_CHANGE_GLSL
 #define NEPH_REALTIME_CHANGE_GLSL
 
 #include "renderer/realtime/shared/view.glsl"
 
 struct Change {
-    vec3 gain;     // the light of this frame over that of the frame before
-    float residue; // what that does not explain, between two looks
+    vec3 gain;     // light of this frame over light of the frame before
+    float residue; // the change between two samples that the gain does not explain
 };
 
-// Nothing has changed for so long that this is known (renderer/realtime/stillness.h).
+// Known: no change for many frames (renderer/realtime/stillness.h).
 bool is_unchanged() { return choice(RT_STEADY) >= RT_STEADY_KNOWN; }
 
 // Only the next frame reads this one (renderer/realtime/unread.h).
@@ -31,8 +31,8 @@ float beyond(float value, float least)
     return least > 0.0 ? clamp(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-// How many times the frames between two looks at the light it takes to change by `most`: a mean of
-// more would lag behind slow light.
+// The time in which light changes by `most`, in units of the time between two samples: a longer
+// mean would lag behind slow light.
 float lasting(float change, float most)
 {
     return change > 0.0 ? most / change : FAR_M;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The temporal gradient: its passes against their CPU references, and what they promise of rays
- * that are marched twice: no change where nothing has changed, all of it where something has, and
- * the gain of light that changes everywhere alike.
+ * Tests of the temporal gradient: its passes against their CPU references, and its result for rays
+ * that are marched twice: 0 in constant light, 1 where everything has changed, and the gain of
+ * light that changes uniformly.
  */
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/sequence_test.h"
@@ -26,8 +26,8 @@ static void fill(struct test_passes *test, int target, uint64_t *seed)
     }
 }
 
-/* What was kept is what the pass keeps: halves that are numbers and not below 0. Some of it is what
- * the rays see now. */
+/* Stored samples as the pass writes them: halves that are numbers and not below 0. Some equal the
+ * present rays. */
 static void fill_kept(struct test_passes *test, int target, uint64_t *seed)
 {
     for (size_t i = 0; i < test_elements(test, target); i++) {
@@ -38,7 +38,7 @@ static void fill_kept(struct test_passes *test, int target, uint64_t *seed)
     }
 }
 
-/* Depths that differ by a tenth or more, or not, in both frames. */
+/* Depths that differ by a tenth or more, or do not, in both frames. */
 static void fill_depths(struct test_passes *test, int target, uint64_t *seed)
 {
     static const float depths_m[] = {10.0f, 10.0f, 10.0f, 10.5f, 11.0f, 100.0f, NEPH_GPU_FAR_M};
@@ -46,7 +46,7 @@ static void fill_depths(struct test_passes *test, int target, uint64_t *seed)
         test_set(test, target, i, (float[4]){depths_m[neph_test_random(seed) % 7]});
 }
 
-/* Looks of which some are not second ones. */
+/* Gradient samples, some without an earlier sample. */
 static void fill_looks(struct test_passes *test, int now, int then, uint64_t *seed)
 {
     fill_kept(test, now, seed);
@@ -105,8 +105,8 @@ static void test_the_passes_equal_their_cpu_reference(void **state)
     }
 }
 
-/* In every frame one half of the tiles repeats, so that one of any 2x1 does; each does for four
- * frames of eight. */
+/* In every frame one half of the tiles repeats, so one of any 2x1 tiles does; each tile repeats in
+ * four frames of eight. */
 static void test_tiles_repeat_by_turns(void **state)
 {
     struct neph_gpu_view view = {.frame = 0};
@@ -122,7 +122,7 @@ static void test_tiles_repeat_by_turns(void **state)
         }
 }
 
-/* Without tiles nothing is marched twice, and nothing is taken for unchanged. */
+/* Without tiles no ray is marched twice, and nothing is treated as unchanged. */
 static void test_it_needs_the_split(void **state)
 {
     static const char *const texts[] = {"gradient=on", "gradient=on split=none"};
@@ -145,7 +145,7 @@ static struct neph_sun sun_of(double irradiance, double angle_rad)
     };
 }
 
-/* Irradiances of pictures in turn, ended by -1; whether they flash with a period of four. */
+/* Irradiances of consecutive frames, ended by -1; whether they flash with a period of four. */
 static void test_what_flashes_with_a_period(void **state)
 {
     static const struct {
@@ -155,10 +155,10 @@ static void test_what_flashes_with_a_period(void **state)
         {{4, 4, 1, 1, 4, 4, 1, 1, -1}, true},
         {{4, 1, 4, 1, 4, 1, 4, 1, -1}, true},
         {{4, 4, 4, 4, 4, 4, 4, 0, 4, 4, 4, 0, -1}, true}, /* no sun at all */
-        {{4, 3.9, 1, 1, 4, 4, 1.05, 1, -1}, true},        /* alike is not equal */
-        {{4, 4, 1, 1, 4, 4, 1, -1}, false},               /* not yet twice */
+        {{4, 3.9, 1, 1, 4, 4, 1.05, 1, -1}, true},        /* alike, not equal */
+        {{4, 4, 1, 1, 4, 4, 1, -1}, false},               /* less than two periods */
         {{4, 4, 4, 4, 4, 4, 4, 4, 4, -1}, false},
-        {{4, 4, 4, 4, 1, 1, 1, 1, 4, 4, 4, 4, -1}, false}, /* of eight: the looks see it */
+        {{4, 4, 4, 4, 1, 1, 1, 1, 4, 4, 4, 4, -1}, false}, /* period 8: the samples differ */
         {{4, 4, 4, 4, 4, 4, 9, 4, 4, 4, 4, -1}, false},    /* a single one */
         {{4, 4, 4, 4, 1, 1, 1, 1, -1}, false},             /* a step */
         {{4, 3.6, 3.2, 2.8, 2.4, 2.8, 3.2, 3.6, -1}, false},
@@ -169,14 +169,14 @@ static void test_what_flashes_with_a_period(void **state)
         for (uint32_t n = 0; cases[i].irradiance[n] >= 0.0; n++) {
             const struct neph_sun sun = sun_of(cases[i].irradiance[n], 1.0);
             neph_rt_suns_keep(&suns, 60 + n, &sun); /* past the end of the ring */
-            neph_rt_suns_keep(&suns, 60 + n, &sun); /* and that of a mirrored view */
+            neph_rt_suns_keep(&suns, 60 + n, &sun); /* again, as for a mirrored view */
         }
         assert_int_equal(neph_rt_suns_flash(&suns, 4), cases[i].flashes);
     }
 }
 
-/* Periods are asked for one by one; a direction that jumps is a flash, too, and after a gap of
- * pictures nothing is known. */
+/* Each period is tested by itself; a direction that jumps is a flash, too, and a gap in the frames
+ * restarts the history. */
 static void test_flashes_of_other_periods(void **state)
 {
     struct neph_rt_suns suns = {.count = 0};
@@ -192,7 +192,7 @@ static void test_flashes_of_other_periods(void **state)
     assert_false(neph_rt_suns_flash(&suns, 7));
 }
 
-/* As far back as is asked for, and no further than is known. */
+/* Jumps within the given number of frames, limited by the length of the history. */
 static void test_a_sun_that_jumps(void **state)
 {
     struct neph_rt_suns suns = {.count = 0};
@@ -209,10 +209,10 @@ static void test_a_sun_that_jumps(void **state)
 
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, TILES = (WIDTH_PX / 4) * (HEIGHT_PX / 4) };
 
-/* What one frame has, over all tiles. */
+/* Results of one frame over all tiles. */
 struct changes {
-    int medium, behind; /* tiles that see a change */
-    int void_tiles;     /* ... of all of it */
+    int medium, behind; /* tiles with a change */
+    int void_tiles;     /* ... of 1 */
     double least, most; /* change of the medium */
     double gain[2];     /* the least and the largest, of the medium */
     bool resting;       /* without override */
@@ -245,8 +245,8 @@ static void take_changes(struct neph_rt_device *device, const struct neph_rt_pas
     }
 }
 
-/* Preset `ours`: with the digits of its settings all tests share its kernels. Numbers that are not
- * to count are too small for halves, and for whole frames. */
+/* Preset `ours`: as its choices are unchanged, all tests share its kernels. Numbers that shall have
+ * no effect are too small for halves, and for whole frames. */
 static struct neph_realtime *open_watched(struct neph_vulkan *vulkan, const struct test_scene *test,
                                           const char *assignments, struct changes *changes)
 {
@@ -266,9 +266,9 @@ static void dim_the_sun(struct test_scene *test, double part)
     sun->irradiance_w_per_m2 = neph_rgb_scale(sun->irradiance_w_per_m2, part);
 }
 
-/* Noise on the rays, jitter, and a slot that is overridden change nothing. From the frame on in
- * which the sun is half as bright, all tiles see just that, for four frames; what is behind is seen
- * for as many as there are places of the jitter. */
+/* Noise on the rays, jitter, and a slot that is overridden give no change. From the frame on in
+ * which the sun is half as bright, all tiles find exactly that change for four frames; behind the
+ * media it is found for as many frames as the jitter has places. */
 static void test_light_is_told_from_noise(void **state)
 {
     enum { BEFORE = 24, AFTER = 12 };
@@ -287,7 +287,7 @@ static void test_light_is_told_from_noise(void **state)
             assert_int_equal(changes.behind, 0);
         if (since >= 0 && since < 4) {
             assert_int_equal(changes.medium, TILES);
-            neph_assert_close(changes.least, 0.5, 0.0, 2e-3); /* of halves */
+            neph_assert_close(changes.least, 0.5, 0.0, 2e-3); /* rounding of halves */
             neph_assert_close(changes.most, 0.5, 0.0, 2e-3);
         }
         if (since >= 0 && since < 7)
@@ -295,9 +295,9 @@ static void test_light_is_told_from_noise(void **state)
     }
 }
 
-/* A sun that loses a hundredth in each frame is a gain of 0.96 between two looks, which is 0.99 per
- * frame but for (0.96 - 1) / 4 + 0.01 of them, and leaves nothing but what halves round: 1 in 2048
- * of each look. A gain of less than relight allows is a change. */
+/* A sun that loses a hundredth in each frame has a gain of 0.96 between two samples, which is 0.99
+ * per frame except for (0.96 - 1) / 4 + 0.01 of them, and leaves only the rounding of halves: 1 in
+ * 2048 of each sample. A gain below the range of relight is a change. */
 static void test_slow_light_is_a_gain(void **state)
 {
     enum { BEFORE = 12, AFTER = 8 };
@@ -321,8 +321,8 @@ static void test_slow_light_is_a_gain(void **state)
     assert_true(changes.least > 0.4); /* 1 - 0.99^3 0.5 / 0.9 */
 }
 
-/* Half of the light in every other frame: both looks at a ray see the same. With change_strobe all
- * tiles know from the eighth frame on, before that and without it none. */
+/* Half of the light in every other frame: both samples of a ray are equal. With change_strobe all
+ * tiles have a change from the eighth frame on; before that and without it none has. */
 static void test_light_that_flashes_unseen_is_a_change(void **state)
 {
     static const char *const strobes[] = {"change_strobe=off", "change_strobe=on"};
@@ -339,12 +339,12 @@ static void test_light_that_flashes_unseen_is_a_change(void **state)
                 assert_int_equal(changes.medium, 0);
         }
         assert_int_equal(changes.void_tiles, on ? TILES : 0);
-        assert_true(changes.behind > TILES / 4); /* seven frames: one look is light, one dark */
+        assert_true(changes.behind > TILES / 4); /* seven frames apart: one light, one dark */
     }
 }
 
-/* For 16 frames after the sun has jumped every second cycle of four is without override; a sun that
- * sinks by a hundredth is none that jumps. */
+/* For 16 frames after a jump of the sun every second cycle of four frames has no override; a sun
+ * that sinks by a hundredth does not jump. */
 static void test_the_override_rests_after_a_jump(void **state)
 {
     struct test_scene test;
@@ -359,7 +359,8 @@ static void test_the_override_rests_after_a_jump(void **state)
     }
 }
 
-/* What a solid uncovers and hides all tiles there know in the same frame, and no others. */
+/* Where a solid uncovers or hides the background all tiles there find it in the same frame, and no
+ * others do. */
 static void test_what_a_solid_uncovers_has_changed(void **state)
 {
     struct test_scene test;
@@ -393,8 +394,8 @@ static double difference(const struct neph_image *a, const struct neph_image *b)
     return sum / (WIDTH_PX * HEIGHT_PX);
 }
 
-/* How much a still picture of a preset goes on changing from frame to frame, and what is left of
- * the old light ten frames after the sun is half as bright: 1 is all. */
+/* Mean change of a static frame of a preset from frame to frame, and the share of the old light
+ * that remains ten frames after the sun is half as bright: 1 is all. */
 static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest, double *left)
 {
     enum { BEFORE = 40, WATCHED = 8, AFTER = 10, SETTLED = 60 };
@@ -427,7 +428,7 @@ static void watch(struct neph_vulkan *vulkan, const char *preset, double *unrest
     neph_image_destroy(before);
 }
 
-/* Calm and quick at once, which a weight of the anti-aliasing alone cannot be. */
+/* Less flicker and less lag at once, which no single weight of the anti-aliasing achieves. */
 static void test_the_second_generation_rests_and_follows(void **state)
 {
     double unrest[2], left[2];

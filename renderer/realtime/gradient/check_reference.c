@@ -62,7 +62,7 @@ static bool is_other_scene(const struct reference *cpu, int x, int y)
     return false;
 }
 
-/* Where in its row a pixel is kept. */
+/* The place in its row where a pixel is stored. */
 static int kept_x(const struct neph_gpu_view *view, int x)
 {
     int at = x / 4;

@@ -1,19 +1,19 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The temporal gradient: the light of rays that were marched before, with the same random numbers.
-// Noise has no part in the difference: before a static camera and in constant light it is 0 to the
-// last bit. After C. Schied, C. Peters, C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive
-// Temporal Filtering", HPG 2018, who march such rays besides the others. Here the others do it,
-// since the split of the frame and the jitter come back by themselves:
+// The temporal gradient: rays are marched again with the same random numbers, and their light is
+// compared. The difference has no noise: with a static camera and constant light it is exactly 0.
+// After C. Schied, C. Peters, C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal
+// Filtering", HPG 2018, who march additional rays. Here no ray is added, because the slots of the
+// split frame and the jitter repeat with fixed periods:
 //
 //     frames        0 1 2 3     4 5 6 7     8 9 ..
 //     white tiles   sample      compare     sample    A tile marches its four slots in four frames,
 //     black tiles   compare     sample      compare   twice in a row with the same ray_dither.
 //
 // - Medium: white and black are squares of a checkerboard, so every 3x3 tiles have a comparison. A
-//   ray is kept under the number of its frame, not of its slot, which an override may march twice
-//   in four frames.
+//   ray is stored under the number of its frame, not of its slot, because an override may march a
+//   slot twice in four frames.
 // - Behind all media: the jitter repeats after N = taa_jitter_length frames. In each frame every
 //   Nth of a tile's 16 pixels, row by row, is compared with its light N frames before. For N = 7
 //   the numbers are the frames:
@@ -21,14 +21,14 @@
 //       4 5 6 0
 //       1 2 3 4
 //       5 6 0 1
-// - All texels notice at once what a solid has uncovered or hidden since the frame before, by their
-//   depth (reject_depth).
+// - Disocclusion: all texels find by their depth in each frame where the scene behind has changed
+//   (reject_depth).
 //
-// Where it is known that nothing has changed for long (RT_STEADY) this pass does not run: what was
-// kept behind all media is still there, and the reconstruction keeps the rays.
+// Where the gradient is known to be 0 (RT_STEADY) this pass does not run: the samples behind all
+// media stay valid, and the reconstruction stores the rays.
 //
-// Samples are kept in halves and compared as halves. While the camera moves no ray is the same one:
-// the result is of no use then, and the consumers go by motion first.
+// Samples are stored and compared as halves. While the camera moves no ray repeats: the result is
+// meaningless then, and the passes that read it check for motion first.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -38,20 +38,21 @@
 
 const int TILE_PX = 16;
 
-// Where a pixel is kept. Threads beside each other read every fourth pixel of a row. These lie side
-// by side: first the pixels of the first column of all tiles, then those of the second, and so on.
+// The texel where a pixel's sample is stored. Neighbouring threads read every fourth pixel of a
+// row; these are stored side by side: first the pixels of the first column of all tiles, then those
+// of the second, and so on.
 ivec2 kept_texel(ivec2 pixel)
 {
     int in_tile = pixel.x & 3, whole = view_size().x >> 2, rest = view_size().x & 3;
     return ivec2(in_tile * whole + min(in_tile, rest) + (pixel.x >> 2), pixel.y);
 }
 
-// Whether the scene behind one of the tile's texels is another one than in the frame before.
+// Whether the depth of one of the tile's texels differs from the frame before.
 bool is_other_scene(ivec2 tile)
 {
     if (!is_set(RT_REJECT_DEPTH) || !has_past)
         return is_set(RT_REJECT_DEPTH);
-    bool is_other = false; // a loop with a way out would wait for each depth
+    bool is_other = false; // no early exit, which would wait for each depth
     [[unroll]] for (int i = 0; i < 4; i++) {
         ivec2 half_pixel = 2 * tile + ivec2(i & 1, i >> 1);
         float now_m = fetch_half(RT_HALF_DEPTH, half_pixel).x;
@@ -63,7 +64,7 @@ bool is_other_scene(ivec2 tile)
     return is_other;
 }
 
-// There are no samples before a first frame, whatever lies in memory, nor before a cut.
+// In the first frame (memory has arbitrary contents) and after a cut there are no earlier samples.
 void clear_samples(ivec2 tile)
 {
     for (int i = 0; i < 4; i++) {
@@ -83,9 +84,9 @@ void sample_medium(ivec2 tile)
     ivec2 half_pixel = 2 * tile + kept_place();
     vec4 now = vec4(0.0), then = vec4(0.0);
     bool is_known = half_pixel.x < half_size().x && half_pixel.y < half_size().y;
-    if (is_known) { // a cut tile has no room for all four
+    if (is_known) { // a partial tile has less than four texels
         now = as_halves(fetch_tile(RT_RAY, tile));
-        then = limit_to_half(fetch_half(RT_KEPT_RAY, half_pixel)); // a NaN is 0
+        then = limit_to_half(fetch_half(RT_KEPT_RAY, half_pixel)); // NaN becomes 0
         put_half(RT_KEPT_RAY, half_pixel, now);
     }
     is_known = is_known && repeats_ray(tile);
@@ -95,10 +96,11 @@ void sample_medium(ivec2 tile)
     put_tile(RT_LOOK_THEN, tile, vec4(then.rgb, is_known ? 1.0 : 0.0));
 }
 
-// Some of a tile's pixels, every Nth: all of them with a jitter of 6 places or more.
+// Number of pixels per step, every Nth of a tile: one step is enough for a jitter of 6 places or
+// more.
 const int AT_ONCE = 3;
 
-// Known before the shader is compiled: lavapipe runs a loop once even where no thread needs it.
+// Decided when the shader is compiled: lavapipe executes a loop once even where no thread needs it.
 bool may_be_more()
 {
     return !SPECIALISED || AT_ONCE * known_choice(RT_TAA_JITTER_LENGTH) < TILE_PX;
@@ -138,8 +140,8 @@ void add(Samples samples, inout Sums sums)
     }
 }
 
-// Samples are kept for the next comparison; `unlike` becomes at least what their common gain leaves
-// unexplained in one of them.
+// Stores samples for the next comparison. `unlike` becomes the maximum of itself and the residue of
+// each sample after their common gain.
 void keep_samples(Samples samples, vec3 gain, inout float unlike)
 {
     [[unroll]] for (int k = 0; k < AT_ONCE; k++) {
@@ -151,7 +153,7 @@ void keep_samples(Samples samples, vec3 gain, inout float unlike)
     }
 }
 
-// Light that has another gain in one of a tile's pixels than in the others is the edge of a shadow.
+// Where the gain of one of a tile's pixels differs from the others there is the edge of a shadow.
 void sample_behind(ivec2 tile)
 {
     int step = int(setting(RT_TAA_JITTER_LENGTH)), first = int(view_frame % uint(step));

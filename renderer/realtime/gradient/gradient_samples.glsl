@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Two samples of the same light: the gain between them, and the rest of the difference.
+// Two samples of the same light: the gain between them, and the residue, the remaining difference.
 #ifndef NEPH_REALTIME_LOOKS_GLSL
 #define NEPH_REALTIME_LOOKS_GLSL
 
@@ -19,21 +19,22 @@ vec3 gain_between(vec3 now, vec3 then)
     return gain;
 }
 
-// Between 0 and the largest half. A NaN becomes 0.
+// Clamps to 0 .. the largest half. A NaN becomes 0.
 vec4 limit_to_half(vec4 value)
 {
     vec4 below = mix(vec4(HALF_MAX), value, lessThan(value, vec4(HALF_MAX)));
     return mix(vec4(0.0), below, greaterThan(value, vec4(0.0)));
 }
 
-// As a half keeps a value. A sample that is not rounded would differ from the kept one for ever.
+// Rounds to half precision, as stored samples are; an unrounded sample would always differ from
+// them.
 vec4 as_halves(vec4 value)
 {
     vec4 limited = limit_to_half(value);
     return from_words(uvec2(pack(limited.xy), pack(limited.zw)));
 }
 
-// The place in its tile of the texel whose ray a tile keeps in a frame.
+// The place in its tile of the texel under which a tile stores its ray in this frame.
 ivec2 kept_place() { return ivec2(view_frame & 1u, view_frame >> 1 & 1u); }
 
 float largest(vec3 value)
@@ -42,7 +43,7 @@ float largest(vec3 value)
     return most > value.b ? most : value.b;
 }
 
-// The largest difference of a channel, as a part of the brightest.
+// The largest difference of a channel, relative to the brightest channel.
 float residue_between(vec3 now, vec3 then, vec3 gain)
 {
     precise vec3 expected = gain * then;

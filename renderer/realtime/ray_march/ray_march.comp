@@ -1,14 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The march: one ray a tile, through the half-resolution texel that the tile index chose, as far
-// as its depth; the code is that of march.comp. A work group has a square of tiles, whose rays
-// meet the same voxels and part late; what of a square is beyond the view is idle. A dithered start
-// (blue noise on the tiles) turns the bands that few steps leave into noise for the filters behind.
+// The march: one ray a tile, through the half-resolution texel that the tile index selected, up to
+// its depth; the code is shared with march.comp. A work group has a square of tiles, whose rays
+// read the same voxels and diverge late; tiles of a square beyond the view are idle. A dithered
+// start (blue noise on the tiles) turns the banding of few steps into noise, which later passes
+// filter.
 //
-// The distance that goes with a ray is the mean of what it sees of the medium. A ray that sees none
-// takes its end, or the sky's depth where that is the sky: a number to reproject with, and at most
-// the largest half.
+// The distance that is stored with a ray is the mean distance of the medium's light along it. A ray
+// without such light has the distance of its end, or sky_m where that is the sky: a distance to
+// reproject with, at most the largest half.
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
@@ -20,22 +21,21 @@
 #include "renderer/realtime/shared/dither.glsl"
 #include "renderer/realtime/tile_index/slots.glsl"
 
-// With a closed-form transmittance and no light of the media there is nothing to march for
+// With a closed-form transmittance and no light from the media there are no steps to march
 // (march.comp).
 layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
 
 struct Ray {
     ViewRay view;
-    vec2 place_px;  // of the picture
+    vec2 place_px;  // in the frame
     float length_m; // FAR_M: to the sky
-    float place;    // in each step
+    float place;    // of the sample in each step, 0 .. 1
 };
 
-Camera camera = frame_camera(); // read before any branch, as the view is (shared/view.glsl)
+Camera camera = frame_camera(); // read before any branch, like the view (shared/view.glsl)
 
-// With gradient = on half-resolution texels, and not tiles, have numbers of their own, which follow
-// each other: the noise of a whole picture, and that of a texel over time, is then as blue as the
-// mask.
+// With gradient=on each half-resolution texel (not each tile) has its own sequence of numbers: the
+// noise of a whole frame, and the noise of a texel over time, then have the spectrum of the mask.
 float number_of(ivec2 tile, ivec2 half_pixel)
 {
     return choice(RT_GRADIENT) == 0
@@ -43,8 +43,8 @@ float number_of(ivec2 tile, ivec2 half_pixel)
                : dither(choice(RT_RAY_DITHER), half_pixel, turn_of(tile) >> 1, 0u);
 }
 
-// The tile of a ray, square by square. Within one bit by bit, x first: 8 rays that follow each
-// other, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4.
+// The tile of a ray, square by square, in Morton order within a square, x first: 8 consecutive
+// rays, which lavapipe marches together, are 4x2 tiles, and 32 are 8x4.
 ivec2 tile_of(int ray)
 {
     const int side = RT_MARCH_BLOCK;
@@ -55,7 +55,7 @@ ivec2 tile_of(int ray)
                                  ray >> 1 & 1 | ray >> 2 & 2 | ray >> 3 & 4);
 }
 
-// How many rays a square has, by its first tile.
+// Number of rays of a square, given by its first tile.
 uint rays_of_square(ivec2 tile)
 {
     ivec2 rest = min(tile_count() - tile, ivec2(RT_MARCH_BLOCK));
@@ -79,7 +79,7 @@ Ray ray_of(ivec2 tile)
     return ray;
 }
 
-// As view_optical_depth(), from the end of the froxels on.
+// view_optical_depth() from the end of the froxels on.
 vec3 optical_depth_behind(Ray ray, Sums sums)
 {
     ViewRay rest = ViewRay(view_point_m(ray.view, march_from_m), ray.view.direction);
@@ -88,8 +88,8 @@ vec3 optical_depth_behind(Ray ray, Sums sums)
                      : marched_depth(sums);
 }
 
-// Where a beam is lost, on average, in a medium that is the same all along its way, as a part of
-// that: (1 / tau) - 1 / (e^tau - 1).
+// Mean place at which light is lost in a homogeneous medium, relative to its length:
+// (1 / tau) - 1 / (e^tau - 1).
 float mean_place(float optical_depth)
 {
     float of_one = phi(optical_depth);
@@ -97,7 +97,7 @@ float mean_place(float optical_depth)
     return optical_depth > 1e-3 ? place : 0.5; // the difference cancels; off by less than 1e-4
 }
 
-// That of a march as if the media were the same all along their stretch.
+// Mean distance as for a homogeneous medium along the media's part of the ray.
 float dark_distance_m(Ray ray, vec3 optical_depth)
 {
     float depth = min(mean(optical_depth), OPAQUE);

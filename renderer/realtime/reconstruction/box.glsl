@@ -19,8 +19,8 @@ vec4 from_space(int space, vec4 value, float brightest)
     return vec4(color, value.a);
 }
 
-// HDRP's ClipCloudsToRegion: the colour goes towards the middle of the box until it is inside, the
-// transmittance to its nearest side. A side of no width is reached in the middle.
+// HDRP's ClipCloudsToRegion: the colour moves towards the centre of the box until it is inside, the
+// transmittance to the nearest limit. With a width of 0 the colour becomes the centre.
 vec4 clip_to(Box box, vec4 value)
 {
     vec4 clamped = clamp_to(box, value);
@@ -36,8 +36,8 @@ vec4 clip_to(Box box, vec4 value)
     return vec4(centre + part * offset, clamped.a);
 }
 
-// The box is about `first`. A colour that is in it already comes out as it is, without the rounding
-// of there and back.
+// The box is around `first`. A colour inside it is returned bit by bit, without conversion to the
+// space and back.
 vec4 clamp_in_space(int space, vec4 value, vec4 first, Box box)
 {
     vec4 seen = to_space(space, value);

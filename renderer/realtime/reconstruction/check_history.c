@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where the reconstruction finds its history, how it filters it, and when there is none; what
- * becomes of a sequence of frames.
+ * Tests of the reconstruction's history: its place, its filter, and the cases without history; and
+ * of sequences of frames.
  */
 #include "renderer/realtime/reconstruction/check_reconstruct.h"
 
-/* History that says where it was looked up: R and G are the place in half-resolution texels. A box
- * would not let it through, and fresh rays are not wanted. */
+/* A history whose R and G are its own place in half-resolution texels. Settings without clamp and
+ * fresh rays, which would change it. */
 static const char ramp_settings[] = "box=none fresh_weight=0 target_format=float wind=off ";
 
 static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int width, int height,
@@ -19,8 +19,8 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, int w
                  (float[4]){(float)(i % half_width), (float)(i / half_width), 0, 1});
 }
 
-/* Where a texel of the frame found its history [px]; false where it found none. Away from the
- * sides, where the ramp ends. */
+/* The place at which a texel of the frame found its history [px]; false where it found none, or at
+ * the sides, where the ramp ends. */
 static bool found_at(const struct test_passes *test, int x, int y, double place_px[2])
 {
     float value[4];
@@ -49,9 +49,9 @@ static void slopes_at(const struct neph_gpu_view *view, double x_px, double y_px
     slope[1] = (1.0 - 2.0 * y_px / view->size_px[1]) * view->now.half_height;
 }
 
-/* Slopes in the frame before, of a medium that is `distance_m` away, by the closed form of each
- * motion: turning by a takes tan(u) to tan(u - a), moving ahead scales about the middle by
- * z / (z + s), moving aside shifts by s / z. */
+/* Slopes in the frame before of a medium at `distance_m`, by the closed form of each motion: a
+ * rotation by a maps tan(u) to tan(u - a), forward motion scales about the centre by z / (z + s),
+ * sideways motion shifts by s / z. */
 static void slopes_before(const struct motion_case *c, double distance_m, bool is_radial,
                           double slope[2])
 {
@@ -92,13 +92,14 @@ static void apply_motion(struct neph_gpu_view *view, const struct motion_case *c
     case DOLLY: /* ahead, towards -Z */
         view->before.position_m[2] = (float)-c->amount;
         break;
-    case WIND: /* what is seen was to the left */
+    case WIND: /* the medium was to the left */
         view->wind_m[0] = (float)c->amount;
         break;
     }
 }
 
-/* Turn, roll, pass by, come near: the history is where geometry says, to 1e-4 px. */
+/* Rotation, roll, sideways and forward motion: the history is at the geometric place, to 1e-4
+ * px. */
 static void test_history_is_where_geometry_says(void **state)
 {
     static const struct motion_case cases[] = {
@@ -140,8 +141,7 @@ static void test_history_is_where_geometry_says(void **state)
     }
 }
 
-/* In an orthographic picture what passes by moves by as many metres at any distance; what comes
- * near does not move. */
+/* In an orthographic frame sideways motion is the same at any distance; forward motion is 0. */
 static void test_parallel_history_is_where_geometry_says(void **state)
 {
     static const struct motion_case cases[] = {
@@ -169,8 +169,8 @@ static void test_parallel_history_is_where_geometry_says(void **state)
     }
 }
 
-/* Without wind in the reprojection the history of a drifting medium is looked up where it is now.
- * A medium that shows nothing is infinitely far away: passing by does not move it. */
+/* Without wind in the reprojection the history of a drifting medium is read at its present place. A
+ * medium without effect is at infinity: sideways motion does not move it. */
 static void test_what_does_not_move(void **state)
 {
     static const float distances_m[] = {100.0f, INFINITY, NAN, 0.0f, NEPH_GPU_FAR_M};
@@ -207,7 +207,7 @@ static void test_the_filter_is_exact_on_lines(void **state)
             const double value = degree == 0 ? 0.25 : x + y;
             test_set(&test, RT_HISTORY_BEFORE, i, (float[4]){(float)value, 0, 0, 1});
         }
-        /* 2/3 px to the right and up of the place now, at any depth */
+        /* 2/3 px to the right and up of the present place, at any depth */
         const double shift_px = 2.0 / 3.0;
         for (int k = 0; k < 3; k++) {
             struct neph_gpu_view_camera *before = &test.view.before;
@@ -228,7 +228,7 @@ static void test_the_filter_is_exact_on_lines(void **state)
     }
 }
 
-/* Taps that are void lose their weight to the others. The age is that of the heaviest. */
+/* Invalid taps have no weight. The age is the age of the tap with the largest weight. */
 static void test_void_taps_have_no_weight(void **state)
 {
     {
@@ -240,7 +240,7 @@ static void test_void_taps_have_no_weight(void **state)
             for (int x = 0; x < 32; x++) {
                 cpu_put_half(&test.cpu, RT_HISTORY_STATE_BEFORE, x, y,
                              (float[4]){x < 16 ? (float)x : 0.0f, 100});
-                if (x == 5 && y == 5) /* unsound for all its age */
+                if (x == 5 && y == 5) /* invalid in spite of its age */
                     cpu_put_half(&test.cpu, RT_HISTORY_BEFORE, x, y,
                                  (float[4]){NAN, 1e30f, -1, INFINITY});
             }
@@ -297,7 +297,7 @@ static void test_cuts_and_first_frames(void **state)
         {"cut_reset=on", true, true, false},
         {"cut_reset=off", true, true, true},
         {"validity=on", false, false, false},
-        {"validity=off", false, false, true}, /* whatever the memory holds */
+        {"validity=off", false, false, true}, /* arbitrary memory is used */
         {"validity=off cut_reset=on", true, false, false},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -310,8 +310,8 @@ static void test_cuts_and_first_frames(void **state)
     }
 }
 
-/* Texels beyond the side that comes into view have none: of 32 columns those whose centres
- * were off the screen. Nor has what was behind the camera. */
+/* Texels at the side that comes into view have no history: of 32 columns those whose centres were
+ * off the screen. Texels that were behind the camera have none, either. */
 static void test_the_screen_ends(void **state)
 {
     for (int columns = 0; columns < 32; columns += 5) {
@@ -340,7 +340,7 @@ static void test_what_was_hidden_is_rejected(void **state)
     } cases[] = {
         {"reject_depth=0", 0},
         {"reject_depth=0.2", 6},  /* 8 less one column at each end, whose neighbours agree */
-        {"reject_depth=0.95", 3}, /* of the near one */
+        {"reject_depth=0.95", 3}, /* of the near depth */
         {"reject_depth=10", 0},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -358,9 +358,9 @@ static void test_what_was_hidden_is_rejected(void **state)
     }
 }
 
-/* A scene of checkerboards of near and far, the sky among the far, that nothing happens to but
- * that the camera turns or passes by is never rejected: not where near and far change places with
- * every texel of motion, nor where the sky's eye depth would turn with the camera. */
+/* A static scene of checkerboards of near and far depths, with the sky among the far ones, under
+ * rotation or sideways motion of the camera, is never rejected: neither where near and far exchange
+ * places with every texel of motion, nor where the sky's eye depth would turn with the camera. */
 static void test_a_steady_scene_is_not_rejected(void **state)
 {
     for (int i = 0; i < 12; i++) {
@@ -384,7 +384,7 @@ static void test_a_steady_scene_is_not_rejected(void **state)
 /* --- sequences ---------------------------------------------------------------------------------
  */
 
-/* What a ray through a texel sees: different everywhere. */
+/* A different ray value for every texel. */
 static void put_own_rays(struct test_passes *test)
 {
     for (int y = 0; y < (int)test->view.tile_count[1]; y++)
@@ -408,9 +408,9 @@ static void assert_own_rays(const struct test_passes *test)
         }
 }
 
-/* A still scene is whole after four frames: every texel has its own ray, bit by bit, whatever
- * the sizes, orders and filters. And it stays as it is without rays: no rounding of places makes it
- * creep. What is the same bits after four more, one for each slot's turn, is so for ever. */
+/* A static scene is complete after four frames: every texel has its own ray, bit by bit, for all
+ * sizes, orders and filters. Without further rays it does not change: rounding of places causes no
+ * drift. If the bits are equal after four more frames, one for each slot, they stay equal. */
 static void test_four_frames_make_a_whole(void **state)
 {
     static const char *const assignments[] = {
@@ -443,7 +443,7 @@ static void test_four_frames_make_a_whole(void **state)
     }
 }
 
-/* Nothing to see is exactly nothing, whatever the camera, the box and its space do. */
+/* Without density the result is exactly empty, for any camera, clamp and colour space. */
 static void test_no_density_is_exactly_nothing(void **state)
 {
     static const char *const assignments[] = {"", "box=variance box_space=reinhard", "box=none",
@@ -481,10 +481,10 @@ static int count_unsound(const struct test_passes *test)
     return count;
 }
 
-/* One bad ray for one frame, the camera turning by 0.3 texels a frame. With validity it never
- * gets into a history. Without, a NaN is held by no box, since no comparison with it is true, and
- * filtering spreads it over more texels than the rays replace; infinity and -1 are limited by
- * the box as soon as the ray is gone. */
+/* One bad ray for one frame, with the camera turning by 0.3 texels a frame. With validity it never
+ * enters a history. Without, no clamp changes a NaN, because every comparison with it is false, and
+ * filtering spreads it over more texels than the rays replace; infinity and -1 are clamped as soon
+ * as the ray is gone. */
 static void test_a_bad_ray_is_not_used(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -1.0f};
@@ -512,7 +512,7 @@ static void test_a_bad_ray_is_not_used(void **state)
     }
 }
 
-/* No ray around a texel can be used: it is void, and says so. */
+/* Without usable rays around a texel the result is invalid and marked so. */
 static void test_without_any_ray(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -533,7 +533,7 @@ static void test_without_any_ray(void **state)
     assert_int_equal(void_count, 4);
 }
 
-/* The first frame, in memory that holds anything: no trace of it, neither then nor later. */
+/* The first frame with arbitrary memory: no effect, neither then nor later. */
 static void test_garbage_is_no_history(void **state)
 {
     static const float bad[] = {NAN, INFINITY, 1e30f, -1.0f, 12345.0f};
@@ -565,9 +565,9 @@ static void test_garbage_is_no_history(void **state)
     }
 }
 
-/* history_age_max = n: a texel of a still scene is the mean of its rays, from the nth on with
- * weight 1 / n for the newest. fresh_weight alone is exponential from the first, as the article's
- * 0.5 would be if it were reached. */
+/* history_age_max = n: a texel of a static scene is the mean of its rays, from the nth on with
+ * weight 1 / n for the newest. With fresh_weight only, the mean is exponential from the first ray
+ * on, as the article's 0.5 would be if it had an effect. */
 static void test_ages_average_rays(void **state)
 {
     static const struct {
@@ -590,7 +590,7 @@ static void test_ages_average_rays(void **state)
             const double ray = test_uniform(&seed);
             test_fill(&test, RT_RAY, (float)ray, 0, 0, 1);
             reconstruct_run(&test);
-            if (frame % 4 == 0) { /* the turn of the texels that were first in frame 0 */
+            if (frame % 4 == 0) { /* the slot of frame 0 */
                 const double weight = cases[i].weights[frame / 4];
                 expected += weight * (ray - expected);
                 int own[2];
@@ -606,7 +606,7 @@ static void test_ages_average_rays(void **state)
     }
 }
 
-/* The age ends at 255, a texel without history that borrows a ray is one old. */
+/* The age ends at 255; a texel without history that takes a neighbour's ray has age 1. */
 static void test_ages_have_limits(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -623,7 +623,8 @@ static void test_ages_have_limits(void **state)
     }
 }
 
-/* A view in the corner of a buffer full of bad numbers is what it is alone. */
+/* A view in the corner of a buffer full of bad numbers equals the same view in a buffer of its
+ * own. */
 static void test_a_view_is_what_it_is_alone(void **state)
 {
     static const char *const assignments[] = {"", "box=variance",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reconstruction against its CPU reference, and what its choice of rays and its box do.
- * Where history comes from is tested in test_realtime_history.c.
+ * Tests of the reconstruction against its CPU reference, and of its choice of rays and its box. The
+ * history is tested in check_history.c.
  */
 #include "renderer/realtime/reconstruction/check_reconstruct.h"
 
@@ -16,7 +16,7 @@ static double pick(uint64_t *seed, double a, double b, double c)
     return i == 0 ? a : i == 1 ? b : c;
 }
 
-/* Every choice of every setting of the reconstruction, at random. */
+/* A random choice for every setting of the reconstruction. */
 static struct neph_settings random_settings(uint64_t *seed)
 {
     static const struct {
@@ -68,7 +68,7 @@ static struct neph_settings random_settings(uint64_t *seed)
     return settings;
 }
 
-/* Far enough from each other for any rejection; some are ties between two rays. */
+/* Different enough for any rejection; some are ties between two rays. */
 static float random_depth_m(uint64_t *seed)
 {
     static const float depths_m[] = {10, 10, 100, 160, 125, 1000, 15000, 30000, NEPH_GPU_FAR_M};
@@ -89,8 +89,8 @@ static float random_distance_m(uint64_t *seed)
     }
 }
 
-/* Nearly grey, so that corners of a box in Reinhard's space stay away from its end, where the way
- * back magnifies rounding without limit. */
+/* Nearly grey, so that corners of a box in Reinhard's space stay away from its end, where the
+ * inverse increases rounding errors without limit. */
 static void random_light(uint64_t *seed, bool may_be_bad, float value[4])
 {
     const double grey = 2.0 * test_uniform(seed);
@@ -102,7 +102,7 @@ static void random_light(uint64_t *seed, bool may_be_bad, float value[4])
         value[neph_test_random(seed) % 4] = bad[neph_test_random(seed) % 4];
 }
 
-/* Bad rays and histories where validity = on has to find them. */
+/* Includes bad rays and histories, which validity = on has to detect. */
 static void fill_at_random(struct test_passes *test, uint64_t *seed)
 {
     const bool may_be_bad = test->view.settings[RT_VALIDITY] != 0.0f;
@@ -133,8 +133,8 @@ static void fill_at_random(struct test_passes *test, uint64_t *seed)
     }
 }
 
-/* Wind that moves nothing: the kernel that a CPU has of air at rest takes seconds to make, and is
- * looked at by night. */
+/* A wind too weak to move anything: a CPU takes seconds to compile the kernel for static air, which
+ * is tested in the nightly run. */
 static void blow_by_nothing(struct neph_gpu_view *view)
 {
     view->settings[RT_WIND] = 1;
@@ -148,7 +148,7 @@ static void open_at_random(struct neph_vulkan *vulkan, const struct neph_setting
     test_passes_open(vulkan, settings, size_px, origin_px, seed, test);
     test->view.has_history = 1;
     test->view.frame = (uint32_t)(seed >> 8);
-    for (int axis = 0; axis < 2; axis++) { /* not the same along both, for the sake of ties */
+    for (int axis = 0; axis < 2; axis++) { /* different along both axes, to avoid ties */
         test->view.jitter_px[axis] = (float)(seed % (5 + axis)) / 7.0f - 0.4f;
         test->view.jitter_before_px[axis] = (float)(seed % (7 + axis)) / 11.0f - 0.3f;
     }
@@ -173,7 +173,7 @@ static int cases_of(size_t size)
     return sizes_px[size][0] > 200 ? neph_test_by_day(1, 2) : neph_test_by_day(8, 16);
 }
 
-/* Keep to fallbacks that are a ray, and no mean of some. */
+/* Restricts fallbacks to those that take one ray, without a mean. */
 static void choose_single_rays(struct neph_settings *settings)
 {
     static const int fallbacks[] = {RT_FALLBACK, RT_FALLBACK_REJECTED};
@@ -182,7 +182,7 @@ static void choose_single_rays(struct neph_settings *settings)
             settings->values[fallbacks[i]] = RT_FALLBACK_NEAREST;
 }
 
-/* A cut leaves nothing but rays: each half-resolution texel shows which ray it chose. */
+/* After a cut only rays are left: each half-resolution texel shows its chosen ray. */
 static void test_chosen_rays_equal_the_cpu_reference(void **state)
 {
     uint64_t seed = 11;
@@ -199,8 +199,8 @@ static void test_chosen_rays_equal_the_cpu_reference(void **state)
         }
 }
 
-/* A history that is brighter or darker than every ray comes out as one side of the box: bit by bit
- * a ray's channel, and the same one when both sides accept the same rays. */
+/* A history that is brighter or darker than every ray becomes a limit of the box: bit by bit a
+ * ray's channel, and the same one as in the CPU reference if both accept the same rays. */
 static void test_boxes_hold_the_cpu_reference_s_rays(void **state)
 {
     uint64_t seed = 12;
@@ -212,10 +212,10 @@ static void test_boxes_hold_the_cpu_reference_s_rays(void **state)
             settings.values[RT_FRESH_SPACE] = RT_SPACE_LINEAR;
             settings.values[RT_BOX_HOLD] = RT_HOLD_CLAMP;
             choose_single_rays(&settings);
-            settings.values[RT_FRESH_WEIGHT] = i % 4 == 0; /* blends are compared below */
+            settings.values[RT_FRESH_WEIGHT] = i % 4 == 0; /* blends are compared elsewhere */
             settings.values[RT_HISTORY_WEIGHT] = 1;
             settings.values[RT_HISTORY_AGE_MAX] = 0;
-            settings.values[RT_GRADIENT] = 0; /* such a history has changed by all of it */
+            settings.values[RT_GRADIENT] = 0; /* which would find a change of 1 */
             const uint64_t start = neph_test_random(&seed);
             const float bright = i % 2 ? 10000.0f : 0.0f;
             OWNED(passes) struct test_passes test;
@@ -225,13 +225,13 @@ static void test_boxes_hold_the_cpu_reference_s_rays(void **state)
         }
 }
 
-/* How far places in pixels may be off: rounding errors of a few 2^-24 of the image's width,
- * 641 * 4 * 6e-8 = 1.5e-4 px at the largest, and as much again for a GPU's divisions. And how far
- * points about 10 m away, which may come close to the camera before. */
+/* Allowed errors of places in pixels: rounding errors of a few 2^-24 of the image's width,
+ * 641 * 4 * 6e-8 = 1.5e-4 px at most, and as much again for a GPU's divisions. And of points about
+ * 10 m away, which may come close to the camera of the frame before. */
 static const double place_error_px = 1e-3, point_error_m = 1e-5;
 
-/* Turn the camera before (move it where its rays are parallel) by place_error_px (0 to 3) or move
- * it by point_error_m (4 to 9). */
+/* Turns the camera of the frame before by place_error_px (0 to 3; with parallel rays moves it), or
+ * moves it by point_error_m (4 to 9). */
 static void disturb(struct neph_gpu_view *view, int way)
 {
     struct neph_gpu_view_camera *camera = &view->before;
@@ -252,9 +252,9 @@ static void disturb(struct neph_gpu_view *view, int way)
             axis[k] += (float)(shift * camera->forward[k]);
 }
 
-/* What the CPU reference has for a target, and how much its own result changes when the camera
- * before is disturbed by as much as its places may be off: a slope in smooth places, all of it
- * where a decision is at stake. Places are exact when nothing moves. */
+/* The CPU reference's result for a target, and its change when the camera of the frame before is
+ * disturbed by the allowed error of places: a slope in smooth places, the whole value near a
+ * decision. Places are exact in static frames. */
 struct expected {
     int target;
     float (*value)[4];
@@ -284,11 +284,11 @@ static void find_expected(struct test_passes *test, struct expected expected[2])
     }
 }
 
-/* Values up to 2.2. Float32 sums of at most 16 taps or 9 rays, each rounded a few times: 3e-6.
- * Reinhard's way there and back magnifies that by (1 + Y)^2 < 11; a half's rounding may fall to
- * the other side, 2^-10 of the value. Distances are copied, and so are ages unless the box takes a
- * part of them: an age of at most 20 times a change, rounded to 2^-22, over the least box_change.
- */
+/* Values are up to 2.2. Float32 sums of at most 16 taps or 9 rays, each rounded a few times: 3e-6.
+ * Reinhard's conversion and its inverse increase that by (1 + Y)^2 < 11; the rounding of a half may
+ * differ by one step, 2^-10 of the value. Distances are copied. Ages are, too, unless the box
+ * removes a part of them: an age of at most 20 times a change, rounded to 2^-22, over the least
+ * box_change. */
 static double rounding_error(const struct neph_gpu_view *view, int target, int channel,
                              double value)
 {
@@ -319,7 +319,7 @@ static void compare_value(struct test_passes *test, const struct expected *expec
     }
 }
 
-/* Returns how many elements are in doubt, whose comparison says little. */
+/* Returns the number of elements near a decision, whose comparison means little. */
 static size_t compare_values(struct test_passes *test, uint64_t seed)
 {
     const size_t count = test_elements(test, RT_HISTORY);
@@ -357,12 +357,12 @@ static void move_at_random(struct neph_gpu_view *view, double much, uint64_t *se
     }
 }
 
-/* Any camera, any settings. A still one is compared without any doubt. */
+/* Any camera, any settings. Static frames are compared exactly. */
 static void test_values_equal_the_cpu_reference(void **state)
 {
     uint64_t seed = 13;
     size_t doubtful = 0, total = 0;
-    int resting = 0; /* by the kernel that a GPU has of pictures at rest */
+    int resting = 0; /* with a GPU's kernel for static frames */
     for (size_t s = 0; s < COUNT(sizes_px); s++)
         for (int i = sizes_px[s][0] > 200 ? 39 : neph_test_by_day(20, 0); i < 40; i++) {
             struct neph_settings settings = random_settings(&seed);
@@ -390,7 +390,7 @@ static void test_values_equal_the_cpu_reference(void **state)
 /* --- the rays and the box ----------------------------------------------------------------------
  */
 
-/* Ray of a tile: its depth [m], its light in all colours, its transmittance. */
+/* Sets the ray of a tile: its depth [m], its light in all colours, its transmittance. */
 static void put_ray(struct test_passes *test, int x, int y, double depth_m, double light,
                     double transmittance)
 {
@@ -415,10 +415,10 @@ static void skipped_half_pixel(const struct test_passes *test, int tile_x, int t
     half_pixel[0] ^= 1;
 }
 
-/* Own ray 10 km, at most, of a ridge; one ray of the sky beside it. Rays are stored 10 km away at
- * most and the sky at 20 km, so that a ridge beyond 15 km, unlimited itself, is nearer to the sky.
- * Beyond 40 km it is farther than 20 km from both, which is where the article starts to
- * search: it keeps to the first, its own. */
+/* The tile's own ray ends on a ridge, at 10 km at most; one ray beside it is the sky's. Rays are
+ * stored at 10 km at most and the sky at 20 km, so a ridge beyond 15 km, whose own depth is
+ * unlimited, is nearer to the sky. Beyond 40 km it is farther than 20 km from both, the article's
+ * initial distance of the search: the first ray, its own, is kept. */
 static void test_far_ridges_take_the_sky_s_light(void **state)
 {
     static const double ridges_m[] = {9000, 14900, 15100, 39000, 41000};
@@ -445,8 +445,8 @@ static void test_far_ridges_take_the_sky_s_light(void **state)
     }
 }
 
-/* A texel at an edge of depths: of the nine rays only its own tile's has its depth, or only
- * one neighbour's, all others are of another layer. What is left of a history that is right? */
+/* A texel at an edge of depths: of the nine rays only its own tile's has its depth, or only one
+ * neighbour's; all others belong to another layer. How much of a correct history remains? */
 static void test_a_box_of_one_ray_erases_history(void **state)
 {
     static const struct {
@@ -456,10 +456,10 @@ static void test_a_box_of_one_ray_erases_history(void **state)
         /* the neighbours are as deep as the pixel: their rays, 2 to 9, and the history between */
         {"box_centre=on", 1000, 5.5},
         {"box_centre=off", 1000, 5.5},
-        /* the own ray alone is: erased to it */
+        /* only the own ray has: history becomes that ray */
         {"box_centre=on", 100, 1},
         {"box_centre=off", 100, 1},
-        /* or the transmittance decides, which is that of the rays 2 to 4 too */
+        /* or the transmittance decides, which rays 2 to 4 share */
         {"box_centre=on box_transmittance=0.1", 100, 4},
         {"box=none", 100, 5.5},
         {"history_weight=0", 1000, 2}, /* the nearest, the first neighbour's */
@@ -482,8 +482,8 @@ static void test_a_box_of_one_ray_erases_history(void **state)
     }
 }
 
-/* Nine rays 1 to 9: mean 5, standard deviation sqrt(60 / 9). The box is widened to the nearest ray,
- * here the own one, 1. */
+/* Nine rays 1 to 9: mean 5, standard deviation sqrt(60 / 9). The box is extended to the nearest
+ * ray, here the own one, 1. */
 static void test_variance_box(void **state)
 {
     static const struct {
@@ -507,7 +507,7 @@ static const char *const spaces[] = {"box_space=linear fresh_weight=0 target_for
                                      "box_space=reinhard fresh_weight=0 target_format=float",
                                      "box_space=ycocg fresh_weight=0 target_format=float"};
 
-/* Radiance stays radiance, also where primaries of different rays meet in a corner of the box. */
+/* Radiance stays valid, also where primaries of different rays meet in a corner of the box. */
 static void test_spaces_keep_light_sound(void **state)
 {
     uint64_t seed = 21;
@@ -534,8 +534,8 @@ static void test_spaces_keep_light_sound(void **state)
     }
 }
 
-/* A cyan history among yellow and magenta rays: all rays are redder, so that its red rises to
- * where, in Reinhard's space, the three luminances come to 1.2. It stays as bright as the history
+/* A cyan history among yellow and magenta rays: all rays are redder, so its red rises until, in
+ * Reinhard's space, the three luminances add up to 1.2. The result is as bright as the history
  * was. */
 static void test_no_corner_of_the_box_is_a_firefly(void **state)
 {
@@ -557,7 +557,7 @@ static void test_no_corner_of_the_box_is_a_firefly(void **state)
     }
 }
 
-/* The way there and back rounds nothing that is in the box of black, white and three colours. */
+/* Conversion and its inverse round no value inside the box of black, white and three colours. */
 static void test_spaces_leave_what_is_in_the_box(void **state)
 {
     static const float corners[5][4] = {
@@ -578,8 +578,8 @@ static void test_spaces_leave_what_is_in_the_box(void **state)
     }
 }
 
-/* In a size that is no multiple of 4 the article's neighbours end one tile early. The last tile
- * but one then misses the ray that has its texel's depth. */
+/* In a size that is not a multiple of 4 the article's neighbours end one tile early. The last tile
+ * but one then lacks the ray that has its texel's depth. */
 static void test_the_last_cut_tiles(void **state)
 {
     for (int dropped = 0; dropped < 2; dropped++) {
@@ -599,12 +599,12 @@ static void test_the_last_cut_tiles(void **state)
     }
 }
 
-/* Every tile has a depth of its own and every skipped texel that of the tile to its right,
- * whose ray it should find. In 641 pixels, 161 tiles, normalised coordinates run ahead by
- * corner * (644 / 641 - 1), half a tile from corner 107 on. That is the lower right one of tile
- * 106: there the tile below it seems to have the depth of the one to the right, and further on the
- * tile above (the buffer's end saves tile 159). In 642 and 643 pixels half a tile is not reached.
- */
+/* Every tile has a depth of its own, and every texel without a ray has the depth of the tile to its
+ * right, whose ray it should find. In 641 pixels, 161 tiles, normalised coordinates run ahead by
+ * corner * (644 / 641 - 1), half a tile from corner 107 on, the lower right one of tile 106. From
+ * there on the tile below appears to have the depth of the tile to the right, and further on the
+ * tile above (the buffer's end saves tile 159). In 642 and 643 pixels half a tile is not
+ * reached. */
 static void test_where_gathered_depths_drift(void **state)
 {
     static const struct {

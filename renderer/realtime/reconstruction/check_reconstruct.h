@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of the reconstruction share: a few frames of it on the device, whose results come
- * back into the CPU reference's memory to be looked at.
+ * Shared by the tests of the reconstruction: runs some frames of it on the device and downloads the
+ * results into the CPU reference's memory.
  */
 #ifndef NEPH_TESTS_RECONSTRUCT_TEST_H
 #define NEPH_TESTS_RECONSTRUCT_TEST_H
@@ -9,9 +9,9 @@
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/realtime_test.h"
 
-/* A view that fills its buffers: all solids 100 m away, all rays and histories (0, 0, 0, 1), what
- * they show 100 m away, every tile at the slot whose turn it is. The camera rests; there is
- * history, one ray old. */
+/* A view that fills its buffers: all solids at 100 m, all rays and histories (0, 0, 0, 1) with a
+ * distance of 100 m, every tile at its scheduled slot. The camera is static; the history has age
+ * 1. */
 __attribute__((format(printf, 5, 6))) static inline void
 reconstruct_open(struct neph_vulkan *vulkan, int width, int height, struct test_passes *test,
                  const char *format, ...)
@@ -42,7 +42,7 @@ static inline void reconstruct_run(struct test_passes *test)
     test_take(test, RT_HISTORY_STATE);
 }
 
-/* This frame becomes the one before; its depths stay. */
+/* Makes this frame the one before; depths are copied. */
 static inline void reconstruct_next_frame(struct test_passes *test)
 {
     test_swap(test, RT_HISTORY, RT_HISTORY_BEFORE);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which rays and which box: float32, as in the shader. Places and values: double.
+ * The CPU reference of the reconstruction. Choice of rays and box: float32, as in the shader.
+ * Places and values: double.
  */
 #include "renderer/realtime/shared/check_reference.h"
 #include "renderer/realtime/tile_index/check_reference_slots.h"
@@ -55,7 +56,7 @@ static double dot(const double a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What this frame's camera sees through a place in pixels: unit direction and origin. */
+/* The line of sight of this frame's camera through a place in pixels: unit direction and origin. */
 static void line_at(const struct neph_gpu_view *view, const double place_px[2], double origin_m[3],
                     double direction[3])
 {
@@ -73,7 +74,7 @@ static void line_at(const struct neph_gpu_view *view, const double place_px[2], 
         direction[i] /= sqrt(square);
 }
 
-/* Where a camera sees a point [px]; returns its eye depth [m]. */
+/* Projects a point into a camera's image [px]; returns its eye depth [m]. */
 static double project(const struct neph_gpu_view *view, const struct neph_gpu_view_camera *camera,
                       const double point_m[3], double place_px[2])
 {
@@ -121,8 +122,8 @@ static int gathered(const struct reference *cpu, int axis, int tile, int offset,
     const uint32_t size = axis == 0 ? full->width : full->height;
     const int size_quarter = (int)(axis == 0 ? quarter->width : quarter->height);
     const double place = (4.0 * (tile + corner) + view->origin_px[axis]) / size * size_quarter;
-    /* Halves are where the gather changes its mind; in these sizes they are hit exactly or missed
-     * by more than 1e-5. */
+    /* The gather changes texels at halves; in these sizes they are hit exactly or missed by more
+     * than 1e-5. */
     const int beyond = (int)floor(place + 0.5 + 1e-9);
     return held_int(beyond - corner + offset, 0, size_quarter - 1);
 }
@@ -142,7 +143,7 @@ static float ray_depth_m(const struct reference *cpu, int tile_x, int tile_y, in
     return CPU_TILE_UNIT_M * tile[1];
 }
 
-/* The half-resolution texel that a tile's ray goes through, and its depth [m]. */
+/* The half-resolution texel of a tile's ray, and its depth [m]. */
 static float marched_depth_m(const struct reference *cpu, const struct ray *ray, int half_pixel[2])
 {
     float tile[4], depth[4];
@@ -167,7 +168,7 @@ static void load_rays(const struct reference *cpu, int tile_x, int tile_y, struc
     }
 }
 
-/* The ray nearest in depth of those from `asked` on; NULL if none can be used. */
+/* The ray nearest in depth among those from `asked` on; NULL if none is usable. */
 static const struct ray *nearest_ray(const struct reference *cpu, const struct ray rays[RAYS],
                                      int asked, float own_m)
 {
@@ -288,7 +289,7 @@ static void extend_by_variance(struct box *box, const struct ray rays[RAYS], int
     extend(box, high);
 }
 
-/* The colour to the surface of a box that it is not in, on the way to its middle. */
+/* Moves a colour towards the centre of the box until it is on the box's surface. */
 static void clip(const struct box *box, const double seen[4], double limited[4])
 {
     double part = 1.0;
@@ -400,7 +401,7 @@ static bool find_before(const struct reference *cpu, const double place_px[2], d
     const double depth_m = project(view, &view->before, moved_m, seen_px);
     bool is_seen = view->now.is_parallel || depth_m > 0.0;
     for (int axis = 0; axis < 2; axis++) {
-        /* exactly the place at rest */
+        /* exactly the place in static frames */
         before_px[axis] = place_px[axis] + (seen_px[axis] - now_px[axis]) -
                           followed_jitter_px(cpu, view->jitter_before_px, axis);
         is_seen = is_seen && before_px[axis] >= 0.0 && before_px[axis] <= view->size_px[axis];
@@ -476,7 +477,7 @@ static double beyond(double value, double least)
     return least > 0.0 ? held(value / least - 1.0, 0.0, 1.0) : 1.0;
 }
 
-/* What a ray sees now against the history of the texel it went through. */
+/* Difference between a ray and the history of its own texel. */
 static double change_at_ray(const struct reference *cpu, const struct ray *ray)
 {
     float distance[4];
@@ -491,7 +492,7 @@ static double change_at_ray(const struct reference *cpu, const struct ray *ray)
     return fmax(most > 0.0 ? fabs(now - before) / most : 0.0, fabs(ray->value[3] - then.value[3]));
 }
 
-/* At the half-resolution texel (x, y). */
+/* For the half-resolution texel (x, y). */
 static double clamp_share(const struct reference *cpu, int x, int y, double motion_px,
                           const struct ray *nearest)
 {
@@ -502,7 +503,7 @@ static double clamp_share(const struct reference *cpu, int x, int y, double moti
     return fmax(moved, beyond(change, setting(cpu, RT_BOX_CHANGE)));
 }
 
-/* In float32: ages are kept in halves and compared as they are. */
+/* In float32: ages are stored in halves and compared exactly. */
 static float age_after_change(const struct reference *cpu, int x, int y, bool is_fresh, float age)
 {
     const float least = setting(cpu, RT_BOX_CHANGE);
@@ -518,7 +519,7 @@ static float age_after_change(const struct reference *cpu, int x, int y, bool is
     return fmaxf(age, is_fresh ? 0.0f : 1.0f);
 }
 
-/* What rests has the light of this frame. */
+/* Multiplies static history by the gain of the light. */
 static void relight(const struct reference *cpu, int x, int y, double motion_px, double value[4])
 {
     const double moved = beyond(motion_px, setting(cpu, RT_BOX_MOTION_PX));
@@ -548,7 +549,7 @@ static void put_result(const struct reference *cpu, int x, int y, const double v
     cpu_put_half(cpu, RT_HISTORY_STATE, x, y, state);
 }
 
-/* A ray's place from the texel's own, in tiles along one axis. */
+/* A ray's place relative to the texel, in tiles along one axis. */
 static double way(int half_pixel, int ray_tile_offset)
 {
     return ray_tile_offset - (half_pixel % 2 ? 0.25 : -0.25);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The neighbourhood clamp: which of this frame's rays around make the box of a texel's history.
+// The neighbourhood clamp: the choice of this frame's rays around a texel that form its box.
 #ifndef NEPH_REALTIME_CLAMP_HISTORY_GLSL
 #define NEPH_REALTIME_CLAMP_HISTORY_GLSL
 
@@ -64,7 +64,7 @@ void extend_by_variance(inout Box box, int space)
     extend(box, about.high);
 }
 
-// History clamped to the box of the accepted rays, which has the nearest ray in any case.
+// Clamps history to the box of the accepted rays, which always includes the nearest ray.
 vec4 clamp_to_rays(vec4 value, int nearest, float own_m, bool own_is_sky)
 {
     if (choice(RT_BOX) == RT_BOX_NONE)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Reprojection: the place in the frame before of the medium that a half-resolution texel shows, and
-// the history there. Where the scene behind it has changed (disocclusion) history is invalid.
+// the history at that place. Where the scene behind has changed (disocclusion) history is invalid.
 #ifndef NEPH_REALTIME_HISTORY_GLSL
 #define NEPH_REALTIME_HISTORY_GLSL
 
@@ -21,15 +21,16 @@ const History REJECTED = History(vec4(0.0), 0.0, true, true, 0.0);
 
 bool checks_validity() { return choice(RT_VALIDITY) != 0; }
 
-// Before a static camera and in still air history is in the texel's own place, and the search for
-// it is left out. A kernel knows this before it is compiled, or it searches.
+// With a static camera and static air history is in the texel's own place, and reprojection is
+// skipped. This is a constant of the kernel; kernels without it always reproject.
 bool is_static()
 {
     bool has_jitter = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
     return ALL_REST && !has_jitter;
 }
 
-// --- its value ----------------------------------------------------------------------------------
+// --- value of the history
+// -------------------------------------------------------------------------
 
 History history_at(ivec2 half_pixel)
 {
@@ -41,7 +42,7 @@ History history_at(ivec2 half_pixel)
 }
 
 struct Mean {
-    History history; // its age is that of the heaviest tap
+    History history; // its age is the age of the tap with the largest weight
     vec4 sum;
     float weights, heaviest;
     Box range; // of the taps
@@ -61,10 +62,10 @@ void add(History tap, float weight, inout Mean mean)
     extend(mean.range, tap.value);
 }
 
-// The bilinear mean of the valid taps, with the age of the heaviest; invalid without any. It is
-// clamped to the range of the taps: equal ones come out exactly. All four are fetched before the
-// first is added: a GPU would wait for one tap after the other behind a branch, and a loop of
-// lavapipe carries the whole mean through memory.
+// The bilinear mean of the valid taps, with the age of the tap with the largest weight; invalid
+// without valid taps. It is clamped to the range of the taps, so equal taps give exactly their
+// value. All four taps are fetched before the first is added: after a branch a GPU would wait for
+// one tap after the other, and a loop on lavapipe would keep the whole mean in memory.
 History history_about(vec2 place_px)
 {
     if (is_static())
@@ -85,27 +86,28 @@ History history_about(vec2 place_px)
     return history;
 }
 
-// --- its place ----------------------------------------------------------------------------------
+// --- place of the history
+// -------------------------------------------------------------------------
 
-// A medium that shows nothing is infinitely far away.
+// A medium without effect on the ray has an infinite distance.
 float known_distance_m(float distance_m)
 {
     return is_finite(distance_m) && distance_m > 0.0 ? min(distance_m, FAR_M) : FAR_M;
 }
 
-// A frame's rays go through places shifted by its jitter. The article's reprojection has it, by
-// Unreal's matrices; others leave it out.
+// A frame's rays pass through places shifted by its jitter. The article's reprojection includes the
+// jitter, through Unreal's matrices; other settings leave it out.
 vec2 ray_jitter_px(vec2 of_frame_px)
 {
     bool is_followed = choice(RT_REPROJECT_JITTER) != 0 && choice(RT_JITTERED_DEPTH) != 0;
     return is_followed ? of_frame_px : vec2(0.0);
 }
 
-// The place in the frame before of the medium that now is `distance_m` away; false if it was not on
-// the screen. The motion is added to the place, because both projections of a static camera are
-// rounded the same way (if no product is fused into only one of them): history must not creep. In
-// parallel rays of a camera that does not turn the distance changes no place and would only cost
-// digits.
+// The place in the frame before of the medium at `distance_m`; false if it was not on the screen.
+// The motion is a difference of two projections and is added to the place: with a static camera
+// both are rounded in the same way (if no product is fused in only one of them), so history does
+// not drift. With parallel rays of a camera that does not turn, the distance has no effect and is
+// left out for precision.
 bool find_before(vec2 place_px, float distance_m, out vec2 before_px)
 {
     before_px = place_px;
@@ -131,13 +133,13 @@ bool is_same_depth(float expected_m, float before_m)
     return !(abs(expected_m - before_m) >= setting(RT_REJECT_DEPTH) * expected_m);
 }
 
-const float MOVED_PX = 0.125; // history is of another texel, in part
+const float MOVED_PX = 0.125; // from this motion on history comes partly from another texel
 
 // Whether the scene behind the history had the depth that this texel's scene had in the frame
-// before. One of 3x3 texels is enough (reject_around): in the depth map nearest and farthest take
-// turns from one texel to the next, so the texel itself may be of the other kind where the image
-// moves by an odd number of texels. The sky has a depth of its own, sky_m, which does not turn with
-// the camera.
+// before. One matching texel of 3x3 is enough (reject_around): in the depth map nearest and
+// farthest alternate from one texel to the next, so the texel itself may be of the other kind when
+// the image moves by an odd number of texels. The sky has a fixed depth, sky_m, independent of
+// camera rotation.
 bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
 {
     float expected_m = setting(RT_SKY_M);
@@ -156,7 +158,7 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
                       distance(before_px, place_px) >= MOVED_PX);
     int count = is_around ? 9 : 1;
     for (int i = 0; i < count; i++) {
-        int tap = (i + 4) % 9; // the middle one first: it is enough nearly everywhere
+        int tap = (i + 4) % 9; // the central one first, which nearly always decides
         float before_m = fetch_half(RT_HALF_DEPTH_BEFORE, nearest + ivec2(tap % 3, tap / 3) - 1).x;
         if (is_same_depth(expected_m, is_sky(before_m) ? setting(RT_SKY_M) : before_m))
             return true;
@@ -164,10 +166,10 @@ bool is_same_scene(vec2 place_px, vec2 before_px, float depth_m)
     return false;
 }
 
-// --- both ---------------------------------------------------------------------------------------
+// --- place and value
+// ------------------------------------------------------------------------------
 
-// The history of a half-resolution texel whose scene is `depth_m` deep and whose medium is
-// `distance_m` away.
+// The history of a half-resolution texel, given its scene's eye depth and its medium's distance.
 History history_of(ivec2 half_pixel, float depth_m, float distance_m)
 {
     bool is_new = (checks_validity() && !has_past) ||

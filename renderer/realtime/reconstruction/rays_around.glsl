@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// This frame's rays around a texel of the reconstruction: those of the 3x3 tiles around its own.
+// This frame's rays around a texel of the reconstruction: the rays of 3x3 tiles.
 #ifndef NEPH_REALTIME_RAYS_AROUND_GLSL
 #define NEPH_REALTIME_RAYS_AROUND_GLSL
 
@@ -12,10 +12,10 @@ struct Ray {
     vec4 value;    // radiance of the medium in W/(m2 sr), transmittance
     float depth_m; // of the scene, where the ray ends
     bool is_usable;
-    bool is_sky; // false where no setting compares kinds
+    bool is_sky; // false unless a setting compares kinds
 };
 
-// The order in which ties are decided, by the place of the tile; the texel's own is in the middle:
+// The order in which ties are decided, by the place of the tile; 0 is the texel's own tile:
 //     8 4 7
 //     2 0 1
 //     6 3 5
@@ -29,10 +29,10 @@ ivec2 ray_tile(ivec2 tile, int ray)
     return ray == 0 ? tile : clamp(tile + AROUND[ray], ivec2(0), last);
 }
 
-// Where the article finds the depth of the six neighbours whose offsets do not sum to 0: by two
-// gathers of 2x2 texels, about the upper left and the lower right corner of the tile, at
-// (4 * corner + origin) / buffer size of a buffer of a quarter of that size, rounded up. In whole
-// numbers; the last bit of a coordinate is the device's own.
+// The place at which the article reads the depths of the six neighbours whose offsets do not sum to
+// 0. It uses two gathers of 2x2 texels, about the upper left and the lower right corner of the
+// tile, at (4 * corner + origin) / buffer size, in a buffer of a quarter of that size, rounded up.
+// Computed in integers here; the last bit of a normalised coordinate depends on the device.
 ivec2 gathered_texel(ivec2 tile, ivec2 offset)
 {
     int corner = offset.x + offset.y > 0 ? 1 : 0;
@@ -55,7 +55,7 @@ bool asks_for_kinds()
            choice(RT_FALLBACK_REJECTED) == RT_FALLBACK_BILATERAL;
 }
 
-// `found`: what the tile index has of it.
+// `found`: the tile's element of the tile index.
 float ray_depth_m(ivec2 tile, int ray, vec4 found)
 {
     ivec2 offset = AROUND[ray];
@@ -79,7 +79,7 @@ Ray load_ray(ivec2 tile, int i)
     return ray;
 }
 
-// One of the nine rays, from wherever a shader has them.
+// One of the nine rays; each shader defines its own access.
 Ray ray_at(int i);
 vec4 ray_value(int i);
 
@@ -89,9 +89,9 @@ float depth_difference_m(float own_m, int ray)
     return difference_m;
 }
 
-// The ray nearest in depth of those from `first` on, of equal ones the first; -1 if none can be
-// used. The article looks no farther than 20 km, which is as far apart as limited depths can be,
-// and there keeps to the first.
+// The ray nearest in depth among those from `first` on, the first of equal ones; -1 if none is
+// usable. The article considers differences up to 20 km, the largest difference of limited depths;
+// beyond them it takes the first ray.
 int nearest_ray(float own_m, int first)
 {
     float least_m = choice(RT_CLAMP_PIXEL_DEPTH) != 0 ? FAR_M : setting(RT_SKY_M);

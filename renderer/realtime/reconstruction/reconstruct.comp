@@ -2,40 +2,40 @@
 // SPDX-License-Identifier: MIT
 //
 // The reconstruction: the medium at half resolution, from this frame's rays, one for every four
-// texels, and from the frame before. After F. Bauer, "Creating the Atmospheric World of Red Dead
+// texels, and from the history. After F. Bauer, "Creating the Atmospheric World of Red Dead
 // Redemption 2", SIGGRAPH 2019, as the article rebuilds it (docs/realtime.md).
 //
 // A tile of 2x2 half-resolution texels has one ray in this frame, through the texel R. Texels x
-// have none. A texel takes part in nine rays: its tile's and those of the 3x3 tiles around.
+// have none. A texel uses nine rays: its tile's and those of the 3x3 tiles around.
 //
-//     R x | x x | x R        A texel with a ray takes it, all of it (fresh_weight = 1) or blended
-//     x x | x R | x x        with its history. The others take their history, looked up where the
-//     ----+-----+----        medium was in the frame before (history.glsl), clamped to the box of
-//     x x | R x | x x        those rays around that are as deep as the texel (clamp_history.glsl).
-//     x R | x x | R x        Without history they take the ray that is nearest in depth, or a mean
-//     ----+-----+----        (fallback).
+//     R x | x x | x R        A texel with a ray takes it, unblended (fresh_weight = 1) or blended
+//     x x | x R | x x        with its history. The others take their history, read at the place of
+//     ----+-----+----        the medium in the frame before (history.glsl), and clamped to the box
+//     x x | R x | x x        of those rays around that are as deep as the texel
+//     x R | x x | R x        (clamp_history.glsl). Without history they take the ray that is
+//     nearest ----+-----+----        in depth, or a mean (fallback).
 //     R x | x x | x x
 //     x x | x R | x R
 //
 // Faults of the article that settings keep:
 // - box_centre = off: the tile's own ray is left out of the clamping box.
 // - edge_tiles = dropped: neighbours end one tile early in sizes that are no multiple of 4.
-// - gather = normalised: the depths of six neighbours are found by normalised coordinates, which in
-//   such sizes come to the next tile after two thirds of the image.
-// - clamp_pixel_depth = off: the texel's own depth is not limited as the rays' are; from halfway
-//   between ray_depth_max_m and sky_m on geometry takes the sky's clouds.
-// - reproject_depth = tile, reproject_measure = eye: the distance of the tile's ray stands for that
-//   of the texel's cloud, and for an eye depth.
-// - wind = off, validity = off: history does not follow the wind, and nothing is ever invalid.
+// - gather = normalised: the depths of six neighbours are read at normalised coordinates, which in
+//   such sizes point to the next tile after two thirds of the image.
+// - clamp_pixel_depth = off: the texel's own depth is not limited like the depths of rays; geometry
+//   farther than halfway between ray_depth_max_m and sky_m gets the sky's clouds.
+// - reproject_depth = tile, reproject_measure = eye: the distance of the tile's ray is used for the
+//   texel's cloud, and as an eye depth.
+// - wind = off, validity = off: history does not follow the wind and is never invalid.
 // A box of one ray erases the history, in the article and here. The article's weight of 0.5 for a
-// fresh ray stands behind its return and is never reached. The sky's depth is sky_m here with `far`
-// = infinite too: the article says 20 km at this place.
+// fresh ray follows its return and has no effect. The sky's depth is sky_m here, also with `far` =
+// infinite: the article says 20 km at this place.
 //
-// Invalid, and not used with validity = on: rays that are not finite or negative, history of age 0
-// or with such values. History is rejected where the scene behind it has changed (reject_depth).
-// Off the screen, behind the camera and after a cut (cut_reset) there is no history with validity =
-// off either; the first frame then takes whatever the memory holds. The age counts the rays that
-// went into a texel; a texel that borrowed its first value from a neighbour's ray is 1 old.
+// Invalid with validity = on: rays that are not finite or are negative, history of age 0 or with
+// such values. History is rejected where the scene behind it has changed (reject_depth). Off the
+// screen, behind the camera and after a cut (cut_reset) there is no history with validity = off
+// either; the first frame then reads arbitrary memory. The age is the number of rays in a texel; a
+// texel that took its first value from a neighbour's ray has age 1.
 #extension GL_GOOGLE_include_directive : require
 
 #include "reconstruct.glsl"
@@ -51,7 +51,7 @@ void load_rays(ivec2 tile)
 
 Ray ray_at(int i) { return rays[i]; }
 
-// A choice among known rays is cheaper than an index into memory.
+// A selection among registers is cheaper than an index into memory.
 vec4 ray_value(int ray)
 {
     vec4 value = rays[0].value;
@@ -63,9 +63,9 @@ vec4 ray_value(int ray)
 
 Change change_around_tile(ivec2 tile) { return change_of(RT_CHANGE, tile); }
 
-// The texel of this thread; false when there is none left. Where nothing changes only texels with a
-// ray are written, a thread for each tile: the others stay as they are, in their place
-// (renderer/realtime/unread.h).
+// The texel of this thread; false for threads past the last. With output elision
+// (renderer/realtime/unread.h) one thread a tile writes only the texel with a ray; the others keep
+// their values in place.
 bool own_texel(out ivec2 half_pixel)
 {
     if (!is_unread())

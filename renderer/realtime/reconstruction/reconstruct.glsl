@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// A texel of the reconstruction (reconstruct.comp), from the rays around and its history.
+// One texel of the reconstruction (reconstruct.comp), from the rays around and its history.
 #ifndef NEPH_REALTIME_RECONSTRUCT_GLSL
 #define NEPH_REALTIME_RECONSTRUCT_GLSL
 
@@ -10,17 +10,18 @@
 
 const float AGE_MAX = 255.0;
 
-// Rays that see only transmittance have no noise: each is worth as much as all before it.
+// Rays that compute only transmittance have no noise: a new ray replaces the mean.
 layout(constant_id = RT_DARK_CONSTANT) const bool IS_DARK = false;
 
-// The change around a tile, from wherever a shader has it.
+// The change around a tile; each shader defines its own access.
 Change change_around_tile(ivec2 tile);
 
 // --- change -----------------------------------------------------------------------------------
 
-// The difference of the nearest ray from the history of its own texel: of luminance, relative to
-// the larger, or of transmittance. A gradient as of C. Schied, C. Peters, C. Dachsbacher, "Gradient
-// Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018: each tile has one for free.
+// The difference between the nearest ray and the history of that ray's own texel: relative
+// difference of luminance, or difference of transmittance. A gradient as in C. Schied, C. Peters,
+// C. Dachsbacher, "Gradient Estimation for Real-Time Adaptive Temporal Filtering", HPG 2018; each
+// tile has it without an additional ray.
 float change_at_ray(ivec2 tile, int ray)
 {
     ivec2 own_tile = ray_tile(tile, ray);
@@ -35,15 +36,15 @@ float change_at_ray(ivec2 tile, int ray)
     return then.is_invalid ? 1.0 : max(change, abs(now.a - then.value.a));
 }
 
-// The temporal gradient has it without noise (realtime/gradient/gradient.comp).
+// The temporal gradient gives the change without noise (realtime/gradient/gradient.comp).
 float change_at(ivec2 tile, int nearest)
 {
     return choice(RT_GRADIENT) != 0 ? change_around_tile(tile).residue
                                     : change_at_ray(tile, nearest);
 }
 
-// History that has changed by box_change is no older than this frame. Of a slow change no more rays
-// count than it takes to change by that.
+// A history whose light has changed by box_change gets the age of this frame. With slow change the
+// age is limited to the time in which the light changes by that much.
 float age_after_change(ivec2 tile, bool is_fresh, float age)
 {
     if (choice(RT_GRADIENT) == 0)
@@ -54,7 +55,7 @@ float age_after_change(ivec2 tile, bool is_fresh, float age)
     return max(age, is_fresh ? 0.0 : 1.0);
 }
 
-// Static history takes the gain of the light since the frame before.
+// Multiplies static history by the gain of the light since the frame before.
 vec3 relight(vec3 radiance, ivec2 tile, float motion_px)
 {
     if (choice(RT_GRADIENT) == 0 || !is_set(RT_RELIGHT))
@@ -63,8 +64,8 @@ vec3 relight(vec3 radiance, ivec2 tile, float motion_px)
     return mix(gain, vec3(1.0), beyond(motion_px, setting(RT_BOX_MOTION_PX))) * radiance;
 }
 
-// How much of the neighbourhood clamp applies, 0..1: all of it to what moves, and none to what is
-// static in unchanged light, through which the depths of this frame's rays would flicker.
+// The share of the neighbourhood clamp, 0..1: 1 for moving texels, 0 for static ones in constant
+// light. There the depths of each frame's rays would make the clamp flicker.
 float clamp_share(float motion_px, ivec2 tile, int nearest)
 {
     if (is_static() && is_unchanged() && is_set(RT_BOX_MOTION_PX) && is_set(RT_BOX_CHANGE))
@@ -77,7 +78,7 @@ float clamp_share(float motion_px, ivec2 tile, int nearest)
 
 // --- blending ---------------------------------------------------------------------------------
 
-// At a weight of 0 or 1 the value itself, whatever the other one is (a NaN, say).
+// Weights of 0 and 1 return one value unchanged, also when the other one is NaN.
 vec4 blend(vec4 a, vec4 b, float weight_of_b)
 {
     if (weight_of_b == 0.0 || weight_of_b == 1.0)
@@ -85,7 +86,7 @@ vec4 blend(vec4 a, vec4 b, float weight_of_b)
     return a + weight_of_b * (b - a);
 }
 
-// Weight of a fresh ray; `part` of the history's age counts (box_age).
+// Weight of a fresh ray. `part`: share of the history's age that counts (box_age).
 float fresh_weight(float age, float part)
 {
     if (!is_set(RT_HISTORY_AGE_MAX))
@@ -94,7 +95,7 @@ float fresh_weight(float age, float part)
     return 1.0 - part * setting(RT_HISTORY_FADE) * of_history;
 }
 
-// History and ray are blended in fresh_space.
+// Blends history and ray in fresh_space.
 vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 {
     int space = choice(RT_FRESH_SPACE);
@@ -107,8 +108,9 @@ vec4 blend_fresh(vec4 history, vec4 ray, float weight)
 
 // --- without history ----------------------------------------------------------------------------
 
-// Weights of the tile before, of the texel's own and of the one after along one axis. A texel lies
-// a quarter of a tile from its tile's centre towards the one before; the other kind is mirrored.
+// Weights of the tile before, the texel's own tile and the tile after along one axis. A texel's
+// centre is a quarter of a tile before its tile's centre; for the other texel the weights are
+// mirrored.
 const vec3 LINEAR_WEIGHTS = vec3(0.25, 0.75, 0.0);
 const vec3 GAUSSIAN_WEIGHTS = vec3(0.569782825, 0.939413063, 0.209611387); // exp(-d^2)
 
@@ -143,7 +145,7 @@ vec4 fallback(int kind, ivec2 half_pixel, int nearest, float own_m, bool own_is_
 
 // --- the result ---------------------------------------------------------------------------------
 
-// Sound values stay sound when they are kept in halves.
+// Valid values stay valid as halves.
 float limit_to_format(float value)
 {
     bool is_too_large = choice(RT_TARGET_FORMAT) == RT_FORMAT_HALF && checks_validity() &&
@@ -165,8 +167,8 @@ struct Texel {
     ivec2 half_pixel, tile;
     float depth_m;    // of the scene
     float compared_m; // as depths of rays are stored
-    int nearest;      // of the rays around in depth; -1: none can be used
-    bool is_fresh;    // this frame's ray goes through it
+    int nearest;      // of the rays around in depth; -1: none is usable
+    bool is_fresh;    // this frame's ray passes through it
 };
 
 Texel texel_at(ivec2 half_pixel)
@@ -184,7 +186,7 @@ Texel texel_at(ivec2 half_pixel)
     return texel;
 }
 
-// Where the gradient does not run its samples are kept here.
+// Where the gradient pass is skipped its samples are stored here.
 void keep_ray(ivec2 half_pixel)
 {
     ivec2 kept_texel = 2 * (half_pixel / 2) + kept_place();
@@ -199,8 +201,8 @@ float medium_distance_m(Texel texel)
     return fetch_tile(RT_RAY_DISTANCE, ray_tile(texel.tile, of_tile ? 0 : texel.nearest)).x;
 }
 
-// History in the light of this frame, clamped as far as it has moved or changed. Returns the part
-// of its age that counts.
+// Applies the gain of the light to history and clamps it, as far as motion or change requires.
+// Returns the share of its age that counts.
 float adapt_history(Texel texel, inout History history)
 {
     float part = 1.0;
@@ -218,7 +220,7 @@ float adapt_history(Texel texel, inout History history)
     return part;
 }
 
-// A texel whose rays around are there.
+// Reconstructs a texel; the rays around are loaded.
 void reconstruct(ivec2 half_pixel)
 {
     keep_ray(half_pixel);

@@ -4,8 +4,8 @@
 // The reconstruction (reconstruct.comp) for a GPU: work groups of 16x4 texels.
 //
 // - The rays of a group's tiles and of the tiles around them are loaded once, into shared memory.
-// - The group finds what has changed around its tiles, in place of the pass "change": one half of
-//   its threads, a subgroup or two, finds changes of the medium, the other half changes behind it.
+// - The group computes the changes around its tiles, in place of the pass "change": one half of its
+//   threads, a subgroup or two, computes changes of the medium, the other half those behind it.
 #extension GL_GOOGLE_include_directive : require
 
 #include "reconstruct.glsl"
@@ -22,7 +22,7 @@ shared vec4 area_values[AREA_COUNT];
 shared vec2 area_rays[AREA_COUNT]; // depth [m]; 1: usable, 2: usable and of the sky
 ivec2 place_in_area;               // of this thread's tile
 
-// By all threads of a group.
+// Run by all threads of a group.
 void load_area(ivec2 first_tile)
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA_COUNT; i += GROUP_THREADS) {
@@ -58,7 +58,7 @@ bool finds_change()
     return choice(RT_CHANGE_PASS) == RT_CHANGE_PASS_RECONSTRUCTION && !is_unchanged();
 }
 
-// By all threads of a group, before the changes are found.
+// Run by all threads of a group, before find_changes().
 void load_samples()
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA_COUNT; i += GROUP_THREADS) {

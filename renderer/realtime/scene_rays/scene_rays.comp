@@ -1,14 +1,13 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What a game's other passes would hand over: the depth of each pixel and what is seen there behind
-// all media, by one ray through the scene's solids. The depth that the split of the frame starts
-// from comes from a ray of its own when the picture's rays are jittered: a depth map that moves
-// with the jitter (jittered_depth = on) makes the choice of slots flicker in front of a camera at
-// rest.
+// The scene pass, in place of a game's own passes: the depth of each pixel, and the radiance behind
+// all media, by one ray through the scene's solids. With jitter the depth at the start of the split
+// frame comes from a second ray without jitter: a depth map that moves with the jitter
+// (jittered_depth = on) makes the choice of slots flicker with a static camera.
 //
-// Few solids are a loop that is unrolled (known_solids.glsl), and threads without a pixel do the
-// work of the last one.
+// With few solids the loop over them is unrolled (known_solids.glsl), and threads without a pixel
+// repeat the work of the last one.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -27,7 +26,7 @@ SightLine sight_line(Camera camera, vec2 place_px)
     return SightLine(camera_ray_at(camera, place_px), Hit(FAR_M, NO_SOLID));
 }
 
-// As scene_hit() takes the nearest.
+// Keeps the nearest intersection, by the same rule as scene_hit().
 void meet(Solid solid, uint s, inout SightLine line)
 {
     float t0_m, t1_m;

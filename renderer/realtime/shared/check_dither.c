@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Dither kinds against their published formulas, worked out by other means: interleaved gradient
- * noise in double, the hash in Python's integers. Then the shader against the C, bit by bit.
+ * Tests of dithers against their published formulas, computed by other means: interleaved gradient
+ * noise in double, the hash in Python's integers. Then the shader against C, bit by bit.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -11,7 +11,7 @@
 
 enum { KINDS = RT_DITHER_SLICE + 1, CHANNELS = 4 };
 
-/* Random ranks below 4096, for what masks do not matter to. */
+/* Random ranks below 4096, for tests that do not depend on the masks. */
 static void fill_ranks(uint32_t ranks[NEPH_RT_NOISE_COUNT], uint64_t seed)
 {
     for (size_t i = 0; i < NEPH_RT_NOISE_COUNT; i++)
@@ -30,7 +30,7 @@ static double interleaved(int x_px, int y_px, uint32_t frame)
     return (double)cpu_dither(&(struct cpu_dither){0}, RT_DITHER_INTERLEAVED, x_px, y_px, frame, 0);
 }
 
-/* What steps of 2^-32 come to, and the last 8 bits that the value leaves out. */
+/* Error of steps of 2^-32, and of the last 8 bits, which the value omits. */
 static double interleaved_error(int x_px, int y_px)
 {
     return 53.0 * (abs(x_px) + abs(y_px) + 64) * 0x1p-33 + 0x1p-24;
@@ -62,7 +62,7 @@ static double fraction(double value)
     return value - floor(value);
 }
 
-/* The published formula with the channel's own way to go on. A double's error is below 1e-10. */
+/* The published formula with the channel's own advance. A double's error is below 1e-10. */
 static double published(int x_px, int y_px, uint32_t frame, uint32_t channel, double *inner)
 {
     static const double shifts_px[CHANNELS] = {5.588238, 5.622808, 5.540572, 5.600479};
@@ -73,7 +73,7 @@ static double published(int x_px, int y_px, uint32_t frame, uint32_t channel, do
     return fraction(52.9829189 * *inner);
 }
 
-/* At pictures' sizes. The formula jumps by 0.983 where its inner fraction goes from 1 to 0: there a
+/* At sizes of frames. The formula jumps by 0.983 where its inner fraction wraps from 1 to 0: there
  * rounding may fall to either side, and such pixels are left out. */
 static void test_interleaved_is_the_published_formula(void **state)
 {
@@ -97,12 +97,13 @@ static void test_interleaved_is_the_published_formula(void **state)
             fail_msg("pixel %d %d, frame %u, channel %u: %.9f, expected %.9f", x, y, frame, channel,
                      value, expected);
     }
-    assert_true(left_out < COUNT / 10000); /* the odds are 4 in a million */
+    assert_true(left_out < COUNT / 10000); /* expected: 4 in a million */
 }
 
-/* What Jimenez made it for: the nine values of any 3x3 window lie round the circle with gaps near
- * 1/9. With his constants the widest is 0.135018 (rational arithmetic; here rounded to 2^-19); of
- * white noise's nine the widest has mean (1 + 1/2 + ... + 1/9) / 9 = 0.31. */
+/* The property that Jimenez designed it for: the nine values of any 3x3 window are spread over the
+ * unit interval, taken as a circle, with gaps near 1/9. With his constants the widest is 0.135018
+ * (rational arithmetic; here rounded to 2^-19); for nine values of white noise the widest has mean
+ * (1 + 1/2 + ... + 1/9) / 9 = 0.31. */
 static void test_interleaved_windows_cover_the_circle(void **state)
 {
     for (int i = 0; i < 100 * 100; i++) {
@@ -172,8 +173,8 @@ static void test_white_is_white(void **state)
 
 /* ---- blue ------------------------------------------------------------------------------------ */
 
-/* Each channel goes on by its own irrational in steps of 2^-32, also where the frame times the step
- * passes 2^32; frame 0 of channel 0 is the mask itself. */
+/* Each channel advances by its own irrational in steps of 2^-32, also where the frame times the
+ * step exceeds 2^32; frame 0 of channel 0 is the mask itself. */
 static void test_blue_goes_on_by_irrationals(void **state)
 {
     static const uint32_t steps[CHANNELS] = {2654435769u, 3144134277u, 1779033703u, 2773480763u};
@@ -212,7 +213,7 @@ static void test_spatiotemporal_is_the_full_mask(void **state)
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-/* For any pixel and frame that there is. */
+/* For any pixel and any frame. */
 static void test_values_stay_within_the_unit_interval(void **state)
 {
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
@@ -229,7 +230,7 @@ static void test_values_stay_within_the_unit_interval(void **state)
         }
 }
 
-/* In how many of 4x4 cells of the square lie the pairs of 16 frames, on average over all pixels? */
+/* Number of cells, of 4x4 in the unit square, with pairs of 16 frames; mean over all pixels. */
 static double cells_of_pairs(const struct cpu_dither *dither, int kind, bool is_mirrored,
                              uint32_t channel, int *most)
 {
@@ -251,9 +252,9 @@ static double cells_of_pairs(const struct cpu_dither *dither, int kind, bool is_
     return mean;
 }
 
-/* With the mirrored pixel's number for the second, 16 pairs of a pixel lie on a line along the
- * diagonal, which crosses 8 of 16 cells at most. Two channels do without: of 16 random pairs it is
- * 16 (1 - (15/16)^16) = 10.3 cells; the least of what the kinds come to is 9.5. */
+/* With the mirrored pixel's number as the second one, 16 pairs of a pixel lie on a line along the
+ * diagonal, which crosses at most 8 of 16 cells. Two channels do not: 16 random pairs reach
+ * 16 (1 - (15/16)^16) = 10.3 cells; the least of the kinds is 9.5. */
 static void test_channels_cover_the_square(void **state)
 {
     static uint32_t ranks[NEPH_RT_NOISE_COUNT];
@@ -280,7 +281,7 @@ static const struct neph_rt_pass probe = {
     .writes = NEPH_RT_BIT(RT_COLOR),
 };
 
-/* The same bits on the device, so that whatever is true of the one is true of the other. */
+/* The same bits on the device, so that the properties above are true for both. */
 static void test_the_shader_is_the_same(void **state)
 {
     static const uint32_t frames[] = {0, 1, 31, 63, 64, 1000003, UINT32_MAX};

@@ -56,7 +56,7 @@ void cpu_put_full(const struct reference *cpu, int target, int x, int y, const f
 
 void cpu_put_picture(const struct reference *cpu, int target, int x, int y, const float value[4])
 {
-    cpu_put_full(cpu, target, x, y, value); /* from the same origin */
+    cpu_put_full(cpu, target, x, y, value); /* both have the same origin */
 }
 
 void cpu_put_half(const struct reference *cpu, int target, int x, int y, const float value[4])

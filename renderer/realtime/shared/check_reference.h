@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The passes of the real-time renderer once more, in plain C: what the shaders are tested against.
- * Decisions are made in the same float32 operations in the same order as in the shaders, and must
- * come out equal; values that are blended or interpolated are taken in double and rounded once.
- * Each function is the mirror of the shader of its name.
+ * CPU references of the passes of the real-time renderer in plain C, with which tests compare the
+ * shaders. Decisions use the same float32 operations in the same order as the shaders and must be
+ * equal; values that are blended or interpolated are computed in double and rounded once. Each
+ * function mirrors the shader of its name.
  */
 #ifndef NEPH_CHECK_REFERENCE_H
 #define NEPH_CHECK_REFERENCE_H
@@ -19,8 +19,8 @@ struct reference {
     uint32_t *targets[RT_TARGET_COUNT];
 };
 
-/* Element at a texel of the whole target; pixel of the view or of the picture, half-pixel or tile
- * held at its sides. */
+/* Elements at a texel of the whole target, or at a pixel of the view or of the output, a half-pixel
+ * or a tile, clamped to its sides. */
 void cpu_fetch(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_fetch_full(const struct reference *cpu, int target, int x, int y, float value[4]);
 void cpu_fetch_picture(const struct reference *cpu, int target, int x, int y, float value[4]);
@@ -31,13 +31,13 @@ void cpu_put_picture(const struct reference *cpu, int target, int x, int y, cons
 void cpu_put_half(const struct reference *cpu, int target, int x, int y, const float value[4]);
 void cpu_put_tile(const struct reference *cpu, int target, int x, int y, const float value[4]);
 
-/* is_sound() of shaders/realtime.glsl. */
+/* is_sound() of realtime/shared/view.glsl. */
 bool cpu_is_sound(const float value[4]);
 
 /* Depth of an edge of the froxels' slices [m]. */
 double cpu_froxel_edge_m(const struct reference *cpu, int edge);
 
-/* One for each shader, in the order of the pipeline. */
+/* One for each shader, in the order of the passes. */
 void cpu_min_max(const struct reference *cpu);
 void cpu_tile_index(const struct reference *cpu);
 void cpu_gradient(const struct reference *cpu);
@@ -48,7 +48,7 @@ void cpu_froxel_sum(const struct reference *cpu);
 void cpu_froxel_apply(const struct reference *cpu);
 void cpu_compose(const struct reference *cpu);
 void cpu_atrous(const struct reference *cpu, int apart); /* 1, 2 or 4 texels */
-void cpu_taa(const struct reference *cpu);               /* and upsampling, by RT_TAA */
+void cpu_taa(const struct reference *cpu);               /* also upsampling, by RT_TAA */
 void cpu_locks(const struct reference *cpu);
 
 #endif

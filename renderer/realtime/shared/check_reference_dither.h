@@ -8,8 +8,8 @@
 #include <stdint.h>
 
 struct cpu_dither {
-    uint32_t seed;               /* of the white one */
-    const uint32_t *noise_ranks; /* borrowed; of neph_blue_noise_load() for blue kinds */
+    uint32_t seed;               /* of RT_DITHER_WHITE */
+    const uint32_t *noise_ranks; /* borrowed; of neph_blue_noise_load(), for blue kinds */
 };
 
 /* pcg4d() of renderer/shaders/random.glsl, in place. */

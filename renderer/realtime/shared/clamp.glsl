@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The neighbourhood clamp: a box around the values of some samples, and a value that is moved into
-// it. History that differs from all of this frame's samples around its place is outdated, and comes
-// out as the nearest value that these samples allow.
+// it. History outside the range of this frame's samples around it is outdated; the result is the
+// nearest value inside their range.
 //
 //   high +-----------+        o  samples
 //        |  o     o  |
@@ -17,7 +17,7 @@
 #define NEPH_REALTIME_CLAMP_GLSL
 
 struct Box {
-    vec4 low, high; // of a channel without a sample: crossed
+    vec4 low, high; // low > high in a channel without samples
 };
 
 const Box EMPTY_BOX = Box(vec4(3e38), vec4(-3e38));
@@ -35,7 +35,7 @@ Box variance_box(vec4 mean, vec4 variance, float sigma)
     return Box(mean - half_width, mean + half_width);
 }
 
-// Between crossed limits a value stays.
+// With low > high the value stays as it is.
 vec4 clamp_to(Box box, vec4 value)
 {
     vec4 above = mix(value, box.low, lessThan(value, box.low));

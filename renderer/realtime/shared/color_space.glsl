@@ -30,12 +30,12 @@ vec3 to_space(int space, vec3 color)
     }
 }
 
-// Where 1 is as near as float32 comes to it, from 2^24 on.
+// Least distance from 1: float32 resolves no smaller one below 2^24.
 const float CHANNEL_LEAST = 1.0 / 16777216.0;
 
-// Components of different colours may come together. In YCoCg a primary can then be negative, which
-// radiance is not. In Reinhard's space they can add up to a luminance of 1 and more, which no
-// colour has there; the way back is then the one of a colour with the luminance `brightest`.
+// The components may stem from different colours. In YCoCg a primary can then be negative, which
+// radiance cannot be. In Reinhard's space they can add up to a luminance of 1 or more, which no
+// colour has; the inverse then uses the factor of a colour with the luminance `brightest`.
 vec3 from_space(int space, vec3 value, float brightest)
 {
     switch (space) {

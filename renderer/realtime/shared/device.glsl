@@ -10,9 +10,9 @@ layout(constant_id = RT_GPU_ACCESS_CONSTANT) const bool GPU_ACCESS = false;
 
 // --- branches and loops -----------------------------------------------------------------------
 
-// A number that is the same in all threads, hidden from the compiler: lavapipe compiles a kernel
-// anew, for milliseconds in each frame, when a number of the view decides a branch. A thread's
-// index never has the bit.
+// A number that is the same in all threads, hidden from the compiler: lavapipe recompiles a kernel,
+// for milliseconds in each frame, when a number of the view decides a branch. The bit is 0 in every
+// thread index.
 uint force_nonuniform(uint number)
 {
     return GPU_ACCESS ? number : number | gl_LocalInvocationIndex & 0x80000000u;
@@ -54,9 +54,9 @@ ivec2 element_at(int index, int width)
     return column < width ? ivec2(column, row) : ivec2(column - width, row + 1);
 }
 
-// The ray of a thread, of `count` rays of a frame; a permutation. lavapipe gives each core as many
-// work groups in a row as the others, so that one core has the sky and waits for the core that has
-// the clouds. The groups are dealt like cards: each core has groups of all parts of the frame.
+// Index of the ray of a thread, of `count` rays of a frame; a permutation. lavapipe gives each core
+// a contiguous range of work groups, so one core can have only sky and wait for another that has
+// only clouds. Interleaving the groups gives each core groups from all parts of the frame.
 int deal_ray(int thread, int count)
 {
     const int group_rays = 64, hands = 16;
@@ -69,8 +69,8 @@ int deal_ray(int thread, int count)
 
 // --- words of targets -------------------------------------------------------------------------
 
-// lavapipe reads texels faster than words of a buffer. How many words an element has is known only
-// where the formats are.
+// lavapipe reads texels faster than words of a buffer. The number of words of an element is a
+// constant only where the formats are.
 const bool READS_TEXELS = SPECIALISED && !GPU_ACCESS;
 
 uint load_word(int target, uint index)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Dither: one number per pixel, frame and channel, for the start of a ray, the place of a tap or a
-// rounding. All is done in whole numbers modulo 2^32, a word, of which the upper 24 bits are the
-// value, in 0 .. 1 without 1.
+// rounding. All arithmetic is in words, whole numbers modulo 2^32; the upper 24 bits of a word are
+// the value, 0 <= value < 1.
 //
 // white: pcg4d (M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020) of
 // (x, y, frame, seed); the upper 23 bits h of its first word give (h + 0.5) 2^-23.
@@ -13,22 +13,24 @@
 // Deeper Look", 2022). x and y are whole numbers: no half pixel is added. It has no seed. The inner
 // sum is kept in steps of 2^-32, and its error comes out 53 times larger: up to
 // 53 (|x| + |y| + 64) 2^-33 of the circle, 2e-5 at 1920x1080. (In floats the rounding of a
-// sum between 256 and 512 alone is up to 8e-4.)
+// sum between 256 and 512 would already be up to 8e-4.)
 //
-// blue: v(x, y) + frame g, round the circle, with v the spatial blue noise of 64x64 pixels
-// (renderer/blue_noise.h) and g the golden ratio: each pixel goes on by itself.
+// blue: frac(v(x, y) + frame g), with v the spatial blue noise of 64x64 pixels
+// (renderer/blue_noise.h) and g the golden ratio: a golden-ratio sequence in each pixel.
 //
 // spatiotemporal: v(x, y, frame), blue noise of 64x64 pixels and 32 frames.
 //
-// slice: v(x, y, 0) + frame g, the first of those 32 in place of the spatial mask.
+// slice: frac(v(x, y, 0) + frame g), with the first of those 32 frames as the spatial mask.
 //
-// Channels are unrelated numbers of the same pixel. They have other places: white another seed, the
-// masks coordinates shifted by 47 and 37 pixels, interleaved x and y swapped (1, 3) and mirrored
-// (2, 3). And those kinds that go round the circle by the same step in all pixels go another step
-// in each of four channels: (sqrt(5) - 1) / 2, sqrt(3), sqrt(2), sqrt(7) (R. D. Richtmyer, "The
-// evaluation of definite integrals, and a quasi-Monte-Carlo method", LA-1342, 1951); interleaved
-// has s = 5.588238, 5.622808, 5.540572 or 5.600479 (frame mod 64) for about these. Two channels of
-// one step would keep their difference for ever: a pixel's pairs would stay on a line.
+// Channels are unrelated numbers of the same pixel:
+// - white has another seed,
+// - masks are read at coordinates shifted by 47 and 37 pixels,
+// - interleaved has x and y swapped (channels 1, 3) and x mirrored (2, 3).
+// Kinds that advance by one step per frame in all pixels use another step in each of four channels:
+// (sqrt(5) - 1) / 2, sqrt(3), sqrt(2), sqrt(7) (R. D. Richtmyer, "The evaluation of definite
+// integrals, and a quasi-Monte-Carlo method", LA-1342, 1951); interleaved has approximately these,
+// with s = 5.588238, 5.622808, 5.540572 or 5.600479 (frame mod 64). Two channels with the same step
+// would keep their difference for ever, so that the pairs of a pixel would lie on a line.
 #ifndef NEPH_REALTIME_DITHER_GLSL
 #define NEPH_REALTIME_DITHER_GLSL
 
@@ -40,7 +42,7 @@
 const uint DITHER_STEPS[4] = uint[](2654435769u, 3144134277u, 1779033703u, 2773480763u);
 const uint GRADIENT_STEPS[4] = uint[](1750839832u, 1761670891u, 1735905692u, 1754675036u);
 
-const uint SPATIAL_MASK = 0u, SPATIOTEMPORAL_MASK = 64u * 64u; // where their ranks begin
+const uint SPATIAL_MASK = 0u, SPATIOTEMPORAL_MASK = 64u * 64u; // index of their first ranks
 
 uint white_word(ivec2 pixel, uint frame, uint channel)
 {
@@ -83,7 +85,7 @@ uint dither_word(int kind, ivec2 pixel, uint frame, uint channel)
     }
 }
 
-// In 0 .. 1 without 1, and 0.5 for "none"; `pixel` is one of the view.
+// 0 <= value < 1; 0.5 for "none". `pixel` is a pixel of the view.
 float dither(int kind, ivec2 pixel, uint frame, uint channel)
 {
     return float(dither_word(kind, pixel, frame, channel) >> 8) * exp2(-24.0);

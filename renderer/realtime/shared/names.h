@@ -1,50 +1,52 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the real-time renderer, their CPU references and its table of options
-// have in common: this file is both GLSL and C.
+// Names that the shaders of the real-time renderer, their CPU references and the table of options
+// share: this file is both GLSL and C.
 #ifndef NEPH_REALTIME_NAMES_H
 #define NEPH_REALTIME_NAMES_H
 
-// The settings of the files settings.toml, by their index in the table of options, what the
-// pipeline chooses for a view behind them, and the words of choices (renderer/settings.py).
+// The settings of the files settings.toml by their index in the table of options, then the values
+// that the pipeline selects for a view, and the words of choices (renderer/settings.py).
 #include "settings/realtime_names.h"
 
-// Specialization constants of the shaders, behind those of the march: whether passes with rays
-// leave their counters alone (rays.glsl); whether the shaders hold the choices; how many solids the
-// scene has, or that there are many, and which of few are balls (known_solids.glsl); which of the
-// driver's own conversions of halves are taken (renderer/halves.h); which form of
-// shared/device.glsl; what stands where it stood; whether rays see transmittance alone
-// (realtime/ray_march/ray_march.comp); the first that holds choices (choices.glsl).
+// Specialization constants of the shaders, after those of the march:
+//   UNCOUNTED    passes with rays do not count (rays.glsl)
+//   SPECIALISED  choices are constants (choices.glsl)
+//   SOLIDS       number of solids of the scene, or RT_SOLIDS_UNKNOWN (known_solids.glsl)
+//   HALVES       the driver's conversions of halves that are used (renderer/halves.h)
+//   GPU_ACCESS   the form of shared/device.glsl
+//   RESTS        the static parts of the frame
+//   BALLS        which of few solids are spheres, in two constants
+//   DARK         rays compute only transmittance (realtime/ray_march/ray_march.comp)
+//   CHOICE       the first constant with choices
 #define RT_UNCOUNTED_CONSTANT 6
 #define RT_SPECIALISED_CONSTANT 7
 #define RT_SOLIDS_CONSTANT 8
-#define RT_SOLIDS_UNKNOWN 65 // and from there on: looked at block by block
+#define RT_SOLIDS_UNKNOWN 65 // this many and more: tested block by block
 #define RT_HALVES_CONSTANT 9
 #define RT_GPU_ACCESS_CONSTANT 10
 #define RT_RESTS_CONSTANT 11
 #define RT_RESTS_ALL 1u // camera, air and solids
 #define RT_RESTS_AIR 2u
-#define RT_BALLS_CONSTANT 12 // and the next
+#define RT_BALLS_CONSTANT 12 // and 13
 #define RT_DARK_CONSTANT 14
 #define RT_CHOICE_CONSTANT 15
 #define RT_CONSTANT_COUNT (RT_CHOICE_CONSTANT + RT_CHOICE_CONSTANT_COUNT)
-
-// Pixels below each other that a thread of the anti-aliasing takes, whole tiles: each row that it
-// reads serves three of them.
+// Pixels of a column that a thread of the anti-aliasing processes, a multiple of a tile's side:
+// each row that it reads serves three of them.
 #define RT_TAA_COLUMN 16
-// Pixels of the block that a work group of 64 takes through it on a GPU, a tile's rows a thread.
+// Block of pixels of a work group of 64 in the anti-aliasing on a GPU; a thread has 4 rows.
 #define RT_TAA_BLOCK_WIDTH 32
 #define RT_TAA_BLOCK_HEIGHT 8
 
 // Tiles along the side of the block that a work group of 64 marches.
 #define RT_MARCH_BLOCK 8
 
-// Texels of the block that a work group of 64 takes through the reconstruction on a GPU.
+// Block of texels of a work group of 64 in the reconstruction on a GPU.
 #define RT_TEXEL_BLOCK_WIDTH 16
 #define RT_TEXEL_BLOCK_HEIGHT 4
 
-// Texels along the side of the block that a work group of 64 takes on a GPU through a pass whose
-// colours take turns.
+// Side of the block of texels of a work group of 64 on a GPU in a pass that runs in four phases.
 #define RT_COLOUR_BLOCK 8
 
 // --- formats: the words of 32 bits that an element of a target takes --------------------------
@@ -59,23 +61,22 @@
 
 // --- targets: the images that passes hand to each other ---------------------------------------
 //
-// In the order of the words of 32 bits that an element has. A CPU sees targets as texels through
-// three arrays, which are as long as they must be (device.glsl): only the first
-// RT_WORD_TARGET_COUNT targets may have elements of one word, and only the first
-// RT_PAIR_TARGET_COUNT of two.
+// Sorted by the number of words of an element. A CPU reads targets as texels through three arrays,
+// which are only as long as needed (device.glsl): elements of one word only in the first
+// RT_WORD_TARGET_COUNT targets, elements of two only in the first RT_PAIR_TARGET_COUNT.
 
 // One word.
 #define RT_DEPTH 0 // full; R: eye depth of the scene [m], FAR_M for the sky; of the jittered rays
-// Full; the depth that the split of the frame starts from: RT_DEPTH without its jitter, unless
-// jittered_depth is on.
+// Full; the depth at the start of the split frame: RT_DEPTH without jitter, unless jittered_depth
+// is on.
 #define RT_STEADY_DEPTH 1
 #define RT_HALF_DEPTH 2        // half, rounded up; R: eye depth [m] chosen from 2x2 pixels
 #define RT_HALF_DEPTH_BEFORE 3 // RT_HALF_DEPTH of the frame before
-// Half; R: number of rays that the history is made of, 0 where it is void; G: cloud distance [m]
+// Half; R: number of rays in the history, 0 where it is invalid; G: cloud distance [m]
 #define RT_HISTORY_STATE 4
 #define RT_HISTORY_STATE_BEFORE 5
 #define RT_TILE 6 // quarter, rounded up; R: slot 0..3 of the tile's ray, G: its depth / 10000 m
-#define RT_RAY_DISTANCE 7    // quarter; R: distance along the ray of what the medium shows [m]
+#define RT_RAY_DISTANCE 7    // quarter; R: distance along the ray of the medium's light [m]
 #define RT_VOLUME_DISTANCE 8 // full; R: the same after the upscale [m]
 #define RT_WORD_TARGET_COUNT 9
 // Two words.
@@ -87,53 +88,53 @@
 #define RT_TAA_OUT 13
 #define RT_TAA_BEFORE 14
 // Four words.
-#define RT_BEHIND 15    // full; RGB: radiance of what is behind all media, of the same rays
+#define RT_BEHIND 15    // full; RGB: radiance behind all media, of the same rays
 #define RT_COLOR 16     // full; RGB: the composed frame
-#define RT_SHARPENED 17 // full; RGB: the picture after sharpening
-// Full; RGB: how far what a pixel's ray meets has come since the frame before [m]; with solids that
-// move. A: 1 where it is one of those, moving or not
+#define RT_SHARPENED 17 // full; RGB: the frame after sharpening
+// Full; with moving solids. RGB: displacement of the point that a pixel's ray meets since the frame
+// before [m]. A: 1 where it belongs to a solid that may move
 #define RT_MOVED 18
-// Froxels (froxels.glsl). RGB: light that is scattered per metre, A: extinction [1/m]; of the sums
+// Froxels (froxels.glsl). RGB: scattered light per metre, A: extinction [1/m]; for the sums
 // in-scattered radiance and transmittance
 #define RT_FROXELS 19
-#define RT_RAY_TARGET_COUNT 20 // passes with rays know those before, which leaves room for a scene
-// Two words. What the same rays saw when they were marched before (gradient/gradient.comp).
-#define RT_KEPT_RAY 20          // half; RGB: radiance of the medium, A: transmittance
-#define RT_KEPT_BEHIND 21       // full; RGB: radiance of what is behind all media
+#define RT_RAY_TARGET_COUNT 20 // passes with rays bind only those before, for room for a scene
+// Two words. The earlier samples of rays that are marched twice (gradient/gradient.comp).
+#define RT_KEPT_RAY 20    // half; RGB: radiance of the medium, A: transmittance
+#define RT_KEPT_BEHIND 21 // full; RGB: radiance behind all media
 #define RT_PAIR_TARGET_COUNT 22
-// Four words. Quarter; two looks at the same thing: RGB: what a tile's ray sees of the medium; A: a
-// change that no light explains.
+// Four words. Quarter; the two samples of a tile's gradient. RGB: the medium's radiance along the
+// tile's ray; A: a change that light does not explain.
 #define RT_LOOK_NOW 22
-#define RT_LOOK_THEN 23        // RGB: what it saw; A: 1 where it was marched before, else 0
-#define RT_LOOK_BEHIND_NOW 24  // the same of what is behind, sums of the pixels that were looked at
-#define RT_LOOK_BEHIND_THEN 25 // A: how many there are
-// Quarter; what has changed around a tile (gradient/change.comp). RGB: the light of a frame over
-// the light of the frame before; A: the change that this does not explain.
+#define RT_LOOK_THEN 23        // RGB: the earlier sample; A: 1 where there is one, else 0
+#define RT_LOOK_BEHIND_NOW 24  // the same behind the media, as sums over the sampled pixels
+#define RT_LOOK_BEHIND_THEN 25 // A: the number of sampled pixels
+// Quarter; the change around a tile (gradient/change.comp). RGB: light of this frame over light of
+// the frame before; A: the change that this ratio does not explain.
 #define RT_CHANGE 26        // of the medium
-#define RT_CHANGE_BEHIND 27 // of what is behind all media
-// With taa=locks. R: the rest of a lock, 0 .. 1; G: four times the luma that it was made with; B:
-// the nearest eye depth of 3x3 rendered pixels [m].
+#define RT_CHANGE_BEHIND 27 // behind all media
+// With taa=locks. R: remaining strength of a lock, 0 .. 1; G: four times the luma at its creation;
+// B: the nearest eye depth of 3x3 rendered pixels [m].
 #define RT_TAA_STATE 28
 #define RT_TAA_STATE_BEFORE 29
 #define RT_TARGET_COUNT 30
 
-// Groups of solids that move, each as one.
+// Groups of solids that move together.
 #define RT_MOVERS_MAX 16
 
-// How many pixels wide and high one of their texels is.
+// Side of a texel of each resolution, in pixels.
 #define RT_FULL 1
 #define RT_HALF 2
 #define RT_QUARTER 4
-// A target is columns of froxels wide, and three times rows times slices high; a pass has a thread
-// for each froxel, or for each column of them.
+// The width of a froxel target is the number of froxel columns; its height is three times rows
+// times slices. A pass has a thread for each froxel, or for each column.
 #define RT_FROXEL 5
 #define RT_FROXEL_COLUMN 6
 #define RT_FROXEL_SECTIONS 3
-// The pixels of the picture: as many as RT_FULL, or more with screen_percent.
+// Output resolution: as many pixels as RT_FULL, or more with screen_percent.
 #define RT_PICTURE 7
 
-// The table of targets, rows for a C array or a GLSL one: resolution; the
-// format with target_format=half; with float.
+// The table of targets, rows for a C array or a GLSL one: resolution, format with
+// target_format=half, format with target_format=float.
 #define RT_TARGETS                                                                                 \
     {RT_FULL, RT_R32F, RT_R32F},              /* RT_DEPTH */                                       \
         {RT_FULL, RT_R32F, RT_R32F},          /* RT_STEADY_DEPTH */                                \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The frame of a pass without the scene: one thread, one element of the image that it writes.
+// Frame of a pass without the scene: one thread writes one element of an image.
 #ifndef NEPH_REALTIME_PASS_GLSL
 #define NEPH_REALTIME_PASS_GLSL
 
@@ -11,17 +11,17 @@ layout(local_size_x = GROUP_THREADS) in;
 
 layout(push_constant) uniform PassRun {
     uint first_thread;
-    uint colour; // which of 2x2 elements, 0..3, of a pass that takes them by turns
+    uint colour; // index of the element in 2x2, 0..3, in passes that run in four phases
 } run;
 
-// The element of this thread in an image, row by row; false when there is none left.
+// The element of this thread in an image, in rows; false for threads past the last element.
 bool own_element(ivec2 size, out ivec2 element)
 {
     element = element_at(int(run.first_thread + gl_GlobalInvocationID.x), size.x);
     return element.y < size.y;
 }
 
-// The block of this work group in an image, row by row of blocks; its first element.
+// First element of the block of this work group in an image; blocks are in rows.
 ivec2 own_block(ivec2 size, ivec2 block)
 {
     int index = int(run.first_thread / GROUP_THREADS + gl_WorkGroupID.x);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// For the passes of the real-time renderer that look at the scene: the march (bindings 0 to 5
-// and 7 to 10), what it has cost, and behind it the view and its targets.
+// For passes of the real-time renderer with rays: the march (bindings 0 to 5 and 7 to 10), its
+// counters (6), and after it the view and the targets.
 #ifndef NEPH_REALTIME_MARCH_GLSL
 #define NEPH_REALTIME_MARCH_GLSL
 
@@ -13,12 +13,12 @@
 
 layout(std430, binding = 6) buffer Counters {
     uint rays;
-    uint view_steps[2]; // lower and upper half, as of the others
+    uint view_steps[2]; // lower and upper half, as below
     uint density_evaluations[2];
     uint closed_forms[2];
 } counters;
 
-// Nobody will look at the counters: frames in flight.
+// Frames in flight do not count: their counters are never read.
 layout(constant_id = RT_UNCOUNTED_CONSTANT) const bool UNCOUNTED = false;
 
 void count_cost()

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What the passes of the real-time renderer share: the view, the targets they hand to each other,
-// and how these keep their numbers.
+// Shared by the passes of the real-time renderer: the view, the targets that they hand to each
+// other, and the formats of the targets.
 //
-// Decisions (which slot, which ray, in the box or not) are made in float32 with `precise`
-// arithmetic and explicit comparisons, so that the CPU reference makes the same ones bit by bit:
-// min, max and clamp are free to do anything with a NaN. Filtering is written out too: a sampler's
-// weights have 8 bits.
+// Decisions (which slot, which ray, whether a value is in the clamp) are made in float32 with
+// `precise` arithmetic and explicit comparisons, so that the CPU reference makes the same ones bit
+// by bit: min, max and clamp are undefined for a NaN. Filters are written out, too, because the
+// weights of a sampler have 8 bits.
 #ifndef NEPH_REALTIME_GLSL
 #define NEPH_REALTIME_GLSL
 
@@ -23,7 +23,7 @@
 #define VIEW_BLOCK uniform
 #define KNOWN_TARGETS RT_TARGET_COUNT
 #define SEES_TEXELS
-#else // behind the scene's buffers in passes that look at the scene
+#else // passes with rays: after the buffers of the scene
 #define VIEW_BLOCK readonly buffer
 #define KNOWN_TARGETS RT_RAY_TARGET_COUNT
 #endif
@@ -31,20 +31,20 @@
 // The camera of one frame; positions are relative to this frame's camera.
 struct ViewCamera {
     vec3 right;
-    float half_width; // of the picture; tangents of a perspective camera's angles, else metres
+    float half_width; // of the image plane; tangents of a perspective camera's angles, else metres
     vec3 up;
     float half_height;
     vec3 forward;
     uint is_parallel; // 1: an orthographic camera
-    vec3 position_m; // 0 for this frame's; where the last frame's stood for that one
+    vec3 position_m; // 0 for this frame's camera; for the last frame's camera its place
     float padding_2;
 };
 
-// Solids that move as one: about a pivot, which has moved itself, they have turned since the frame
-// before. Places are relative to this frame's camera.
+// Solids that move together: since the frame before they have turned about a pivot, and the pivot
+// has moved. Places are relative to this frame's camera.
 struct Mover {
     vec3 pivot_m;
-    uint first; // of the scene's solids
+    uint first; // of the scene's solids; `end` is past the last
     vec3 pivot_before_m;
     uint end;
     uint axis; // 0 x, 1 y, 2 z
@@ -65,10 +65,10 @@ struct Target {
 layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     ViewCamera now, before;
     Target targets[RT_TARGET_COUNT];
-    // As in the table of options, choices as whole numbers; then what the pipeline chooses.
+    // As in the table of options, choices as whole numbers; then those that the pipeline selects.
     float settings[RT_NUMBER_COUNT];
     uint seed;
-    uint frame;       // of the sequence that the pipeline has seen, from 0: phase and dither
+    uint frame;       // frames that this pipeline has rendered before: phase and dither
     uint has_history; // 0 in the first frame, after a resize, and after a cut if cut_reset
     uint is_cut;      // the camera jumped since the frame before
     uint origin_px[2];
@@ -81,12 +81,12 @@ layout(std430, binding = REALTIME_BINDING) VIEW_BLOCK View {
     float jitter_before_px[2]; // jitter_px of the frame before
     uint mover_count;
     Mover movers[RT_MOVERS_MAX];
-    uint picture_px[2]; // what the view becomes: size_px, or more with screen_percent
+    uint picture_px[2]; // size of the output: size_px, or more with screen_percent
     float rendered_per_px[2]; // size_px over picture_px
-    float exposure; // of the camera, by which colours are multiplied before they are kept
+    float exposure; // factor on colours before they are stored
     float exposure_before;
-    // 1: the sun flashes with the period of two looks at the medium, or at what is behind it, which
-    // see no difference (renderer/realtime/suns.h): all of it has changed.
+    // 1: the sun flashes with the period of the gradient samples of the medium, or of those behind
+    // it, which then find no difference (renderer/realtime/suns.h): the change is complete.
     uint strobes_medium;
     uint strobes_behind;
 } view;
@@ -100,9 +100,9 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer Targets {
     uint words[];
 } targets[KNOWN_TARGETS];
 
-// The same words by twos and by fours, for elements of as many: one access each. lavapipe, which
-// makes one of each word and thread, has twos as one long number. A target is seen through one of
-// the four alone.
+// The same words in pairs and in fours, for elements of that size: one access each. lavapipe splits
+// vectors into one access per word and thread, so it reads a pair as one 64-bit number. Each target
+// is accessed through only one of the four.
 layout(std430, binding = REALTIME_BINDING + 2) buffer TargetPairs {
     uvec2 words[];
 } target_pairs[KNOWN_TARGETS];
@@ -116,7 +116,7 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// And once more, to be read by a CPU (neph_buffer_see_texels()).
+// The targets as texels, for reads on a CPU (neph_buffer_see_texels()).
 layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
 uniform readonly uimageBuffer target_texels[RT_WORD_TARGET_COUNT];
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui)
@@ -134,8 +134,8 @@ ViewCamera force_nonuniform(ViewCamera camera)
     return camera;
 }
 
-// The view once more, read at the start of main(): there lavapipe knows that all threads are at
-// work, and reads for all at once. Behind a return or a branch it reads for one after the other.
+// A copy of the view, read at the start of main(). There lavapipe knows that all threads are active
+// and reads once for all; after a return or a branch it reads for one thread after the other.
 ViewCamera view_now = force_nonuniform(view.now), view_before = force_nonuniform(view.before);
 float settings[RT_NUMBER_COUNT] = view.settings;
 ivec2 origin_px = ivec2(view.origin_px[0], view.origin_px[1]);
@@ -159,7 +159,7 @@ int quarter_row = int(view.targets[RT_TILE].width);
 int froxel_row = int(view.targets[RT_FROXELS].width);
 
 #define choice(index) (SPECIALISED ? known_choice(index) : int(settings[index]))
-float setting(int index) { return force_nonuniform(settings[index]); } // of one that is a number
+float setting(int index) { return force_nonuniform(settings[index]); } // of a number
 // Whether a number is other than 0, where that is "never" or "off".
 #define is_set(index) (SPECIALISED ? known_choice(index) != 0 : setting(index) != 0.0)
 
@@ -172,7 +172,7 @@ vec3 wind_m() { return moved_by_wind_m; }
 
 // --- targets --------------------------------------------------------------------------------
 
-// The largest half. It is also where what is kept in one ends before it becomes infinite.
+// The largest half. Values are clamped to it before they are stored as halves.
 const float HALF_MAX = 65504.0;
 
 struct TargetRow {
@@ -189,12 +189,12 @@ int format_of(int target)
 }
 
 layout(constant_id = RT_HALVES_CONSTANT) const uint NATIVE_HALVES = 0;
-// What a picture at rest spares is most of the search for its history: where that is known no
-// instruction of it is there, and lavapipe does not run it for nothing.
+// Static frames skip most of the reprojection. A constant removes that code from the kernel;
+// lavapipe would execute it under a branch.
 layout(constant_id = RT_RESTS_CONSTANT) const uint RESTS = 0;
 const bool ALL_REST = (RESTS & RT_RESTS_ALL) != 0u, AIR_RESTS = (RESTS & RT_RESTS_AIR) != 0u;
 
-// By the driver's own conversions where they are known to be right (renderer/halves.h).
+// By the driver's conversions where they are known to be correct (renderer/halves.h).
 vec4 unpack(uvec2 words)
 {
     if ((NATIVE_HALVES & NEPH_HALVES_READ) != 0u)
@@ -219,7 +219,7 @@ int width_of(int target)
     return resolution == RT_FULL ? full_row : resolution == RT_HALF ? half_row : quarter_row;
 }
 
-// The words of an element that is kept in halves: one, or two.
+// The words of an element in a half format: one or two.
 uvec2 half_words(int target, uint index, int format)
 {
     if (format == RT_RGBA16F)
@@ -228,7 +228,7 @@ uvec2 half_words(int target, uint index, int format)
     return uvec2(format == RT_R16F ? word & 0xffffu : word, 0u);
 }
 
-// Element (x, y) of a target, in texels of the whole target. The caller keeps inside.
+// Element (x, y) of a target, in texels of the whole target. The caller ensures 0 <= (x, y) < size.
 vec4 fetch(int target, ivec2 texel)
 {
     uint index = uint(texel.y * width_of(target) + texel.x);
@@ -269,7 +269,8 @@ void put(int target, ivec2 texel, vec4 value)
     }
 }
 
-// Elements by their place in the view: pixels, half-resolution texels or tiles, held at its sides.
+// Elements by their place in the view: pixels, half-resolution texels or tiles, clamped to its
+// sides.
 vec4 fetch_full(int target, ivec2 pixel)
 {
     return fetch(target, view_origin() + clamp(pixel, ivec2(0), view_size() - 1));
@@ -303,11 +304,11 @@ void put_tile(int target, ivec2 tile, vec4 value) { put(target, view_origin() / 
 
 // --- numbers that may be bad -------------------------------------------------------------------
 
-// Bits, because a compiler may assume that there is no NaN.
+// Tests the bits, because a compiler may assume that there is no NaN.
 bool is_finite(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
 
-// In-scattered radiance and transmittance that can be: finite and not negative. All at once, for
-// with a way out between them a GPU would wait for one value after the other.
+// Whether in-scattered radiance and transmittance are valid: finite and not negative. Without early
+// returns, because a GPU would then wait for one value after the other.
 bool is_sound(vec4 value)
 {
     uvec4 magnitudes = floatBitsToUint(value) & 0x7fffffffu;
@@ -316,7 +317,7 @@ bool is_sound(vec4 value)
     return are_finite && are_positive;
 }
 
-// A volume over the radiance of what is behind it. `precise`, because a fused multiply-add would
+// A volume composed with the radiance behind it. `precise`, because a fused multiply-add would
 // round once where march.comp rounds twice.
 vec3 over(vec4 volume, vec3 behind)
 {
@@ -332,8 +333,8 @@ struct ViewLine {
     vec3 direction; // unit
 };
 
-// What this frame's camera sees through a place of the view in pixels, (0, 0) its upper left
-// corner. Without jitter.
+// The line of sight of this frame's camera through a place of the view in pixels, (0, 0) its upper
+// left corner. Without jitter.
 ViewLine view_line_at(ViewCamera camera, vec2 place_px)
 {
     float x = (2.0 * place_px.x / float(size_px.x) - 1.0) * camera.half_width;
@@ -343,7 +344,7 @@ ViewLine view_line_at(ViewCamera camera, vec2 place_px)
     return ViewLine(vec3(0.0), normalize(camera.forward + x * camera.right + y * camera.up));
 }
 
-// Whether this frame's camera stands where that of the frame before stood, and sees as that did.
+// Whether the camera has the same place, direction and field of view as in the frame before.
 bool camera_rests()
 {
     if (ALL_REST)
@@ -356,11 +357,11 @@ bool camera_rests()
 
 bool air_rests() { return AIR_RESTS || choice(RT_WIND) == 0 || wind_m() == vec3(0.0); }
 
-// What the width of the picture grows with: the depth, or nothing.
+// The factor by which the image plane widens: the depth, or 1 for an orthographic camera.
 float view_spread(ViewCamera camera, float depth) { return camera.is_parallel != 0u ? 1.0 : depth; }
 
-// Where a point (relative to this frame's camera) is in a camera's picture: xy in pixels, z its eye
-// depth [m], which is not above 0 when the point is not in front of it.
+// Projects a point (relative to this frame's camera) into a camera's image: xy in pixels, z its eye
+// depth [m], which is not above 0 when the point is not in front of the camera.
 vec3 project(ViewCamera camera, vec3 point_m)
 {
     vec3 from_m = point_m - camera.position_m;

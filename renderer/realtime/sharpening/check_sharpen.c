@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sharpening: the shader against its formula, and what it promises of constants and of edges.
+ * Tests of sharpening: the shader against its formula, constants, and edges.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -12,7 +12,7 @@ static void get_rgb(const struct test_passes *test, int target, int x, int y, fl
     cpu_fetch_full(&test->cpu, target, x, y, rgb);
 }
 
-/* The pixel moves away from the mean of its neighbours, but not beyond any of the five. */
+/* The pixel moves away from the mean of its neighbours, within the range of the five. */
 static void sharpen(struct test_passes *test, int source, int x, int y)
 {
     static const int cross[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};

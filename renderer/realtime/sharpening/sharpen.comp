@@ -1,15 +1,21 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Sharpening of the finished picture, against the blur of anti-aliasing: a pixel moves away from
-// the mean of its four neighbours by half of its distance from it, and stays within
-// the least and the largest of the five. So no edge rings, a constant stays what it is, and no
-// radiance becomes negative (unsharp masking held as in AMD's Robust Contrast Adaptive Sharpening).
+// Sharpening of the finished frame, against the blur of anti-aliasing. The difference between a
+// pixel and the mean of its four neighbours is increased by half, and the result is clamped to the
+// range of the five pixels:
+//
+//       n         result = clamp(p + AMOUNT (p - mean(n)), min, max of p and n)
+//     n p n
+//       n
+//
+// So edges do not ring, a constant stays constant, and no radiance becomes negative (unsharp
+// masking limited as in AMD's Robust Contrast Adaptive Sharpening).
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
 
-const float AMOUNT = 0.5; // of the distance from the mean of four
+const float AMOUNT = 0.5; // of the difference from the mean of four
 
 const ivec2 CROSS[4] = {ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1)};
 

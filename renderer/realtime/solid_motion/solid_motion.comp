@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// How far what a pixel's ray meets has come by itself since the frame before: motion vectors of
-// solids, in metres of the world, since only who reads them knows what the camera did. The rays are
-// those of the picture, jitter and all (realtime/scene_rays/scene_rays.comp).
+// Motion vectors of solids: the displacement since the frame before of the point that a pixel's ray
+// meets, without the camera's motion, in metres of the world. The rays are the frame's jittered
+// rays (realtime/scene_rays/scene_rays.comp).
 #extension GL_GOOGLE_include_directive : require
 
 #define KNOWS_SOLIDS
@@ -11,10 +11,10 @@
 #include "renderer/shaders/march_run.glsl"
 #include "renderer/shaders/scene.glsl"
 
-#define REALTIME_BINDING 11 // as in realtime/shared/rays.glsl, of which nothing else is needed
+#define REALTIME_BINDING 11 // as in realtime/shared/rays.glsl, whose other declarations are unused
 #include "renderer/realtime/shared/view.glsl"
 
-// About the mover's axis, back to the frame before.
+// Rotates about the mover's axis, back to the frame before.
 vec3 turned_back(Mover mover, vec3 v)
 {
     float c = mover.cosine, s = mover.sine;
@@ -25,7 +25,7 @@ vec3 turned_back(Mover mover, vec3 v)
     return vec3(c * v.x - s * v.y, s * v.x + c * v.y, v.z);
 }
 
-// A mover at rest gives 0 and no rounding: both differences are of equal numbers.
+// A static mover gives exactly 0: both differences are between equal numbers.
 vec3 moved_m(uint solid, vec3 point_m, out float is_mover)
 {
     vec3 way_m = vec3(0.0);

@@ -49,7 +49,7 @@ static void tile_depths_m(const struct reference *cpu, int x, int y, float depth
         depths_m[slot] = slot_depth_m(cpu, x, y, slot, forgets ? corner : cpu->view->origin_px);
 }
 
-/* The slot that a tile near the tile (x, y) is believed to march. */
+/* The slot of a tile near the tile (x, y) at this point of the algorithm. */
 static int believed_slot(const struct reference *cpu, int x, int y)
 {
     if (choice(cpu, RT_OVERRIDE) == RT_OVERRIDE_PARALLEL)
@@ -59,7 +59,7 @@ static int believed_slot(const struct reference *cpu, int x, int y)
     return (int)tile[0];
 }
 
-/* How many of the eight rays around stand for a depth. */
+/* Number of the eight rays around that cover a depth. */
 static int count_covering(const struct reference *cpu, int x, int y, float depth_m)
 {
     const struct neph_gpu_view *view = cpu->view;
@@ -105,8 +105,8 @@ static void put_slot(const struct reference *cpu, int x, int y, int slot)
     cpu_put_tile(cpu, RT_TILE, x, y, (float[4]){(float)slot, units});
 }
 
-/* All tiles at their default, then those that change their mind. In parallel the order does not
- * matter, because nobody is asked for anything but the default. */
+/* Sets all tiles to their scheduled slots, then applies overrides. In parallel the order does not
+ * matter, because only scheduled slots are read. */
 void cpu_tile_index(const struct reference *cpu)
 {
     const struct neph_gpu_view *view = cpu->view;

@@ -32,7 +32,7 @@ int cpu_default_slot(const struct neph_gpu_view *view, int tile_x, int tile_y)
 
 bool cpu_repeats_ray(const struct neph_gpu_view *view, int tile_x, int tile_y)
 {
-    const uint32_t turn = view->frame / 4; /* of four frames each */
+    const uint32_t turn = view->frame / 4; /* cycles of four frames */
     return turn % 2 != (uint32_t)(tile_x % 2 != tile_y % 2);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which slot of a tile has the ray: the shader against the CPU reference, and what the choice does
- * to the depths that have a ray near by.
+ * Tests of the slot schedule and the override: the shader against the CPU reference, and the depths
+ * that have a matching ray nearby.
  */
 #include "renderer/realtime/tile_index/check_reference_slots.h"
 #include "tests/renderer/realtime_test.h"
@@ -21,7 +21,7 @@ static int slot_at(const struct test_passes *test, int x, int y)
     return (int)tile[0];
 }
 
-/* Depths that are alike, exactly a quarter apart, sky, about the sky's decision depth, any. */
+/* Depths that are equal, exactly a quarter apart, sky, near the sky's limit, or arbitrary. */
 static float random_depth_m(uint64_t *seed)
 {
     static const float depths_m[] = {8.0f,     10.0f,    12.5f,    10.0f,         100.0f,
@@ -45,7 +45,7 @@ static struct neph_settings random_settings(uint64_t *seed, int override, int fa
     return settings;
 }
 
-/* Scenes of one depth nearly everywhere are what overrides happen in. */
+/* Mostly one depth: overrides happen in such scenes. */
 static void fill_depths(struct test_passes *test, uint64_t *seed)
 {
     const uint64_t one_in = 1 + neph_test_random(seed) % 12;
@@ -67,7 +67,7 @@ static void compare_with_reference(struct neph_vulkan *vulkan, const struct neph
     test.view.resting = neph_test_random(&random) % 8 == 0;
     fill_depths(&test, &random);
     for (size_t i = 0; i < neph_rt_device_words(&test.device, RT_TILE); i++)
-        test.cpu.targets[RT_TILE][i] = (uint32_t)neph_test_random(&random); /* of another frame */
+        test.cpu.targets[RT_TILE][i] = (uint32_t)neph_test_random(&random); /* an old frame's */
     test_passes_run(&test, "tile index");
     cpu_tile_index(&test.cpu);
     test_same_words(&test, RT_TILE, seed);
@@ -87,7 +87,8 @@ static void test_tile_index_equals_the_cpu_reference(void **state)
     }
 }
 
-/* Without override each slot of each tile has its turn, whatever the order and the start. */
+/* Without override each slot of each tile is marched once in four frames, for any order and
+ * start. */
 static void test_every_slot_has_a_turn_in_four_frames(void **state)
 {
     static const char *const orders[] = {"clockwise", "raster", "diagonal", "anticlockwise"};
@@ -109,10 +110,10 @@ static void test_every_slot_has_a_turn_in_four_frames(void **state)
     }
 }
 
-/* Half-resolution texels with x % 2 == y % 2 have near depths, the others far ones. How many of
- * four frames have, about every tile, rays of both kinds? Clockwise with the checkerboard all of
- * them; raster order, which the article's comments take for the game's, blinds two; without the
- * checkerboard all tiles agree and no frame has both. */
+/* Half-resolution texels with x % 2 == y % 2 have near depths, the others far ones. The test counts
+ * the frames of four that have, around every tile, rays of both kinds: clockwise with the
+ * checkerboard all of them; raster order, which the article's comments attribute to the game, two;
+ * without the checkerboard all tiles have the same slot and no frame has both. */
 static void test_which_orders_see_near_and_far(void **state)
 {
     static const struct {
@@ -148,7 +149,7 @@ static void test_which_orders_see_near_and_far(void **state)
     }
 }
 
-/* With an infinite sky no ray covers the sky, so that its tiles march slot 0 in every frame. */
+/* With an infinite sky no ray covers the sky, so its tiles march slot 0 in every frame. */
 static void test_infinite_sky_starves_three_slots(void **state)
 {
     static const char *const overrides[] = {"parallel", "sequential"};
@@ -171,7 +172,7 @@ static void test_infinite_sky_starves_three_slots(void **state)
     }
 }
 
-/* What a half keeps of a depth is off by its rounding, 2^-11. */
+/* A depth that is stored as a half has its rounding error, 2^-11. */
 static void test_stored_depths(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -190,8 +191,8 @@ static void test_stored_depths(void **state)
     }
 }
 
-/* A view in the corner of a larger buffer decides as it would alone; with tile_origin=buffer its
- * own depths are those of the neighbour view. */
+/* A view in the corner of a larger buffer makes the same decisions as in a buffer of its own; with
+ * tile_origin=buffer it reads the depths of the neighbouring view. */
 static void test_a_view_decides_alone(void **state)
 {
     static const char *const origins[] = {"tile_origin=view", "tile_origin=buffer"};
@@ -225,8 +226,8 @@ static void test_a_view_decides_alone(void **state)
     }
 }
 
-/* Normalised coordinates find the texels of every tile, but in a view that ends within one
- * they do not stop at its side. */
+/* Normalised coordinates find the texels of every tile, but in a view that ends within a tile they
+ * are not clamped to its side. */
 static void test_normalised_coordinates_leave_the_view(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -246,13 +247,13 @@ static void test_normalised_coordinates_leave_the_view(void **state)
     }
 }
 
-/* --- what the override is for ------------------------------------------------------------------
+/* --- effect of the override --------------------------------------------------------------------
  */
 
 enum { MAP_PX = 128, MAP_TILES = MAP_PX / 4, MAP_COUNT = 10, MODE_COUNT = 3 };
 
-/* Python's random: MT19937 (Matsumoto and Nishimura 1998), so that the maps below are those of the
- * Python program. */
+/* Python's random: MT19937 (Matsumoto and Nishimura 1998), so that the maps below equal the Python
+ * program's. */
 struct mersenne {
     uint32_t words[624];
     int next;
@@ -314,9 +315,8 @@ static int python_randrange_3(struct mersenne *twister)
     return (int)bits;
 }
 
-/* Ten depth maps: 10 m (and 100 m in the last) before the sky. The random numbers are drawn in the
- * order in which the Python program draws them, pixel by pixel, also for blocks that have theirs.
- */
+/* Ten depth maps: 10 m (and 100 m in the last) in front of the sky. The random numbers are drawn in
+ * the order of the Python program, pixel by pixel, also for blocks that have one already. */
 static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 {
     static const float layers_m[3] = {10.0f, 100.0f, NEPH_GPU_FAR_M};
@@ -355,7 +355,7 @@ static void make_maps(float maps_m[MAP_COUNT][MAP_PX * MAP_PX])
 }
 
 struct coverage {
-    int unmatched;       /* texels not marched and without ray within 10 %, of four frames */
+    int unmatched;       /* texels without a ray, in four frames, and no ray within 10 % around */
     int unmatched_worst; /* of one frame */
     int starved;         /* slots that no frame marches */
 };
@@ -401,9 +401,9 @@ static struct coverage measure_coverage(struct test_passes *test)
     return coverage;
 }
 
-/* The numbers were counted by the same rule on the same maps in a Python program of its own, in
- * double precision. Of 4 * 3072 texels; starved slots of 4096. A fence with the pitch of the
- * tiles is where the parallel override fails: two frames without a single matching ray. */
+/* The numbers were counted by the same rule on the same maps in a separate Python program, in
+ * double precision. They are parts of 4 * 3072 texels, and of 4096 slots. A fence with the pitch of
+ * the tiles is the failure of the parallel override: two frames without a single matching ray. */
 static void test_coverage_equals_the_python_program(void **state)
 {
     static const char *const modes[MODE_COUNT] = {"override=none", "override=parallel",

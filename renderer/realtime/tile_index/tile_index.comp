@@ -1,38 +1,38 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The tile index: which of its four half-resolution texels, its slots, a tile marches in this
-// frame, and how deep that one is. After F. Bauer, "Creating the Atmospheric World of Red Dead
+// The tile index: the slot (one of four half-resolution texels) that a tile marches in this frame,
+// and the depth of that texel. After F. Bauer, "Creating the Atmospheric World of Red Dead
 // Redemption 2", SIGGRAPH 2019, as the article rebuilds it (docs/realtime.md).
 //
-//     slots of a tile, in the order in which they take turns:     colours of 2x2 tiles:
+//     slots of a tile, in the order of the schedule:              colours of 2x2 tiles:
 //     0 1                                                         0 1
 //     3 2                                                         2 3
 //
-// Where none of the eight rays around stands for the depth of a tile's nearest texel, the tile
-// marches that one; else, where none stands for the farthest, that one. This is the override:
-// history has to be clamped among rays of its own depth. In parallel all tiles may take each other
-// for the default and all change together: bars with the pitch of the tiles flash with a period of
-// four frames. Sequential is four dispatches, one for each colour: a tile sees what earlier colours
-// chose and what later ones would by default.
+// The slot override: where none of the eight rays around covers the depth of a tile's nearest
+// texel, the tile marches that texel; else, where none covers the farthest, that one. History can
+// then be clamped to rays of its own depth. With override = parallel all tiles decide at once, each
+// as if the others kept their scheduled slots, and may all change together: bars with the pitch of
+// the tiles then flash with a period of four frames. Sequential is four dispatches, one for each
+// colour: a tile reads the choices of earlier colours and the scheduled slots of later ones.
 //
-// "Nearest" and "farthest" go by the scene's depth, in which the sky is the farthest whatever
-// OVERRIDE_SKY_M says. The comparison goes by unlimited depths: ray_depth_max_m is for what is
-// stored. With `far` = infinite the sky's own depth is infinite there, and |inf - inf| < inf / 4 is
-// false: no ray of the sky covers the sky, and a tile of sky marches slot 0 for ever. What is
-// stored of the sky is sky_m in both cases.
+// "Nearest" and "farthest" refer to the scene's depth, in which the sky is the farthest for any
+// OVERRIDE_SKY_M. Unlimited depths are compared: ray_depth_max_m applies to stored depths. With
+// `far` = infinite the sky's depth is infinite, and |inf - inf| < inf / 4 is false: no ray of the
+// sky covers the sky, and a tile of sky marches slot 0 in every frame. The stored depth of the sky
+// is sky_m in both cases.
 //
-// `gather` = normalised finds the texels by the article's normalised coordinates. They fall on the
-// corner between the four, and in sizes that are no multiple of 4 they drift by less than the half
-// texel that would matter: the four found are the right ones, but not clamped to the view. The
-// harm of these coordinates is in the reconstruction. `tile_origin` = buffer forgets the view's
-// origin for the tile itself, but not for its neighbours.
+// `gather` = normalised reads the texels at the article's normalised coordinates. They fall on the
+// corner between the four texels; in sizes that are not multiples of 4 they drift by less than half
+// a texel, so the four texels are correct, but not clamped to the view. These coordinates do harm
+// in the reconstruction. `tile_origin` = buffer omits the view's origin for the tile itself, but
+// not for its neighbours.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
 #include "tile_index.glsl"
 
-// Eye depth of a slot of a tile, counted from an origin [m].
+// Eye depth of a slot of a tile, relative to an origin [m].
 float slot_depth_m(ivec2 tile, int slot, ivec2 origin_px)
 {
     ivec2 half_pixel = 2 * tile + slot_place(slot);
@@ -52,8 +52,8 @@ float neighbour_ray_m(ivec2 neighbour)
     return compared_depth_m(slot_depth_m(neighbour, neighbour_slot(neighbour), view_origin()));
 }
 
-// The tile of this thread; false when there is none left. In a dispatch of one colour a thread has
-// the tile of that colour in its 2x2.
+// The tile of this thread; false for threads past the last. In a dispatch of one colour a thread
+// processes the tile of that colour in its 2x2.
 bool own_tile(out ivec2 tile)
 {
     if (!is_sequential())

@@ -14,9 +14,9 @@ bool may_override()
     return choice(RT_OVERRIDE) != RT_OVERRIDE_NONE && force_nonuniform(view.resting) == 0u;
 }
 
-// What Unreal makes of a depth buffer's 0, which the article reads here [m].
+// The distance that Unreal gives a depth buffer's 0, which the article reads here [m].
 const float OVERRIDE_SKY_M = 1e6;
-// Relative difference of depth up to which a neighbouring ray stands for a depth: the article's.
+// Relative difference of depth up to which a neighbouring ray covers a depth, from the article.
 const float OVERRIDE_DEPTH = 0.25;
 
 float compared_depth_m(float depth_m)
@@ -26,7 +26,7 @@ float compared_depth_m(float depth_m)
     return is_sky(depth_m) ? sky_m : depth_m;
 }
 
-// Whether a ray's depth stands for another one. False for infinite ones, without a NaN.
+// Whether a ray's depth covers another depth. False for infinite ones, without computing a NaN.
 bool covers(float ray_m, float depth_m)
 {
     precise float difference_m = abs(depth_m - ray_m);
@@ -35,14 +35,14 @@ bool covers(float ray_m, float depth_m)
     return are_finite && difference_m < allowed_m;
 }
 
-// The colour of a tile, one of four of 2x2 tiles, in the order in which they choose.
+// The colour of a tile within 2x2 tiles: the number of the phase in which it chooses its slot.
 uint colour_of(ivec2 tile) { return uint((tile.x & 1) + 2 * (tile.y & 1)); }
 
-// Depth of a neighbour's ray as it is compared [m], by the slot that the neighbour has so far, from
-// wherever a shader has it.
+// Depth of a neighbour's ray for the comparison [m], with the slot that the neighbour has at this
+// point; each shader defines its own access.
 float neighbour_ray_m(ivec2 neighbour);
 
-// The slot of a tile after the override, by the eye depths of its four slots [m].
+// The slot of a tile after the override, from the eye depths of its four slots [m].
 int overridden_slot(ivec2 tile, float depths_m[4])
 {
     int nearest = 0, farthest = 0;

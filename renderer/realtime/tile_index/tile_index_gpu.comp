@@ -1,11 +1,11 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The tile index (tile_index.comp) with a sequential override for a GPU, where a dispatch waits
-// longer than it works: one dispatch in place of four. A work group takes its block of 8x8 tiles
-// through all colours by itself, and with them as many tiles around as these depend on, three on
-// each side: a tile depends on its neighbours of the colour before, and so on. The block also makes
-// its part of the depth map, in place of the pass "depth map".
+// The tile index (tile_index.comp) with a sequential override for a GPU, where the overhead of a
+// dispatch exceeds its work: one dispatch in place of four. A work group processes all colours of
+// its block of 8x8 tiles, and of the three tiles on each side that the block depends on (each tile
+// depends on its neighbours of the colour before). The block also writes its part of the depth map,
+// in place of the pass "depth map".
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -14,11 +14,11 @@
 #include "tile_index.glsl"
 
 const int HALO = 3, AREA = RT_COLOUR_BLOCK + 2 * HALO; // tiles
-shared int area_slots[AREA * AREA];          // as far as they are chosen
-shared float area_rays_m[AREA * AREA];       // as compared: of the slots that are chosen so far
+shared int area_slots[AREA * AREA];          // of the tiles that have chosen
+shared float area_rays_m[AREA * AREA];       // compared depths of the slots chosen so far
 shared float area_depths_m[4 * AREA * AREA]; // of all slots, row by row of half-resolution texels
 ivec2 area_corner;                           // the first tile
-uint colour;                                 // that chooses now
+uint colour;                                 // the present phase
 
 bool makes_depth_map() { return choice(RT_DEPTH_MAP_PASS) == RT_DEPTH_MAP_PASS_TILE_INDEX; }
 
@@ -35,7 +35,7 @@ int tile_index(ivec2 at) { return at.x + AREA * at.y; }
 
 int depth_index(ivec2 at) { return at.x + 2 * AREA * at.y; }
 
-// By all threads of a group: all depths of the area are loaded before the first is stored.
+// Run by all threads of a group. All depths of the area are loaded before the first is stored.
 void load_depths()
 {
     const int count = 4 * AREA * AREA, turns = (count - 1) / GROUP_THREADS + 1;
@@ -56,11 +56,12 @@ float slot_depth_m(ivec2 tile, int slot)
     return area_depths_m[depth_index(2 * (tile - area_corner) + slot_place(slot))];
 }
 
-// Depths of the block and the tiles next to it, as whole numbers, which are ordered like them.
+// Range of the depths of the block and the tiles next to it; bits of positive floats sort like
+// them.
 shared uint least_depth, largest_depth;
 
-// Loads these depths. Whether all of them stand for each other, so that no tile of the block
-// overrides, whatever the tiles around choose; the rest of the area does not matter then.
+// Loads these depths. Returns whether every depth covers every other one: then no tile of the block
+// overrides, whatever the tiles around choose, and the outer part of the area is not needed.
 bool is_smooth()
 {
     const int side = 2 * (RT_COLOUR_BLOCK + 2), count = side * side;
@@ -114,7 +115,7 @@ float[4] tile_depths_m(ivec2 tile)
     return depths_m;
 }
 
-// Rays of the slots whose turn it is, before the first colour; by all threads of a group.
+// Stores the rays of the scheduled slots, before the first colour. Run by all threads of a group.
 void share_rays()
 {
     for (int i = int(gl_LocalInvocationID.x); i < AREA * AREA; i += GROUP_THREADS) {
@@ -124,8 +125,8 @@ void share_rays()
     barrier();
 }
 
-// The tiles of one colour in the area, a thread each. Tiles that later colours do not depend on are
-// left out, a rim as wide as there were colours before.
+// Chooses the slots of one colour in the area, one thread a tile. Tiles that no later colour
+// depends on are skipped: a border as wide as the number of earlier colours.
 void choose_colour(int thread)
 {
     const int side = AREA / 2;

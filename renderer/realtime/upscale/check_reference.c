@@ -27,7 +27,7 @@ static int choice(const struct reference *cpu, int index)
     return (int)cpu->view->settings[index];
 }
 
-/* From the reconstruction, filtered or not. */
+/* The output of the reconstruction, or of the a-trous filter. */
 static int volume_target(const struct reference *cpu)
 {
     return choice(cpu, RT_ATROUS) ? RT_HISTORY_BEFORE : RT_HISTORY;
@@ -188,7 +188,7 @@ static double tap_weight(const struct reference *cpu, const struct tap *tap, boo
     }
 }
 
-/* A mean of floats, rounded once, lies between them. */
+/* The mean of floats, rounded once, so that it lies between them. */
 static void blend(const struct tap taps[], const double weights[], int count, int nearest,
                   float volume[4])
 {

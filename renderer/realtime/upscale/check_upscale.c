@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The upscale: the shader against the CPU reference, and what it promises of constants, edges,
- * ridges, voids and of the place that a pixel looks at.
+ * Tests of the upscale: the shader against the CPU reference, constants, edges, ridges, invalid
+ * history, and the place at which a pixel reads.
  */
 #include "tests/renderer/realtime_test.h"
 
@@ -21,7 +21,7 @@ static void run_upscale(struct test_passes *test)
 
 /* ---- against the CPU reference ------------------------------------------------------------ */
 
-/* Few depths, so that they often agree, and some to either side of a limit: 25 % of 10 m, sky_m and
+/* Few depths, so that they often agree, some on either side of a limit: 25 % of 10 m, sky_m and
  * ray_depth_max_m. */
 static float random_depth_m(uint64_t *seed)
 {
@@ -35,7 +35,7 @@ static float random_radiance(uint64_t *seed)
     return (float)pow(10.0, 8.0 * test_uniform(seed) - 4.0);
 }
 
-/* `bad`: one in so many half-resolution texels has what no history should have; 0: none. */
+/* `bad`: one half-resolution texel in `bad` has invalid values; 0: none. */
 static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
 {
     static const float bads[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e30f};
@@ -60,9 +60,9 @@ static void fill(struct test_passes *test, uint64_t *seed, unsigned bad)
     }
 }
 
-/* Decisions are the same; what is blended differs in rounding, at most (halves of ulps, one for
- * each operation on terms that are not negative): weight 3, their sum 3 + 3, division 5, product 1,
- * sum 3: 18 halves, 9 ulps of 2^-23; and halves by one more step of theirs, 2^-10. */
+/* Decisions are equal; blended values differ by rounding, at most (in halves of ulps, one for each
+ * operation on terms that are not negative): weight 3, their sum 3 + 3, division 5, product 1, sum
+ * 3: 18 halves, 9 ulps of 2^-23; values in half precision by one more step of theirs, 2^-10. */
 static void assert_same_volumes(struct test_passes *test, const char *assignments, uint64_t seed)
 {
     const bool is_half = test->view.targets[RT_VOLUME].format == RT_RGBA16F;
@@ -135,7 +135,7 @@ static const char *const variants[] = {
 };
 enum { VARIANTS = COUNT(variants) };
 
-/* By day each variant has two of the sizes, one the largest. */
+/* By day each variant has two of the sizes, one variant the largest. */
 static void test_upscale_equals_the_cpu_reference(void **state)
 {
     uint64_t seed = 20261127;
@@ -155,7 +155,7 @@ static void test_bad_history_equals_the_cpu_reference(void **state)
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-/* Whatever the taps weigh, bit by bit. */
+/* For any weights of the taps, bit by bit. */
 static void test_a_constant_stays_what_it_is(void **state)
 {
     uint64_t seed = 20261129;
@@ -177,7 +177,7 @@ static void test_a_constant_stays_what_it_is(void **state)
     }
 }
 
-/* Validity: of bad taps nothing is seen, and a pixel of nothing but void taps is void. */
+/* Validity: invalid taps have no effect, and a pixel with only invalid taps is invalid. */
 static void test_bad_history_is_not_seen(void **state)
 {
     uint64_t seed = 20261130;
@@ -205,7 +205,7 @@ static void test_bad_history_is_not_seen(void **state)
     }
 }
 
-/* One NaN in the history is in the picture, unless somebody looks. */
+/* One NaN in the history is in the output unless validity is on. */
 static void test_validity_keeps_a_nan_out(void **state)
 {
     for (int validity = 0; validity < 2; validity++) {
@@ -229,8 +229,8 @@ static void test_validity_keeps_a_nan_out(void **state)
 
 /* ---- the place ------------------------------------------------------------------------------- */
 
-/* Bilinear in a history whose values are its coordinates: the picture says where each pixel
- * looked. */
+/* Bilinear, with a history whose values are its coordinates: the output is the place at which each
+ * pixel reads. */
 static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, float transmittance,
                       float distance_m, struct test_passes *test)
 {
@@ -246,7 +246,7 @@ static void open_ramp(struct neph_vulkan *vulkan, const char *assignments, float
     }
 }
 
-/* Shift of a pixel's place from its centre, in texels, as the device has it. */
+/* Shift of a pixel's place from its centre, in texels, from the device's output. */
 static void shift_at(const struct test_passes *test, int x, int y, double shift[2])
 {
     float volume[4];
@@ -286,8 +286,8 @@ static void test_the_place_of_a_pixel(void **state)
     }
 }
 
-/* amount (1 - T) max(0, 1 - distance / 4 km), from the largest shifts that occur: of 64 x 36 pixels
- * the largest number of either sign is within 1 % of 1 but for odds of 0.99^1000. */
+/* amount (1 - T) max(0, 1 - distance / 4 km), from the largest shifts that occur: in 64 x 36 pixels
+ * the largest number of either sign is within 1 % of 1 except with probability 0.99^1000. */
 static void test_the_law_of_the_shift(void **state)
 {
     static const struct {
@@ -320,8 +320,8 @@ static void test_the_law_of_the_shift(void **state)
         }
 }
 
-/* Seen in the picture: with `shared` the two shifts of a pixel keep their difference round the
- * circle of 2 over 16 frames, and start anew; with `independent` they do not. */
+/* Measured in the output: with `shared` the two shifts of a pixel keep their difference, modulo 2,
+ * over 16 frames, and restart; with `independent` they do not. */
 static void test_shared_shifts_stay_on_a_line(void **state)
 {
     for (int is_shared = 0; is_shared < 2; is_shared++) {
@@ -359,7 +359,7 @@ static void test_shared_shifts_stay_on_a_line(void **state)
     }
 }
 
-/* A view anywhere in its buffers makes the same picture. */
+/* The result does not depend on the place of the view in its buffers. */
 static void test_a_view_rectangle_is_a_view(void **state)
 {
     float *volumes[2];
@@ -369,7 +369,7 @@ static void test_a_view_rectangle_is_a_view(void **state)
         const struct neph_settings settings = test_settings("upscale_law=constant");
         OWNED(passes) struct test_passes test;
         test_passes_open(*state, &settings, size_px, origins_px[k], 5, &test);
-        fill(&test, &(uint64_t){77}, 0); /* around it */
+        fill(&test, &(uint64_t){77}, 0); /* also outside the view */
         for (int y = 0; y < size_px[1]; y++)
             for (int x = 0; x < size_px[0]; x++)
                 cpu_put_full(&test.cpu, RT_DEPTH, x, y, (float[4]){random_depth_m(&seed)});
@@ -396,8 +396,8 @@ static void test_a_view_rectangle_is_a_view(void **state)
 
 static const float near_value = 1.0f, far_value = 1000.0f;
 
-/* A scene of two depths, its depth map, and a history that has one value on each. Near is
- * where a x + b y < c. */
+/* A scene of two depths, its depth map, and a history that has one value on each. The near part is
+ * a x + b y < c. */
 static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const int line[3],
                       const float depths_m[2], struct test_passes *test)
 {
@@ -421,7 +421,7 @@ static void open_edge(struct neph_vulkan *vulkan, const char *assignments, const
     }
 }
 
-/* The part of all pixels that show anything of the other side. */
+/* The part of all pixels that contain any light of the other side. */
 static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, const int line[3],
                            const float depths_m[2])
 {
@@ -442,7 +442,8 @@ static double leaking_part(struct neph_vulkan *vulkan, const char *assignments, 
 
 static const float edge_m[2] = {10, NEPH_GPU_FAR_M};
 
-/* Along the axes, at each place in a tile: no pixel shows the other side, but for bilinear. */
+/* Edges along the axes, at each place in a tile: no pixel contains the other side, except
+ * bilinear. */
 static void test_edges_do_not_leak(void **state)
 {
     static const char *const tight[] = {"upscale_dither=none upscale=nearest",
@@ -458,8 +459,8 @@ static void test_edges_do_not_leak(void **state)
         }
 }
 
-/* Few places at a sloped edge have their own side in none of four texels: 1 of 2304 pixels
- * where it was found, with 95 .. 253 that leak if bilinear. */
+/* Few places at a sloped edge have no texel of their own side among four: 1 of 2304 pixels where
+ * one was found; with bilinear 95 .. 253 leak. */
 static void test_sloped_edges_hardly_leak(void **state)
 {
     static const int lines[][3] = {{1, 1, 50}, {1, 2, 60}, {3, 1, 100}, {1, -1, 11}, {1, -3, -5}};
@@ -472,8 +473,8 @@ static void test_sloped_edges_hardly_leak(void **state)
     }
 }
 
-/* A ridge is its own whatever its distance: the sky counts as 1000 km, and pixel and taps have the
- * same limits of depth. */
+/* A ridge takes its own light at any distance: the sky counts as 1000 km, and pixel and taps have
+ * the same limits of depth. */
 static void test_ridges_are_not_sky(void **state)
 {
     static const float ridges_m[] = {9e3f, 12e3f, 14.9e3f, 15.1e3f, 18e3f, 26e3f, 30e3f, 60e3f};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The upscale (upscale.comp) from a pixel's place to its volume.
+// The upscale of one pixel (upscale.comp).
 #ifndef NEPH_REALTIME_UPSCALE_GLSL
 #define NEPH_REALTIME_UPSCALE_GLSL
 
@@ -37,7 +37,7 @@ struct Upscaled {
 
 const Upscaled NOTHING = Upscaled(vec4(0.0, 0.0, 0.0, 1.0), 0.0);
 
-// From the reconstruction, filtered or not.
+// The output of the reconstruction, or of the a-trous filter.
 vec4 fetch_volume(ivec2 half_pixel)
 {
     if (choice(RT_ATROUS) != 0)
@@ -45,7 +45,7 @@ vec4 fetch_volume(ivec2 half_pixel)
     return fetch_half(RT_HISTORY, half_pixel);
 }
 
-// Whether history may be used: any, with validity = off.
+// Whether history may be used; always with validity = off.
 bool is_usable(vec4 volume, float age)
 {
     return choice(RT_VALIDITY) == 0 || all(bvec3(is_finite(age), age > 0.0, is_sound(volume)));
@@ -115,10 +115,10 @@ bool is_square() { return choice(RT_UPSCALE) == RT_UPSCALE_SQUARE; }
 
 bool shares_taps() { return choice(RT_UPSCALE_DITHER) == RT_DITHER_NONE; }
 
-// The first pixel of a thread; it may be one before the view.
+// The first pixel of a thread; it may lie one pixel before the view.
 ivec2 first_pixel(ivec2 quad) { return 2 * quad - (is_square() ? 0 : 1); }
 
-// The half-resolution texel that a pixel's taps are counted from, row by row.
+// The half-resolution texel of a pixel's first tap; taps are numbered row by row.
 ivec2 corner_of(ivec2 pixel, vec2 place)
 {
     if (shares_taps())
@@ -151,11 +151,11 @@ Tap fetch_tap(ivec2 texel)
     tap.depth_m = fetch_half(RT_HALF_DEPTH, texel).x;
     tap.is_used = is_usable(tap.volume, tap.age);
     if (!tap.is_used)
-        tap.volume = vec4(0.0); // no NaN, whatever its weight
+        tap.volume = vec4(0.0); // removes a NaN, which would survive a weight of 0
     return tap;
 }
 
-// All on their way before the first is looked at.
+// All taps are fetched before the first is used.
 Taps fetch_taps(ivec2 corner)
 {
     Taps taps;
@@ -164,7 +164,7 @@ Taps fetch_taps(ivec2 corner)
     return taps;
 }
 
-// `fraction` of the place from the corner, in texels; `scene_m` the pixel's eye depth.
+// `fraction`: place relative to the corner, in texels; `scene_m`: the pixel's eye depth.
 void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
 {
     precise float difference_m = abs(compared_depth_m(scene_m) - compared_depth_m(tap.depth_m));
@@ -173,8 +173,8 @@ void judge(inout Tap tap, int i, vec2 fraction, float scene_m)
     tap.is_foreign = choice(RT_UPSCALE_SAME_KIND) != 0 && is_sky(tap.depth_m) != is_sky(scene_m);
 }
 
-// The order in which ties are decided: first the nearest in place. That of a quad's pixels is in
-// the corner that they are in.
+// The order in which ties are decided: the nearest in place first. For the pixels of a quad with
+// shared taps it follows from the pixel's corner of the quad.
 int asked_tap(int i, int in_quad, vec2 fraction)
 {
     if (is_square())
@@ -184,7 +184,7 @@ int asked_tap(int i, int in_quad, vec2 fraction)
     return i ^ ((fraction.x < 0.5 ? 0 : 1) + (fraction.y < 0.5 ? 0 : 2));
 }
 
-// A choice among known taps is cheaper than an index into memory.
+// A selection among registers is cheaper than an index into memory.
 Tap picked(Tap taps[TAPS_MAX], int index)
 {
     Tap tap = taps[0];
@@ -194,7 +194,7 @@ Tap picked(Tap taps[TAPS_MAX], int index)
     return tap;
 }
 
-// The tap nearest in depth; -1: none is used.
+// The tap nearest in depth; -1: no tap is usable.
 int nearest_tap(Tap taps[TAPS_MAX], int in_quad, vec2 fraction)
 {
     int nearest = -1;
@@ -230,7 +230,7 @@ bool depth_matters(Tap taps[TAPS_MAX], Tap nearest)
 
 bool all_within(Tap taps[TAPS_MAX], float limit_m)
 {
-    bool are_within = true; // a loop with a way out would not be unrolled
+    bool are_within = true; // no early exit, which would prevent unrolling
     [[unroll]] for (int i = 0; i < tap_count(); i++)
         if (taps[i].is_used && !(taps[i].difference_m < limit_m))
             are_within = false;
@@ -239,7 +239,7 @@ bool all_within(Tap taps[TAPS_MAX], float limit_m)
 
 // --- the choice ---------------------------------------------------------------------------------
 
-// `regardless` of depth.
+// `regardless`: depth is ignored.
 float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
 {
     if (!tap.is_used || tap.is_foreign)
@@ -258,7 +258,7 @@ float tap_weight(Tap tap, bool is_nearest, bool regardless, float limit_m)
     return regardless || is_nearest ? 1.0 : 0.0;
 }
 
-// The mean of the taps by weights that add up to `total`, which is above 0.
+// The mean of the taps with weights that add up to `total` > 0.
 vec4 weighted_mean(Tap taps[TAPS_MAX], float weights[TAPS_MAX], float total);
 
 vec4 blend(Tap taps[TAPS_MAX], float weights[TAPS_MAX], int nearest)
@@ -289,9 +289,9 @@ Upscaled upscaled(Taps taps, int in_quad, vec2 fraction, float scene_m)
     return Upscaled(blend(taps.of, weights, nearest), chosen.distance_m);
 }
 
-// --- both over what is behind -----------------------------------------------------------------
+// --- composition ------------------------------------------------------------------------------
 
-// As a volume is read again.
+// The volume as a later pass would read it from its target.
 vec4 as_kept(vec4 volume)
 {
     return format_of(RT_VOLUME) == RT_RGBA16F
@@ -299,7 +299,7 @@ vec4 as_kept(vec4 volume)
                : volume;
 }
 
-// Where no other pass changes the volume before it is laid over what is behind
+// Whether the volume is composed with the background here, because no later pass changes it
 // (composition/compose.comp).
 bool composes() { return choice(RT_COMPOSITION) == RT_COMPOSITION_UPSCALE; }
 
@@ -309,7 +309,7 @@ void put_composed(ivec2 pixel, vec4 volume)
     put_full(RT_COLOR, pixel, vec4(radiance, 1.0));
 }
 
-// Four pixels beside each other.
+// Four neighbouring pixels.
 void upscale(ivec2 quad)
 {
     Taps taps;

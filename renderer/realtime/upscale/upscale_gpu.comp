@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The upscale (upscale.comp) for a GPU and targets of halves. The mean is not clamped to the range
-// of its values: a sum in float32 is off by less than half a step of the halves that it is rounded
-// to.
+// The upscale (upscale.comp) for a GPU and targets in half precision. The mean is not clamped to
+// the range of its values: a float32 sum is off by less than half a step of the halves that it is
+// rounded to.
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/pass.glsl"
