@@ -374,7 +374,7 @@ static void add_pixel_aspect(struct reader *reader)
 
 static void read_picture(struct reader *reader)
 {
-    /* Otherwise a damaged colour chunk would be dropped without an error, and the file read as
+    /* A damaged colour chunk is an error: libpng would drop it, and the file would be read as
      * sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);

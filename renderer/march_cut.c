@@ -113,7 +113,7 @@ struct turns {
     uint64_t sun;     /* of a sun ray through media */
 };
 
-/* Otherwise all optical depths are sums over steps. */
+/* Whether some optical depths have closed forms; otherwise all are sums over steps. */
 static bool has_closed_forms(const struct neph_march_params *params)
 {
     return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
