@@ -712,7 +712,7 @@ static void test_child_dies_with_its_keeper(void **state)
     const double start_s = neph_wall_s();
     assert_int_equal(run_shell(script, NULL, 0.0, NULL, &diag), NEPH_ERR_ENGINE);
     assert_true(neph_wall_s() - start_s < 30.0);
-    assert_non_null(strstr(diag.message, "watches over 'sh'"));
+    assert_non_null(strstr(diag.message, "supervisor process of 'sh'"));
     assert_dies(read_pid(path));
 }
 

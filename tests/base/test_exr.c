@@ -480,7 +480,7 @@ static void test_other_kinds_are_refused_by_name(void **state)
     assert_refused(path, NEPH_ERR_INPUT, "multi-part");
     write_other(path, (struct other_file){.type = EXR_PIXEL_FLOAT});
     patch(path, "channels", "chlist", 2 + 8, 2); /* after "Y", its type and flags: x_sampling */
-    assert_refused(path, NEPH_ERR_INPUT, "sample per pixel");
+    assert_refused(path, NEPH_ERR_INPUT, "is subsampled");
 }
 
 /* ---- broken files ---------------------------------------------------------------------------- */

@@ -218,7 +218,7 @@ static void test_a_window_grows_with_its_image(void **state)
         const enum neph_status status = neph_image_copy_labels(image, other, &diag);
         assert_int_equal(status, cases[i].expected[5] ? NEPH_OK : NEPH_ERR_INPUT);
         if (status)
-            assert_non_null(strstr(diag.message, "between the pixels"));
+            assert_non_null(strstr(diag.message, "on whole pixels"));
         else
             assert_memory_equal(other->header, cases[i].expected, sizeof(cases[i].expected));
         neph_image_destroy(other);

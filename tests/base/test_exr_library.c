@@ -79,9 +79,9 @@ static void assert_refused(void **state, const char *name, const char *words)
 static const struct other_kind {
     const char *name, *words;
 } other_kinds[] = {
-    {"tiled.exr", "is a tiled OpenEXR file"},          {"mipmap.exr", "is a tiled OpenEXR file"},
-    {"parts.exr", "is a multi-part OpenEXR"},          {"deep.exr", "is a deep OpenEXR file"},
-    {"chroma.exr", "'BY' has not a sample per pixel"},
+    {"tiled.exr", "is a tiled OpenEXR file"}, {"mipmap.exr", "is a tiled OpenEXR file"},
+    {"parts.exr", "is a multi-part OpenEXR"}, {"deep.exr", "is a deep OpenEXR file"},
+    {"chroma.exr", "'BY' is subsampled"},
 };
 
 /* Attributes in a file of another program; NULL: it has none. */

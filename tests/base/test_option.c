@@ -84,9 +84,9 @@ static void test_of_many_settings_those_alike_are_named(void **state)
     many[10].name = "far_jitter";
     many[90].name = "jitters";
     expect_refusal(many, "jitter=1", "no setting 'jitter'",
-                   "settings of engine x with a name like it: far_jitter, jitters");
+                   "settings of engine x with a similar name: far_jitter, jitters");
     expect_refusal(many, "far=1", "no setting",
-                   "settings of engine x with a name like it: "
+                   "settings of engine x with a similar name: "
                    "far_jitter");
     expect_refusal(many, "zz=1", "no setting 'zz'", "");
     expect_refusal(many, "filler=1", "no setting 'filler'", ""); /* 94 are too many as well */

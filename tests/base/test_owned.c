@@ -89,7 +89,7 @@ static void test_markers_of_others_are_refused(void **state)
     put(state, ".neph-owned", "neph shelf 3\n");
     assert_refused(state, &shelf, "another version");
     put(state, ".neph-owned", "");
-    assert_refused(state, &shelf, "says nothing");
+    assert_refused(state, &shelf, "damaged marker file");
     put(state, ".neph-owned", "neph shelf 1\n");
     const struct scratch *scratch = *state;
     neph_assert_ok(neph_owned_claim(scratch->folder, &shelf, NULL), NULL);

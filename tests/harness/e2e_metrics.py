@@ -418,7 +418,7 @@ class Metrics(neph_case.NephCase):
                                            ("beside.png", [animated(1)], [control, *second], 65),
                                            ("one.png", [animated(1), control], [], 0)):
             done = self.neph("compare", still, write(name, before, behind), "-m", "mae", code=code)
-            self.assertEqual("holds 2 pictures" in done.stderr, code > 0, (name, done.stderr))
+            self.assertEqual("has 2 frames" in done.stderr, code > 0, (name, done.stderr))
 
     def test_what_changes_within_a_sequence_is_refused(self):
         def sequence(name, odd, **usual):
