@@ -15,16 +15,15 @@ struct neph_arena_block {
     max_align_t content[];
 };
 
-/* In huge pages where the system has them: hundreds of megabytes are touched for the first time in
- * the first few frames, which in small pages takes longer than the frames. calloc() itself does not
- * touch what is fresh from the system. */
+/* Huge pages, where the system has them: a renderer touches hundreds of megabytes for the first
+ * time in its first few frames, and faulting them in as small pages takes longer than the frames.
+ * calloc() does not touch memory that is fresh from the system. */
 static void wish_for_huge_pages(void *block, size_t size)
 {
     const uintptr_t begin = ((uintptr_t)block + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
     const uintptr_t end = ((uintptr_t)block + size) / HUGE_PAGE * HUGE_PAGE;
     if (begin < end)
-        madvise((void *)begin, end - begin,
-                MADV_HUGEPAGE); /* a wish; without it all is well, too */
+        madvise((void *)begin, end - begin, MADV_HUGEPAGE); /* a hint; failure is harmless */
 }
 
 void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size)

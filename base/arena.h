@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Memory for what lives and dies together: given out piece by piece, freed at once.
+ * An arena allocator, for objects with the same lifetime: many small allocations, one free.
  */
 #ifndef NEPH_BASE_ARENA_H
 #define NEPH_BASE_ARENA_H
@@ -15,10 +15,10 @@ struct neph_arena_block;
 /* Start from {0}; free with neph_arena_finish(). */
 struct neph_arena {
     struct neph_arena_block *last;
-    bool is_short; /* memory was short at least once: see neph_arena_check() */
+    bool is_short; /* an allocation has failed: see neph_arena_check() */
 };
 
-/* `count` zeroed objects of `size` bytes; NULL when memory is short. */
+/* `count` zeroed objects of `size` bytes; NULL when memory is short. The arena owns them. */
 void *neph_arena_zeroed(struct neph_arena *arena, size_t count, size_t size);
 
 /* A copy of `size` bytes; NULL when memory is short. */
@@ -28,13 +28,14 @@ void *neph_arena_copy(struct neph_arena *arena, const void *from, size_t size);
  * copy with twice the `*room`. Start from NULL and a room of 0. NULL when memory is short. */
 void *neph_arena_grown(struct neph_arena *arena, void *list, int count, int *room, size_t size);
 
-/* A copy of a text, or printf; "" when memory is short, so that texts can be kept one after the
- * other and neph_arena_check() asked once. A NULL text stays NULL. */
+/* A copy of a text, or printf into a new one. When memory is short the result is "", so that a
+ * caller can make many texts and call neph_arena_check() once at the end. A NULL text stays NULL.
+ */
 const char *neph_arena_text(struct neph_arena *arena, const char *text);
 const char *neph_arena_format(struct neph_arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* NEPH_ERR_MEMORY when anything so far could not be had. */
+/* NEPH_ERR_MEMORY when any allocation of the arena has failed. */
 enum neph_status neph_arena_check(const struct neph_arena *arena, struct neph_diag *diag);
 
 void neph_arena_finish(struct neph_arena *arena);

@@ -14,7 +14,7 @@ static size_t padded(size_t size)
     return (size + 3) & ~(size_t)3;
 }
 
-/* Notes follow each other: a header, the owner's name and what it says, each padded to words. */
+/* Notes are consecutive: a header, the owner's name and the contents, each padded to 4 bytes. */
 static const unsigned char *find_id(const unsigned char *notes, size_t size)
 {
     while (size >= sizeof(ElfW(Nhdr))) {
@@ -33,7 +33,7 @@ static const unsigned char *find_id(const unsigned char *notes, size_t size)
     return NULL;
 }
 
-/* The program itself is the first that is shown; the walk ends with it. */
+/* dl_iterate_phdr() visits the program itself first; the result 1 ends the iteration there. */
 static int look_at_program(struct dl_phdr_info *program, size_t size, void *context)
 {
     const unsigned char **id = context;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which build of the program this is: what its linker hashed, shaders included.
+ * The identity of the running program: the hash that the linker made of code, data and embedded
+ * shaders.
  */
 #ifndef NEPH_BASE_BUILD_ID_H
 #define NEPH_BASE_BUILD_ID_H
@@ -9,9 +10,9 @@
 
 #define NEPH_BUILD_ID_SIZE 17 /* 16 hexadecimal digits and the NUL */
 
-/* The first 64 bits of the note NT_GNU_BUILD_ID of the running program, which lies in memory: a
- * program that differs in a byte of code or data has another one (ld --build-id=sha1).
- * NEPH_ERR_IO: it was linked without. */
+/* The first 64 bits of the note NT_GNU_BUILD_ID of the running program, read from memory. Programs
+ * that differ in one byte of code or data have different ids (ld --build-id=sha1). NEPH_ERR_IO: the
+ * program was linked without a build id. */
 enum neph_status neph_build_id(char hex[NEPH_BUILD_ID_SIZE], struct neph_diag *diag);
 
 #endif

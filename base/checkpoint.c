@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The first line is padded with spaces to this, so that sizes are known before it is written. */
+/* The first line is padded with spaces to this length, so that the layout of the file is known
+ * before the hash. */
 enum { line_bytes = 160 };
 
 static void put_double(unsigned char bytes[8], double value)
@@ -68,7 +69,7 @@ static enum neph_status refuse(const char *path, const char *why, struct neph_di
     return NEPH_ERR_INPUT;
 }
 
-/* The first line must be, to the byte, the one that would be written for this body. */
+/* The first line must equal, byte for byte, the line that would be written for this body. */
 static enum neph_status check_whole(const char *path, const char *file, size_t size,
                                     struct neph_diag *diag)
 {
@@ -104,7 +105,8 @@ enum neph_status neph_checkpoint_read(const char *path, const char *identity, do
 {
     char *file;
     size_t size;
-    /* Room for a file of some other identity, so that it is named and not called too large. */
+    /* The limit allows for a file of another computation, so that it is refused for its identity
+     * and not for its size. */
     enum neph_status status = neph_file_read(path, line_bytes + 65536 + 4 * (8 * count + 8), &file,
                                              &size, diag);
     if (status)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * fork() and not posix_spawn(), because a keeper has to stand between us and the program
- * (keeper.h). Everything that takes memory or words is done here, on neph's side of the fork.
+ * Child processes: the part that runs in neph. fork() and not posix_spawn(), because a supervisor
+ * has to be between neph and the program (keeper.h). All allocations and messages are made here,
+ * before the fork.
  */
 #include "base/child.h"
 
@@ -37,7 +38,7 @@ static bool is_executable(const char *path)
     return stat(path, &info) == 0 && S_ISREG(info.st_mode) && access(path, X_OK) == 0;
 }
 
-/* The program in one folder of PATH, an empty one meaning the current folder; NULL: not there. */
+/* The program in one folder of PATH; an empty folder means the current one. NULL: not found. */
 static char *program_in(const char *folder, int length, const char *program)
 {
     char *path = length > 0 ? neph_format("%.*s/%s", length, folder, program)
@@ -76,7 +77,7 @@ bool neph_child_program_exists(const char *program)
     return path != NULL;
 }
 
-/* A relative path means neph's working folder, not the one that the child is about to enter. */
+/* A relative path is relative to neph's working folder, not to the folder that the child enters. */
 static char *make_absolute(char *path)
 {
     if (!path || path[0] == '/')
@@ -90,7 +91,8 @@ static char *make_absolute(char *path)
 
 /* ---- the environment ------------------------------------------------------------------------- */
 
-/* Made for the child: no variable of the user's but PATH, so that none changes what it does. */
+/* The child's environment. Of the user's variables it has only PATH, so that no other one changes
+ * results. */
 struct environment {
     char **entries; /* NULL-terminated */
     size_t count, capacity;
@@ -149,7 +151,7 @@ int neph_child_inherit(const char **variables, int room, const char *const *but)
     return count;
 }
 
-/* free_environment() whatever the status. */
+/* The caller calls free_environment() whatever the status. */
 static enum neph_status make_environment(const struct neph_child_params *params,
                                          struct environment *environment, struct neph_diag *diag)
 {
@@ -199,11 +201,11 @@ static enum neph_status explain_start(const struct neph_child_params *params,
     return NEPH_OK;
 }
 
-/* Open what the child will have as stdin, stdout and stderr. */
+/* Open the child's stdin, stdout and stderr. */
 static enum neph_status open_files(const struct neph_child_params *params,
                                    struct neph_keeper_job *job, struct neph_diag *diag)
 {
-    /* Not neph's stdin: a child in the background of a terminal would be stopped on reading it. */
+    /* Not neph's stdin: a background child that reads from a terminal would be stopped. */
     job->input_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (job->input_fd < 0)
         return fail_start(params->argv[0], "/dev/null", errno, diag);
@@ -234,11 +236,12 @@ static pid_t fork_without_signals(void)
 
 /* ---- waiting --------------------------------------------------------------------------------- */
 
-/* The keeper's report, telling it of an interrupt meanwhile; false when it died without one. */
+/* Wait for the supervisor's report, and send it an interrupt that arrives meanwhile. False when the
+ * supervisor died without a report. */
 static bool await_report(int talk_fd, struct neph_keeper_report *report)
 {
-    /* The descriptor of an interrupt that was acknowledged stays readable: then look by the clock.
-     */
+    /* The descriptor of an acknowledged interrupt stays readable; from then on the flag is polled
+     * every INTERRUPT_LOOK_MS. */
     bool told = false, by_clock = false;
     for (;;) {
         struct pollfd fds[] = {
@@ -258,7 +261,7 @@ static bool await_report(int talk_fd, struct neph_keeper_report *report)
     }
 }
 
-/* Run the program under a keeper to the end of both. */
+/* Run the program under a supervisor until both have ended. */
 static enum neph_status run_kept(const struct neph_child_params *params,
                                  struct neph_keeper_job *job, struct neph_keeper_report *report,
                                  struct neph_diag *diag)
@@ -305,7 +308,7 @@ static enum neph_status run(const struct neph_child_params *params,
     job.is_confined = params->is_confined;
     job.limits = params->limits;
     job.time_limit_s = params->time_limit_s;
-    /* execve() takes pointers to non-const for historical reasons and changes nothing. */
+    /* execve() takes pointers to non-const for historical reasons and modifies nothing. */
     job.argv = (char *const *)params->argv;
     job.environment = environment.entries;
     if (!status)
@@ -323,9 +326,9 @@ static enum neph_status run(const struct neph_child_params *params,
     return status;
 }
 
-/* ---- explaining ------------------------------------------------------------------------------ */
+/* ---- error messages -------------------------------------------------------------------------- */
 
-/* Progress bars and colours are not for a diag; neph_fail() sees to what is not UTF-8. */
+/* Replace control characters of progress bars and colours; neph_fail() escapes invalid UTF-8. */
 static void make_printable(char *text, size_t size)
 {
     for (char *at = text; at < text + size; at++) {
@@ -337,7 +340,7 @@ static void make_printable(char *text, size_t size)
     }
 }
 
-/* The start of the last QUOTE_LINES lines that say something. */
+/* The start of the last QUOTE_LINES lines, without blank lines at the end. */
 static const char *last_lines(char *text)
 {
     size_t length = strlen(text);
@@ -348,15 +351,15 @@ static const char *last_lines(char *text)
         length--;
     const char *start = text + length;
     while (((unsigned char)*start & 0xc0) == 0x80 || *start == '\n')
-        start++; /* the rest of a UTF-8 character that was cut, or an empty line */
+        start++; /* the tail of a truncated UTF-8 character, or an empty line */
     return start;
 }
 
-/* The end of the log in `quote`, empty when there is none. */
+/* The end of the log in `quote`; empty when there is no log. */
 static void quote_log(const char *log_path, char quote[QUOTE_BYTES + 64])
 {
     quote[0] = '\0';
-    /* O_NONBLOCK: the child may have put a pipe in its place. */
+    /* O_NONBLOCK: the child may have replaced the log by a pipe. */
     int fd = log_path ? open(log_path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : -1;
     if (fd < 0)
         return;

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: MIT
  *
- * How a child process ended and what it took: what the keeper counts, and neph reads.
+ * The result of a child process: how it ended and the resources it used. Filled by the keeper, read
+ * by neph.
  */
 #ifndef NEPH_BASE_CHILD_RESULT_H
 #define NEPH_BASE_CHILD_RESULT_H
 
 #include <stdint.h>
 
-/* How much a child may write; 0 in a field: no limit. The keeper measures every 0.1 s and once more
- * at the end, so a child may be over a limit for that long. */
+/* Limits on the output of a child; 0 in a field: no limit. The keeper measures every 0.1 s and at
+ * the end, so a child may exceed a limit for up to 0.1 s. */
 struct neph_child_limits {
-    int64_t folder_bytes;   /* in its working folder; a confined child: any single file, too */
-    int64_t folder_entries; /* there: files, folders, links and the like */
-    int64_t log_bytes;      /* what it prints */
+    int64_t folder_bytes;   /* in its working folder; when confined, of any single file as well */
+    int64_t folder_entries; /* in its working folder: files, folders, links and the like */
+    int64_t log_bytes;      /* of stdout and stderr together */
 };
 
-/* Which of them it has passed. */
+/* The limit that was exceeded. */
 enum neph_child_excess {
     NEPH_EXCESS_NONE,
     NEPH_EXCESS_BYTES,
     NEPH_EXCESS_ENTRIES,
-    NEPH_EXCESS_HIDDEN, /* folders that cannot be counted: neph_usage_measure() */
+    NEPH_EXCESS_HIDDEN, /* unreadable or too deep folders: neph_usage_measure() */
     NEPH_EXCESS_LOG,
 };
 
@@ -28,10 +29,10 @@ struct neph_child_result {
     int exit_code; /* valid when signal is 0 */
     int signal;    /* the signal that ended it, or 0 */
     double wall_s;
-    double cpu_s; /* user + system of the child and of all that it started and that was reaped */
-    /* Maximum resident set of the child or of one process beneath it. Exact when above neph's own
-     * memory at the start; below it the kernel's number is neph's, and this is the high-water mark
-     * of the child alone, sampled every 0.1 s. */
+    double cpu_s; /* user + system, of the child and all its descendants that were reaped */
+    /* Maximum resident set of a single process: the child or one of its descendants. Exact when
+     * above neph's own memory at the start. Below it the kernel reports neph's memory, so this is
+     * the high-water mark of the child itself, sampled every 0.1 s. */
     int64_t peak_memory_bytes;
 };
 

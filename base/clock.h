@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The clocks that the project reports.
+ * Clocks for reported times.
  */
 #ifndef NEPH_BASE_CLOCK_H
 #define NEPH_BASE_CLOCK_H
@@ -11,7 +11,7 @@ double neph_wall_s(void);
 /* CPU time of this process, all threads [s]. */
 double neph_cpu_s(void);
 
-/* Now, as 2026-01-31T23:59:59Z. */
+/* The current time, as 2026-01-31T23:59:59Z. */
 void neph_utc_now(char text[32]);
 
 #endif

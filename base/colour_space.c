@@ -8,8 +8,9 @@
 #include <string.h>
 #include <strings.h>
 
-/* Names beside the identifiers themselves: of OpenImageIO's documentation of oiio:ColorSpace, of
- * the ACES configurations of OpenColorIO, and of Blender's. An empty identifier names no space. */
+/* Synonyms of the identifiers: from OpenImageIO's documentation of oiio:ColorSpace, from the ACES
+ * configurations of OpenColorIO, and from Blender. An empty identifier: the name identifies no
+ * space. */
 static const struct {
     const char *name, *id;
 } names[] = {

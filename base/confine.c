@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Three means of the kernel, which an ordinary user may use:
- *  - Landlock refuses to write, make, rename and remove files. It does not see changes of modes,
- *    owners, times and attributes.
- *  - A mount namespace in which all file systems but the folder, /dev and /proc are read-only
- *    refuses both. Some systems let no user make one (in containers, or by AppArmor).
- *  - Without that namespace a seccomp filter refuses every change of modes, owners, times and
- *    attributes: it cannot tell files inside the folder from others.
+ * Confinement of a child process to one folder, by three mechanisms that an ordinary user can use:
+ *
+ * - Landlock refuses to write, create, rename and remove files. It does not cover changes of modes,
+ *   owners, times and attributes.
+ * - A mount namespace in which all file systems except the folder, /dev and /proc are read-only
+ *   refuses both. Some systems do not let users create one (in containers, or by AppArmor).
+ * - Without that namespace a seccomp filter refuses every change of modes, owners, times and
+ *   attributes, inside the folder as well: it cannot distinguish paths.
  */
 #include "base/confine.h"
 
@@ -28,13 +29,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Devices, among them GPUs and shared memory, and what a process says of itself. */
+/* Folders that stay writable: devices (GPUs, shared memory), and the process's own settings. */
 static const char *const writable[] = {"/dev", "/proc"};
 enum { WRITABLE_COUNT = sizeof(writable) / sizeof(writable[0]) };
 
 /* ---- Landlock -------------------------------------------------------------------------------- */
 
-/* Since the second and the third version of the interface; headers of Debian 12 lack the latter. */
+/* Added in versions 2 and 3 of the interface; headers of Debian 12 lack the latter. */
 static const uint64_t refer = LANDLOCK_ACCESS_FS_REFER, truncation = (uint64_t)1 << 14;
 
 static const uint64_t writing = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
@@ -43,7 +44,7 @@ static const uint64_t writing = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_
                                 LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO |
                                 LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_MAKE_SYM;
 
-/* The version of the interface; 0 or less: there is none. */
+/* The version of the Landlock interface; 0 or less: not available. */
 static long landlock_version(void)
 {
     return syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
@@ -89,7 +90,7 @@ static bool write_text(const char *path, const char *text)
     return is_written;
 }
 
-/* "ID ID 1": this user (or group) is the same one inside. */
+/* "ID ID 1": the user (or group) has the same number inside the namespace. */
 static void name_map(unsigned id, char text[32])
 {
     char digits[12];
@@ -117,8 +118,8 @@ static bool enter_user_namespace(void)
            write_text("/proc/self/gid_map", groups);
 }
 
-/* Some systems let a process in and then do not let it say which user it is there, which it cannot
- * undo: another process goes first. */
+/* Some systems let a process enter a user namespace and then refuse the user map, and the process
+ * cannot leave again. So a child process tries it first. */
 static bool can_enter_user_namespace(void)
 {
     const pid_t pid = fork();
@@ -131,7 +132,7 @@ static bool can_enter_user_namespace(void)
 }
 
 /* Without privileges a mount namespace needs a user namespace, in which the user keeps all rights
- * to files. Root does without: inside it would lose the right to read other users' files. */
+ * to files. Root uses none: inside it root could not read other users' files. */
 static bool enter_namespaces(void)
 {
     return unshare(CLONE_NEWNS) == 0 || (can_enter_user_namespace() && enter_user_namespace());
@@ -149,8 +150,8 @@ static bool put_mount(int fd, const char *folder)
 
 enum view { VIEW_NONE, VIEW_DONE, VIEW_BROKEN };
 
-/* From now on the process sees all files read-only but those of the working folder and of
- * `writable`. VIEW_NONE: this system does not let it, and nothing has changed for files. */
+/* Make all files read-only for this process except those below the working folder and `writable`.
+ * VIEW_NONE: this system does not permit it, and file access is unchanged. */
 static enum view make_view(void)
 {
     struct mount_attr own = {.propagation = MS_PRIVATE}, plain = {.attr_set = MOUNT_ATTR_RDONLY};
@@ -165,7 +166,8 @@ static enum view make_view(void)
         is_possible = fds[i] >= 0 || errno == ENOENT;
     }
     if (is_possible && mount_setattr(AT_FDCWD, "/", AT_RECURSIVE, &plain, sizeof(plain)) == 0) {
-        /* The working folder is below what is now read-only: entered again through its copy. */
+        /* The working folder is inside the read-only mount: enter it again through its writable
+         * copy. */
         bool is_done = put_mount(folder_fd, ".") && fchdir(folder_fd) == 0;
         for (int i = 0; i < WRITABLE_COUNT && is_done; i++)
             is_done = put_mount(fds[i], writable[i]);
@@ -193,7 +195,7 @@ static enum view make_view(void)
 
 #ifdef NATIVE_ARCH
 
-/* One number on all architectures; headers of Debian 12 lack them. */
+/* The same number on all architectures; headers of Debian 12 lack them. */
 enum {
     CALL_FCHMODAT2 = 452,
     CALL_SETXATTRAT = 463,
@@ -209,7 +211,7 @@ static const uint32_t changes_of_files[] = {
     SYS_fchmod,         SYS_fchmodat,     CALL_FCHMODAT2,   SYS_fchown,         SYS_fchownat,
     SYS_utimensat,      SYS_setxattr,     SYS_lsetxattr,    SYS_fsetxattr,      CALL_SETXATTRAT,
     SYS_removexattr,    SYS_lremovexattr, SYS_fremovexattr, CALL_REMOVEXATTRAT, CALL_FILE_SETATTR,
-    SYS_io_uring_setup, /* which changes attributes past this filter */
+    SYS_io_uring_setup, /* can change attributes in spite of this filter */
 };
 enum {
     CHANGE_COUNT = sizeof(changes_of_files) / sizeof(changes_of_files[0]),
@@ -229,7 +231,7 @@ struct filter {
     unsigned short count;
 };
 
-/* Load the word of struct seccomp_data at `offset`, which the next tests are about. */
+/* Load the word of struct seccomp_data at `offset` for the following tests. */
 static void load(struct filter *filter, size_t offset)
 {
     filter->statements[filter->count++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS,
@@ -241,7 +243,7 @@ static void finish_with(struct filter *filter, uint32_t action)
     filter->statements[filter->count++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, action);
 }
 
-/* Take `action` at once unless the loaded word passes (`is_passed` 1) or fails (0) the test. */
+/* Return `action` unless the test of the loaded word is true (`is_passed` 1) or false (0). */
 static void finish_unless(struct filter *filter, int is_passed, uint16_t test, uint32_t number,
                           uint32_t action)
 {
@@ -250,8 +252,8 @@ static void finish_unless(struct filter *filter, int is_passed, uint16_t test, u
     finish_with(filter, action);
 }
 
-/* EPERM for the calls above, and for all calls of another architecture's programs, which have other
- * numbers. */
+/* Refuse with EPERM the calls above and all calls of other architectures, whose call numbers
+ * differ. */
 static bool refuse_changes(void)
 {
     static const uint32_t refuse = SECCOMP_RET_ERRNO | EPERM, permit = SECCOMP_RET_ALLOW;
@@ -280,7 +282,7 @@ static bool refuse_changes(void)
 
 #endif
 
-/* ---- all of it ------------------------------------------------------------------------------- */
+/* ---- entry points ---------------------------------------------------------------------------- */
 
 enum neph_confinement neph_confine(const char *folder)
 {

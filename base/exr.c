@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The library reads through pread(), behind its stream callbacks, so that the system's reason for a
- * failed read is not lost.
+ * Reader of OpenEXR files. The library reads through pread() in its stream callbacks, so that errno
+ * of a failed read is known.
  */
 #include "base/exr.h"
 
@@ -28,12 +28,12 @@ enum {
     EXR_FLAG_DEEP = 0x800,
     EXR_FLAG_MULTIPART = 0x1000,
     CHANNEL_COUNT_MAX = 1024,
-    /* No compression that is read shrinks more: zeros by PXR24 come to 1376:1 at best (deflate's
-     * 1032:1 of three bytes for four), all others to less. */
+    /* Upper bound of the compression ratio of all readable compressions: zeros by PXR24 reach
+     * 1376:1 (deflate's 1032:1 on three of four bytes), all others less. */
     SHRINK_MAX = 2048,
 };
 
-/* What stands behind the library's callbacks. */
+/* User data of the library's callbacks. */
 struct stream {
     struct neph_exr_trouble trouble;
     int fd;
@@ -59,7 +59,7 @@ static int64_t read_bytes(exr_const_context_t context, void *userdata, void *buf
             return -1;
         }
         if (got == 0)
-            break; /* the library reads ahead, so this says nothing yet */
+            break; /* not an error yet: the library reads ahead */
         done_bytes += (uint64_t)got;
     }
     return (int64_t)done_bytes;
@@ -72,7 +72,7 @@ static int64_t file_size(exr_const_context_t context, void *userdata)
     return (int64_t)stream->size_bytes;
 }
 
-/* What went wrong inside the library, in the words of a person who has only the file. */
+/* Report an error of the library, as the user can understand and correct it. */
 static enum neph_status fail_read(const char *path, const struct stream *stream,
                                   exr_result_t result, struct neph_diag *diag)
 {
@@ -95,8 +95,8 @@ static enum neph_status refuse_kind(const char *path, const char *kind, struct n
     return NEPH_ERR_INPUT;
 }
 
-/* Codes of the attribute `compression` that the library of today does not know; it takes an unknown
- * code for ZIP. Their names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
+/* Codes of the attribute `compression` that the current library does not know; it reads an unknown
+ * code as ZIP. Names: https://openexr.com/en/latest/OpenEXRFileLayout.html. */
 static const struct {
     int code;
     const char *name;
@@ -117,7 +117,7 @@ static enum neph_status refuse_compression(const char *path, int code, struct ne
     return NEPH_ERR_INPUT;
 }
 
-/* What the library would take for another, or for damage. */
+/* Refuse compressions that the library would read as another one, or report as damage. */
 static enum neph_status check_compression(const char *path, const char *header, size_t size,
                                           struct neph_diag *diag)
 {
@@ -129,7 +129,7 @@ static enum neph_status check_compression(const char *path, const char *header, 
     return NEPH_OK;
 }
 
-/* Refuse what is no business of ours before the library parses any of it. */
+/* Refuse other kinds of files before the library parses them. */
 static enum neph_status check_prefix(const char *path, struct stream *stream,
                                      struct neph_diag *diag)
 {
@@ -169,10 +169,10 @@ static enum neph_status open_stream(const char *path, struct stream *stream, str
     return status ? status : read_header(path, stream, diag);
 }
 
-/* What the header says about the pixels. */
+/* Layout of the pixels, from the header. */
 struct layout {
-    exr_attr_box2i_t window;  /* of the pixels in the file */
-    exr_attr_box2i_t display; /* of the picture that they are of */
+    exr_attr_box2i_t window;  /* data window */
+    exr_attr_box2i_t display; /* display window */
     int width_px, height_px;
     int32_t rows_per_chunk;
     uint64_t row_bytes; /* of all channels, uncompressed */
@@ -240,7 +240,7 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
     exr_result_t result = exr_get_storage(context, NEPH_EXR_ONLY_PART, &storage);
     if (result)
         return fail_read(path, stream, result, diag);
-    if (storage != EXR_STORAGE_SCANLINE) /* the flags said otherwise */
+    if (storage != EXR_STORAGE_SCANLINE) /* the flags of the prefix did not say so */
         return refuse_kind(path, storage == EXR_STORAGE_TILED ? "tiled" : "deep", diag);
     result = query_layout(context, layout);
     if (result)
@@ -255,8 +255,8 @@ static enum neph_status read_layout(exr_const_context_t context, const char *pat
     return status ? status : check_channels(path, layout, diag);
 }
 
-/* The chunk that starts `row` rows below the top, held against what the header promises: the
- * decoders trust these sizes, and memory is asked for by them. */
+/* Find the chunk that starts `row` rows below the top and compare its sizes with the header: the
+ * decoders trust these sizes and allocate memory by them. */
 static exr_result_t find_chunk(exr_const_context_t context, const struct layout *layout, int row,
                                exr_chunk_info_t *chunk)
 {
@@ -276,7 +276,7 @@ static exr_result_t find_chunk(exr_const_context_t context, const struct layout 
     return EXR_ERR_SUCCESS;
 }
 
-/* Before any pixel memory is asked for: a small broken file may promise gigabytes. */
+/* Runs before pixel memory is allocated: a small damaged file may claim gigabytes. */
 static exr_result_t check_chunks(exr_const_context_t context, const struct layout *layout)
 {
     exr_result_t result = EXR_ERR_SUCCESS;
@@ -292,7 +292,7 @@ static enum neph_status add_channels(struct neph_image *image, const struct layo
 {
     enum neph_status status = NEPH_OK;
     for (int i = 0; i < layout->channels->num_channels && !status; i++) {
-        /* Names are shown, in JSON too; what is in them is for whoever wrote the file to choose. */
+        /* Names are shown to users, also in JSON, and may contain any bytes. */
         char *name = neph_text_clean_copy(layout->channels->entries[i].name.str);
         status = name ? neph_image_add_channel(image, name, NULL, diag) : neph_fail_memory(diag);
         free(name);
@@ -332,7 +332,7 @@ static enum neph_status add_attributes(struct neph_image *image, const char *pat
     return result ? fail_read(path, stream, result, diag) : status;
 }
 
-/* The image has its channels in the order of the file, see add_channels(). */
+/* Set the output pointers; the image's channels are in the order of the file (add_channels()). */
 static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image *image, int row)
 {
     for (int c = 0; c < decoder->channel_count; c++) {
@@ -343,14 +343,14 @@ static void set_targets(exr_decode_pipeline_t *decoder, const struct neph_image 
     }
 }
 
-/* What choose_default_routines() found; lives as long as the decoder. */
+/* The library's own decompression function; lives as long as the decoder. */
 struct decompressor {
     exr_result_t (*run)(exr_decode_pipeline_t *decoder);
 };
 
-/* A chunk that would not shrink lies in the file as it is, in every compression. OpenEXRCore 3.1.5
- * decompresses it all the same when it is B44 or B44A: floats and integers, which these leave as
- * they are, then come out channel by channel where they are line by line, without an error. */
+/* A chunk that compression would not shrink is stored uncompressed. OpenEXRCore 3.1.5 decompresses
+ * it all the same for B44 and B44A: floats and integers, which these do not compress, are then
+ * returned channel by channel although they are stored line by line, without an error. */
 static exr_result_t decompress_or_leave_plain(exr_decode_pipeline_t *decoder)
 {
     const struct decompressor *decompressor = decoder->decoding_user_data;
@@ -405,7 +405,7 @@ static exr_result_t read_pixels(exr_const_context_t context, const struct layout
     return result;
 }
 
-/* Two crops of one size are not of the same place. */
+/* Record the position of a crop: two crops of equal size may show different places. */
 static enum neph_status add_crop(struct neph_image *image, const struct layout *layout,
                                  struct neph_diag *diag)
 {
@@ -419,8 +419,9 @@ static enum neph_status add_crop(struct neph_image *image, const struct layout *
         (long long)display->max.y - display->min.y + 1);
 }
 
-/* Without the attribute the primaries are those of Rec.709: "chromaticities" in
- * https://openexr.com/en/latest/TechnicalIntroduction.html. Its numbers have three digits. */
+/* Record primaries other than Rec.709. Without the attribute they are Rec.709: "chromaticities" in
+ * https://openexr.com/en/latest/TechnicalIntroduction.html. Writers round the numbers to three
+ * digits. */
 static enum neph_status add_primaries(struct neph_image *image, exr_const_context_t context,
                                       struct neph_diag *diag)
 {
@@ -434,7 +435,7 @@ static enum neph_status add_primaries(struct neph_image *image, exr_const_contex
                             found.blue_x, found.blue_y, found.white_x, found.white_y};
     bool is_rec709 = true;
     for (int i = 0; i < 8; i++)
-        is_rec709 &= fabsf(given[i] - rec709[i]) <= rounding; /* false of a NaN */
+        is_rec709 &= fabsf(given[i] - rec709[i]) <= rounding; /* false for NaN */
     if (is_rec709)
         return NEPH_OK;
     return neph_image_set_attribute(image, "primaries", diag,
@@ -465,8 +466,8 @@ static bool is_plain(const struct neph_file_header *header, const struct layout 
            header->screen_width == 1.0f && header->attribute_bytes == 0;
 }
 
-/* Whether the library has found the same attributes: it takes those of a fixed size for as long as
- * that, whatever length the file gives them. */
+/* Whether the library has read the same attributes as the raw header. For types of a fixed size it
+ * uses that size, whatever length the file gives. */
 static bool has_same_attributes(exr_const_context_t context, const struct stream *stream)
 {
     struct neph_exr_attribute attribute;
@@ -481,7 +482,7 @@ static bool has_same_attributes(exr_const_context_t context, const struct stream
     return count == expected;
 }
 
-/* For when the image is written again. Most files have nothing for it. */
+/* Keep the parts of the header needed to write the image again. Most files have none. */
 static enum neph_status add_header(struct neph_image *image, const struct layout *layout,
                                    exr_const_context_t context, const struct stream *stream,
                                    struct neph_diag *diag)
@@ -496,7 +497,7 @@ static enum neph_status add_header(struct neph_image *image, const struct layout
                                       .pixel_aspect = 1.0f,
                                       .screen_width = 1.0f};
     if (width_px > INT32_MAX || height_px > INT32_MAX)
-        return NEPH_OK; /* no picture is as large */
+        return NEPH_OK; /* larger than any valid display window */
     exr_get_pixel_aspect_ratio(context, NEPH_EXR_ONLY_PART, &header.pixel_aspect);
     exr_get_screen_window_width(context, NEPH_EXR_ONLY_PART, &header.screen_width);
     if (exr_get_screen_window_center(context, NEPH_EXR_ONLY_PART, &center) == EXR_ERR_SUCCESS) {
@@ -571,14 +572,15 @@ enum neph_status neph_exr_read(const char *path, struct neph_image **image, stru
     setup.user_data = &stream;
     setup.read_fn = read_bytes;
     setup.size_fn = file_size;
-    /* A file with a hole is refused; the library would else search for chunks and leave zeros. */
+    /* A file with a missing chunk is refused; else the library would search for chunks and leave
+     * zeros. */
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_result_t result = exr_start_read(&context, path, &setup);
     status = result ? fail_read(path, &stream, result, diag)
                     : read_part(context, path, &stream, image, diag);
 done:
     if (context)
-        exr_finish(&context); /* also after a failure, or the context leaks */
+        exr_finish(&context); /* also after a failure; else the context leaks */
     free(stream.header);
     if (stream.fd >= 0)
         close(stream.fd);

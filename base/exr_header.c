@@ -9,7 +9,7 @@
 enum {
     FIRST_BYTES = 1 << 14,
     HEADER_MAX_BYTES = 1 << 26, /* a preview of 4096x4096 pixels */
-    OFFSET_BYTES = 8,           /* of an entry of the table of chunks */
+    OFFSET_BYTES = 8,           /* per entry of the table of chunk offsets */
 };
 
 uint32_t neph_exr_u32(const unsigned char *at)
@@ -38,7 +38,7 @@ double neph_exr_f64(const unsigned char *at)
     return value;
 }
 
-/* The text at header[*at], which moves behind its zero byte; NULL: it does not end. */
+/* The text at header[*at], which moves behind its zero byte; NULL: no zero byte. */
 static const char *next_text(const char *header, size_t size, size_t *at)
 {
     const char *text = header + *at;
@@ -74,7 +74,7 @@ bool neph_exr_next_attribute(const char *header, size_t size, size_t *at,
     return true;
 }
 
-/* The bytes of whole attributes at the start of `text`; `*is_whole`: the header ends behind them.
+/* Size of the complete attributes at the start of `text`; `*is_whole`: the header ends after them.
  */
 static size_t count_whole(const char *text, size_t size, bool *is_whole)
 {
@@ -86,7 +86,7 @@ static size_t count_whole(const char *text, size_t size, bool *is_whole)
     return whole;
 }
 
-/* As much as there is, up to `size`; -1: errno says why not. */
+/* Read up to `size` bytes; -1: errno has the reason. */
 static ssize_t read_from(int fd, char *target, size_t size)
 {
     size_t done = 0;

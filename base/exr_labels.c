@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names that the format itself gives a meaning to. */
+/* Names with a meaning defined by the format. */
 bool neph_exr_is_reserved(const char *name)
 {
     static const char *const reserved[] = {
@@ -24,7 +24,7 @@ bool neph_exr_is_reserved(const char *name)
     return false;
 }
 
-/* Names that tell of the file itself: a text in it is not to pass for that. */
+/* Names of derived attributes: a text of the file must not replace them. */
 bool neph_exr_is_ours(const char *name)
 {
     static const char *const ours[] = {
@@ -36,7 +36,7 @@ bool neph_exr_is_ours(const char *name)
     return false;
 }
 
-/* The text of an attribute into a buffer; false: it is no text, or does not fit. */
+/* Copy the text of an attribute; false: it is not a text, or is too long. */
 static bool text_of(const struct neph_exr_attribute *attribute, char *text, size_t size)
 {
     if (strcmp(attribute->type, "string") != 0 || attribute->value_bytes >= size)
@@ -61,7 +61,7 @@ static double of_rational(const unsigned char *value)
     return of_int(value) / neph_exr_u32(value + 4);
 }
 
-/* "24", "23.976", "24000/1001"; NaN: no number. */
+/* Parse "24", "23.976", "24000/1001"; NaN: not a number. */
 static double of_text(const char *text)
 {
     char *end;
@@ -75,7 +75,7 @@ static double of_text(const char *text)
     return end == divisor_text || *end ? NAN : number / divisor;
 }
 
-/* A number of any type that writers give it; NaN: none. */
+/* The numeric value of an attribute, in any of the types that writers use; NaN: not a number. */
 static double number_of(const struct neph_exr_attribute *attribute)
 {
     static const struct {
@@ -95,7 +95,8 @@ static double number_of(const struct neph_exr_attribute *attribute)
     return text_of(attribute, text, sizeof(text)) ? of_text(text) : NAN;
 }
 
-/* The colour space by name, where it is another than linear Rec.709; both where two are named. */
+/* Set colour_space if the name means another space than linear Rec.709. If the file names two
+ * spaces, the attribute lists both. */
 static enum neph_status add_colour_space(struct neph_image *image,
                                          const struct neph_exr_attribute *attribute,
                                          struct neph_diag *diag)
@@ -119,7 +120,7 @@ static enum neph_status add_number(struct neph_image *image, const char *name, d
                : NEPH_OK;
 }
 
-/* What standard attributes of other types than ours say. */
+/* Interpret the standard attributes that have another type or name than ours. */
 static enum neph_status interpret_attribute(struct neph_image *image,
                                             const struct neph_exr_attribute *attribute,
                                             struct neph_diag *diag)
@@ -144,11 +145,13 @@ enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
     return status;
 }
 
-/* What is kept in its bytes: neither text, which the image has, nor what a writer makes anew. */
+/* Whether an attribute is preserved as raw bytes: the image stores texts itself, and the writer
+ * makes the reserved attributes. */
 static bool is_kept(const struct neph_exr_attribute *attribute)
 {
     const bool is_text = strcmp(attribute->type, "string") == 0;
-    if (neph_exr_is_reserved(attribute->name)) /* a text all the same: left or right eye */
+    if (neph_exr_is_reserved(attribute->name)) /* the view (left or right eye) is reserved, but a
+                                                  text */
         return is_text && strcmp(attribute->name, "view") == 0;
     return !is_text;
 }

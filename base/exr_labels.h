@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which attributes of an OpenEXR file say something of its image, and which are only kept.
+ * Attributes of OpenEXR files: those that describe the image, and those that are only preserved.
  */
 #ifndef NEPH_BASE_EXR_LABELS_H
 #define NEPH_BASE_EXR_LABELS_H
 
 #include "base/image.h"
 
-/* Names that the format itself gives a meaning to. */
+/* Whether the format defines the meaning of the name. */
 bool neph_exr_is_reserved(const char *name);
 
-/* Names of our attributes of an image that tell of the file itself (base/exr.h): they are neither
- * read from a file nor written. */
+/* Whether the name belongs to an attribute that neph derives from the file itself (base/exr.h).
+ * Such attributes are neither read from files nor written. */
 bool neph_exr_is_ours(const char *name);
 
-/* Set the attributes colour_space, white_luminance and frames_per_second of base/exr.h by the bytes
- * of a header (base/exr_header.h). */
+/* Set the attributes colour_space, white_luminance and frames_per_second of base/exr.h from the
+ * bytes of a header (base/exr_header.h). */
 enum neph_status neph_exr_interpret_attributes(const char *header, size_t size,
                                                struct neph_image *image, struct neph_diag *diag);
 
-/* Copy the attributes that no image has, as they are, into `kept`, which has room for `size` bytes;
- * how many bytes these are. */
+/* Copy the attributes that the image itself does not store, unparsed, to `kept`, which has room for
+ * `size` bytes. Returns the number of bytes copied. */
 size_t neph_exr_keep_attributes(const char *header, size_t size, char *kept);
 
 #endif

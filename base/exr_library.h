@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What reading and writing by the OpenEXR library have in common. Private to exr.c and exr_write.c.
+ * Declarations shared by exr.c (reading) and exr_write.c (writing). Private to these two.
  */
 #ifndef NEPH_BASE_EXR_LIBRARY_H
 #define NEPH_BASE_EXR_LIBRARY_H
@@ -12,7 +12,7 @@
 
 enum { NEPH_EXR_ONLY_PART = 0 };
 
-/* Stands first in the user data of a context. */
+/* First member of the user data of a context. */
 struct neph_exr_trouble {
     int io_error;        /* errno of a failed read, or ENOMEM of a failed write */
     char complaint[256]; /* the library's last message */
@@ -29,14 +29,14 @@ static inline void neph_exr_keep_complaint(exr_const_context_t context, exr_resu
     snprintf(trouble->complaint, sizeof(trouble->complaint), "%s", message);
 }
 
-/* The library's own words when it had any, else the meaning of its code. */
+/* The library's last message if there is one, else the meaning of its code. */
 static inline const char *neph_exr_reason(const struct neph_exr_trouble *trouble,
                                           exr_result_t result)
 {
     return trouble->complaint[0] ? trouble->complaint : exr_get_default_error_message(result);
 }
 
-/* The rows of a channel in memory are floats, `width_px` to a row. */
+/* The memory layout of a channel: rows of `width_px` floats. */
 static inline void neph_exr_float_rows(exr_coding_channel_info_t *channel, int width_px)
 {
     channel->user_data_type = EXR_PIXEL_FLOAT;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The library writes into memory, behind its stream callback: one place (base/files.h) knows how to
- * put a file on disk safely.
+ * Writer of OpenEXR files. The library writes into memory through its stream callback; base/files.h
+ * then writes the file safely.
  */
 #include "base/exr.h"
 
@@ -19,10 +19,10 @@ enum {
     FIRST_BUFFER_BYTES = 1 << 16,
 };
 
-/* What stands behind the library's callback. */
+/* User data of the library's callback. */
 struct sink {
     struct neph_exr_trouble trouble;
-    uint64_t size_bytes; /* of what has been written */
+    uint64_t size_bytes; /* bytes written */
     char *data;
     size_t capacity;
 };
@@ -45,7 +45,7 @@ static bool reserve(struct sink *sink, uint64_t needed_bytes)
     return true;
 }
 
-/* The library goes back to fill in the table of chunks, hence the offset. */
+/* The library returns to the table of chunks after the chunks, hence the offset. */
 static int64_t write_bytes(exr_const_context_t context, void *userdata, const void *buffer,
                            uint64_t size, uint64_t offset, exr_stream_error_func_ptr_t fail)
 {
@@ -85,7 +85,7 @@ static enum neph_status check_writable(const struct neph_image *image, const cha
     return NEPH_OK;
 }
 
-/* Attributes that a file had and that are not text; an image may have none. */
+/* The next attribute preserved from a file; false also when the image has none. */
 static bool next_kept(const struct neph_image *image, size_t *at,
                       struct neph_exr_attribute *attribute)
 {
@@ -108,7 +108,7 @@ static bool has_long_names(const struct neph_image *image)
     return false;
 }
 
-/* The row of the data window that row 0 of the image is. */
+/* The row of the data window that is row 0 of the image. */
 static int top_of(const struct neph_image *image)
 {
     return image->header ? image->header->data_min_px[1] : 0;
@@ -143,7 +143,7 @@ static exr_result_t write_header(exr_context_t context, const struct neph_image 
                                  exr_compression_t compression)
 {
     int part = NEPH_EXR_ONLY_PART;
-    /* Some readers refuse the flag, so it is set only where it is needed. */
+    /* Some readers refuse the flag, so it is set only when necessary. */
     exr_result_t result = exr_set_longname_support(context, has_long_names(image));
     if (!result)
         result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
@@ -159,8 +159,8 @@ static exr_result_t write_header(exr_context_t context, const struct neph_image 
     return result ? result : exr_write_header(context);
 }
 
-/* Point the encoder at the rows of the chunk that starts at row y. The file keeps its channels in
- * alphabetical order, the image in the order of their making. */
+/* Point the encoder at the rows of the chunk that starts at row y. The file has its channels in
+ * alphabetical order, the image in the order of creation. */
 static void set_sources(exr_encode_pipeline_t *encoder, const struct neph_image *image, int y)
 {
     for (int c = 0; c < encoder->channel_count; c++) {
@@ -171,14 +171,14 @@ static void set_sources(exr_encode_pipeline_t *encoder, const struct neph_image 
     }
 }
 
-/* What choose_default_routines() found; lives as long as the encoder. */
+/* The library's own compression function; lives as long as the encoder. */
 struct compressor {
     exr_result_t (*run)(exr_encode_pipeline_t *encoder);
 };
 
-/* A chunk that compresses to just its own size: OpenEXRCore 3.1.5 writes the compressed bytes,
- * which every reader takes for plain ones because the sizes are equal, and decodes to garbage
- * without an error. Write the plain bytes instead, as later versions do. */
+/* Works around an error of OpenEXRCore 3.1.5: when compressed and uncompressed size are equal, it
+ * writes the compressed bytes. Readers take a chunk of that size as uncompressed and return garbage
+ * without an error. The uncompressed bytes are written instead, as by later versions. */
 static exr_result_t compress_or_keep_plain(exr_encode_pipeline_t *encoder)
 {
     const struct compressor *compressor = encoder->encoding_user_data;
@@ -234,8 +234,8 @@ static exr_result_t write_pixels(exr_context_t context, const struct neph_image 
     return result;
 }
 
-/* Attributes of other types than text go into the file as they are: the library has a function for
- * each type, and none for all. A text of the image takes the place of one of its name. */
+/* Append the preserved attributes as raw bytes: the library has one function for each type, and
+ * none for unknown types. A text of the image replaces a preserved attribute of that name. */
 static enum neph_status add_kept(struct sink *sink, const struct neph_image *image,
                                  exr_compression_t compression, struct neph_diag *diag)
 {
@@ -269,7 +269,7 @@ static enum neph_status write_compressed(const char *path, const struct neph_ima
     if (!result)
         result = write_pixels(context, image);
     if (context) {
-        /* Also after a failure, or the context leaks; it writes the table of chunks. */
+        /* Also after a failure, else the context leaks; writes the table of chunks. */
         exr_result_t finished = exr_finish(&context);
         result = result ? result : finished;
     }

@@ -20,7 +20,7 @@
 enum {
     FIRST_READ_BYTES = 1 << 14,
     COPY_BYTES = 1 << 18,
-    TEMPORARY_TRIES = 16, /* a sweeper has to come between two system calls to spoil one */
+    TEMPORARY_TRIES = 16, /* a try fails only if a sweep comes between two system calls */
 };
 
 static enum neph_status fail_read(const char *path, struct neph_diag *diag)
@@ -61,7 +61,7 @@ static bool write_all(int fd, const void *data, size_t size)
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* Read to the end and not by st_size, which is 0 in /proc. */
+/* Read to the end of the file, not st_size bytes: st_size is 0 in /proc. */
 static enum neph_status read_to_end(int fd, const char *path, size_t limit_bytes, char **data,
                                     size_t *size, struct neph_diag *diag)
 {
@@ -69,7 +69,8 @@ static enum neph_status read_to_end(int fd, const char *path, size_t limit_bytes
     struct stat info;
     if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0 &&
         (uintmax_t)info.st_size <= limit_bytes)
-        capacity = (size_t)info.st_size + 2; /* one to see the end of the file, one for the NUL */
+        capacity = (size_t)info.st_size + 2; /* one to detect the end of the file, one for the NUL
+                                              */
 
     char *bytes = NULL;
     for (;;) {
@@ -121,7 +122,7 @@ static enum neph_status refuse_kind(const char *path, mode_t mode, struct neph_d
 enum neph_status neph_file_open(const char *path, int *fd, uint64_t *size_bytes,
                                 struct neph_diag *diag)
 {
-    /* O_NONBLOCK: a pipe that nobody writes to must be refused and not waited for. */
+    /* O_NONBLOCK: opening a pipe without a writer must not block. */
     const int opened = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     struct stat info;
     if (opened < 0)
@@ -169,8 +170,8 @@ static char *folder_of(const char *path)
     return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* A short name of our own, so that a final name of NAME_MAX bytes is possible; and not mkstemp(),
- * which would leave the file readable by its owner alone. */
+/* A short name, so that a final name of NAME_MAX bytes is possible. Not mkstemp(): its files are
+ * readable only by their owner. */
 static enum neph_status temporary_try(struct temporary *file, const char *path,
                                       struct neph_diag *diag)
 {
@@ -181,7 +182,8 @@ static enum neph_status temporary_try(struct temporary *file, const char *path,
     file->path = neph_format("%s/.neph-%016" PRIx64 ".tmp", file->folder, tag);
     if (!file->path)
         return neph_fail_memory(diag);
-    file->fd = neph_lock_create(file->path); /* for neph_file_sweep() */
+    file->fd = neph_lock_create(file->path); /* the lock tells neph_file_sweep() that the writer is
+                                                running */
     return file->fd < 0 ? fail_write(path, diag) : NEPH_OK;
 }
 
@@ -224,7 +226,7 @@ void neph_file_sweep(const char *folder)
     closedir(directory);
 }
 
-/* Free, and remove the file if it has not been committed. */
+/* Free, and remove the file unless it was committed. */
 static void temporary_finish(struct temporary *file)
 {
     if (file->fd >= 0) {
@@ -235,7 +237,7 @@ static void temporary_finish(struct temporary *file)
     free(file->folder);
 }
 
-/* Without this the rename itself may be lost in a power cut. */
+/* fsync a file or folder. Without it a power failure may undo the rename. */
 static bool sync_path(const char *path)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -259,7 +261,7 @@ static enum neph_status temporary_commit(struct temporary *file, const char *pat
 {
     if (fsync(file->fd) != 0 || rename(file->path, path) != 0)
         return fail_write(path, diag);
-    /* NFS and quotas may report a full disk as late as here. */
+    /* NFS and quotas may report a full disk only here. */
     int closed = close(file->fd);
     file->fd = -1;
     if (closed != 0 || !sync_path(file->folder))
@@ -441,8 +443,7 @@ static bool remove_entries(DIR *folder)
     }
 }
 
-/* Open a folder to remove what is in it. A program may have taken the rights to do so away, from
- * itself too. */
+/* Open a folder to remove its entries. A program may have removed its own access rights to it. */
 static int open_for_removal(int parent_fd, const char *name)
 {
     const int flags = O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
@@ -465,7 +466,8 @@ static int open_for_removal(int parent_fd, const char *name)
     return is_changed ? openat(parent_fd, name, O_RDONLY | flags) : -1;
 }
 
-/* All by file descriptor, so that nobody can swap a folder for a symbolic link under us. */
+/* Uses file descriptors throughout, so that no folder can be replaced by a symbolic link meanwhile.
+ */
 static bool remove_at(int parent_fd, const char *name)
 {
     if (unlinkat(parent_fd, name, 0) == 0 || errno == ENOENT)
@@ -487,7 +489,7 @@ static bool remove_at(int parent_fd, const char *name)
     return removed && unlinkat(parent_fd, name, AT_REMOVEDIR) == 0;
 }
 
-/* An unset variable in a caller must not become the user's home or the whole disk. */
+/* An empty variable in a caller must not remove the user's home or the whole disk. */
 static bool is_precious(const char *path)
 {
     size_t length = strlen(path);
@@ -505,7 +507,8 @@ enum neph_status neph_dir_remove(const char *path, struct neph_diag *diag)
 
 bool neph_disk_is_full(const char *folder)
 {
-    static const uint64_t room_bytes = 1 << 16; /* what failed was larger than what is left */
+    static const uint64_t room_bytes = 1 << 16; /* the failed write was larger than the free space
+                                                 */
     struct statvfs info;
     if (statvfs(folder, &info) != 0 || info.f_blocks == 0)
         return false;

@@ -40,7 +40,7 @@ enum neph_status neph_hash(const void *data, size_t size, char hex[NEPH_HASH_HEX
     return NEPH_OK;
 }
 
-/* Feed the rest of `fd` to the hash. False leaves the reason in errno. */
+/* Hash the bytes of `fd` up to its end. False: errno has the reason. */
 static bool absorb_file(crypto_generichash_state *state, int fd, unsigned char *buffer)
 {
     for (;;) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * BLAKE2b-256 through libsodium; check any of it by hand with `b2sum -l 256`.
+ * BLAKE2b-256 through libsodium. `b2sum -l 256` computes the same.
  */
 #ifndef NEPH_BASE_HASH_H
 #define NEPH_BASE_HASH_H

@@ -84,7 +84,7 @@ enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer,
     return NEPH_OK;
 }
 
-/* The rest of a channel's name behind "<layer>.", or NULL when it is not of that layer. */
+/* The part of a channel name behind "<layer>.", or NULL when the channel is not of that layer. */
 static const char *name_in_layer(const char *name, const char *layer)
 {
     const size_t length = strlen(layer);
@@ -208,9 +208,10 @@ const char *neph_image_attribute(const struct neph_image *image, const char *nam
     return attribute ? attribute->value : NULL;
 }
 
-/* ---- what goes along ------------------------------------------------------------------------- */
+/* ---- attributes and header of a file --------------------------------------------------------- */
 
-/* A length or a place of a picture that goes from `from_px` pixels to `to_px`. */
+/* Scale a position or length from an image of `from_px` pixels to one of `to_px`; false: no whole
+ * number. */
 static bool scale(int32_t *value_px, int from_px, int to_px)
 {
     const int64_t scaled = (int64_t)*value_px * to_px;

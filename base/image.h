@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * A float image: named planar channels of 32-bit floats, row 0 on top, plus text attributes.
+ * A float image: named planar channels of 32-bit floats, row 0 on top, and text attributes.
  *
- * A frame (the unit every engine writes) has the channels
- *   R G B                    radiance with everything, scene-linear Rec.709 [W m^-2 sr^-1]
- *   volume.R volume.G volume.B   radiance scattered or emitted by media alone
- *   transmittance.R .G .B    camera to the first solid or to infinity [1]
- *   Z                        linear eye depth along the camera axis [m], sky = +inf
+ * A frame (the output of every engine) has the channels
+ *
+ *   R G B                        radiance of everything, scene-linear Rec.709 [W m^-2 sr^-1]
+ *   volume.R volume.G volume.B   radiance that media scatter or emit
+ *   transmittance.R .G .B        from the camera to the first solid or to infinity [1]
+ *   Z                            linear eye depth along the camera axis [m], sky = +inf
+ *
  * and may have further ones:
- *   motion.x motion.y        where that which is seen here was in the frame before, minus where it
- *                            is now [px], x to the right, y down; 1e6 where it was in no picture:
- *                            behind the camera, or before a cut
- *   motion.depth             its linear eye depth in the frame before [m], sky = +inf, 0 where it
- *                            was behind the camera or before a cut
- *   volume.distance          distance of what the medium shows, weighted by its contribution [m]
- *   normal.x normal.y normal.z   of the surface in view: unit, outward, in the world's axes; sky 0
- *   mask.NAME                a mask of the scene, above 0.5 inside: mask.cloud, mask.fog, mask.sun
- * A layer that an engine cannot give is absent, never filled in.
+ *
+ *   motion.x motion.y            previous minus current screen position of the visible point [px],
+ *                                x to the right, y down; 1e6 where it was on no screen: behind the
+ *                                camera, or before a cut
+ *   motion.depth                 linear eye depth of that point in the previous frame [m],
+ *                                sky = +inf, 0 where it was behind the camera or before a cut
+ *   volume.distance              mean distance of the visible medium, weighted by contribution [m]
+ *   normal.x normal.y normal.z   of the visible surface: unit, outward, in world axes; sky 0
+ *   mask.NAME                    a mask of the scene, above 0.5 inside; NAME: cloud, fog, sun
+ *
+ * A channel that an engine cannot compute is absent; it is never filled with a substitute.
  */
 #ifndef NEPH_BASE_IMAGE_H
 #define NEPH_BASE_IMAGE_H
@@ -40,12 +44,13 @@ struct neph_attribute {
     char *value; /* owned by the image */
 };
 
-/* What an EXR file has beside channels and texts, for when the image is written again. */
+/* The parts of an EXR header beside channels and texts, kept for writing the image again. */
 struct neph_file_header {
-    int32_t data_min_px[2];                   /* where the image lies; its size is the image's */
-    int32_t display_min_px[2], display_px[2]; /* the whole picture: corner and size */
+    int32_t data_min_px[2];                   /* corner of the data window; its size is the image's
+                                               */
+    int32_t display_min_px[2], display_px[2]; /* display window: corner and size */
     float pixel_aspect, screen_center[2], screen_width;
-    char *attributes; /* of other types than text, as they stand in the file; owned */
+    char *attributes; /* attributes that are not texts, as raw bytes of the file; owned */
     size_t attribute_bytes;
 };
 
@@ -55,7 +60,8 @@ struct neph_image {
     struct neph_channel *channels;
     int attribute_count;
     struct neph_attribute *attributes;
-    struct neph_file_header *header; /* owned; NULL: the image is the whole picture, and no more */
+    struct neph_file_header *header; /* owned; NULL: data window and display window are the image,
+                                        no attributes */
 };
 
 /* An image without channels. Sides must be 1..NEPH_IMAGE_SIDE_MAX_PX. Free with _destroy. */
@@ -73,15 +79,16 @@ enum neph_status neph_image_add_channel(struct neph_image *image, const char *na
 enum neph_status neph_image_add_rgb(struct neph_image *image, const char *layer, float *samples[3],
                                     struct neph_diag *diag);
 
-/* Remove a channel; one that is not there is fine. */
+/* Remove a channel; a missing one is fine. */
 void neph_image_remove_channel(struct neph_image *image, const char *name);
 
-/* Take the channels "<layer>.NAME" for NAME, in place of those that have that name; all others
- * stay. NEPH_ERR_INPUT: there is no channel of that layer; the message lists the layers. */
+/* Rename the channels "<layer>.NAME" to NAME, in place of existing channels of that name; all
+ * others stay. NEPH_ERR_INPUT: the image has no channel of that layer; the message lists the
+ * layers. */
 enum neph_status neph_image_take_layer(struct neph_image *image, const char *layer,
                                        struct neph_diag *diag);
 
-/* The samples of a channel, or NULL when there is none of that name. */
+/* The samples of a channel, or NULL when no channel has that name. */
 float *neph_image_channel(const struct neph_image *image, const char *name);
 
 /* The three channels of a layer (NULL layer: R, G, B). False when any of them is missing. */
@@ -95,8 +102,9 @@ enum neph_status neph_image_set_attribute(struct neph_image *image, const char *
 /* The value of an attribute, or NULL. */
 const char *neph_image_attribute(const struct neph_image *image, const char *name);
 
-/* Copy texts and header of a file. An image of another size lies where the first lies in a picture
- * that is enlarged or made smaller with it. NEPH_ERR_INPUT: that is between pixels. */
+/* Copy the texts and the file header. If `to` has another size, data window and display window are
+ * scaled by the ratio of the sizes. NEPH_ERR_INPUT: the scaled windows do not lie on whole pixels.
+ */
 enum neph_status neph_image_copy_labels(const struct neph_image *from, struct neph_image *to,
                                         struct neph_diag *diag);
 

@@ -8,7 +8,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-/* All are lock-free, so the handler and every thread may touch them. */
+/* Lock-free, so the signal handler and all threads may access them. */
 static atomic_int signal_count, acknowledged_count;
 static atomic_int event_fd = -1;
 
@@ -17,11 +17,11 @@ static void on_signal(int number)
     int saved_errno = errno;
     int earlier = atomic_fetch_add(&signal_count, 1);
     if (earlier > 0 && number == SIGINT) {
-        /* Only SIGINT counts as impatience: timeout(1) and supervisors send SIGTERM twice. */
+        /* Only a second SIGINT ends the program: timeout(1) and supervisors send SIGTERM twice. */
         signal(number, SIG_DFL);
-        raise(number); /* is delivered as soon as this handler returns */
+        raise(number); /* delivered when this handler returns */
     }
-    /* Nobody ever reads the event, so it stays readable for every poll() to come. */
+    /* The event is never read, so the descriptor stays readable for every later poll(). */
     uint64_t one = 1;
     ssize_t written = write(atomic_load(&event_fd), &one, sizeof(one));
     (void)written;
@@ -40,13 +40,13 @@ void neph_interrupt_install(void)
     if (atomic_load(&event_fd) < 0)
         atomic_store(&event_fd, eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
     install(SIGTERM);
-    /* A shell starts `neph &` in a script with SIGINT ignored, and means it. */
+    /* A shell starts `neph &` in a script with SIGINT ignored; it must stay ignored. */
     struct sigaction inherited;
     if (sigaction(SIGINT, NULL, &inherited) == 0 && inherited.sa_handler != SIG_IGN)
         install(SIGINT);
-    /* An ignored SIGCHLD, which exec inherits, would throw away the exit codes of our children. */
+    /* With an ignored SIGCHLD, which exec inherits, the exit codes of children would be lost. */
     signal(SIGCHLD, SIG_DFL);
-    /* A file that reaches `ulimit -f` is an error of write(), with words, and not a sudden end. */
+    /* A file that reaches `ulimit -f` becomes an error of write() and not a sudden end. */
     signal(SIGXFSZ, SIG_IGN);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * All of this runs in a process that was forked from a neph with threads, which may have held any
- * lock: only async-signal-safe calls, no memory, no printf.
+ * The child supervisor. All code here runs in a process forked from a multi-threaded neph, so any
+ * lock may be held for ever: only async-signal-safe calls, no allocation, no printf.
  */
 #include "base/keeper.h"
 
@@ -27,38 +27,39 @@
 
 enum {
     TALK_FD = STDERR_FILENO + 1,
-    SAMPLE_FIRST_MS = 1, /* of the memory high-water mark, see peak_memory_bytes() */
+    SAMPLE_FIRST_MS = 1, /* interval of memory samples, see peak_memory_bytes() */
     SAMPLE_LAST_MS = 100,
-    LIMITS_EVERY_MS = 100, /* or, of folders that take long to measure, */
-    LIMITS_PAUSE = 20,     /* after a pause of so many times that */
+    LIMITS_EVERY_MS = 100, /* interval of limit checks; where a check is slow, */
+    LIMITS_PAUSE = 20,     /* the pause after it is this many times its duration */
     EXIT_NOT_STARTED = 127,
 };
 
 static const double grace_s = 2.0; /* between SIGTERM and SIGKILL */
 static const int64_t memory_noise_bytes = 1 << 20;
 
-/* Not "neph": `killall -9 neph` is to leave somebody who ends the program. */
+/* Not "neph": `killall -9 neph` must not kill the process that ends the program. */
 static const char process_name[] = "engine-keeper";
 
 struct keeper {
     const struct neph_keeper_job *job;
     pid_t pid;                    /* of the program; also its process group */
     int fd;                       /* pidfd */
-    bool alone;                   /* neph is dead */
-    int64_t inherited_peak_bytes; /* of neph, which the kernel counts as the program's */
+    bool alone;                   /* neph has died */
+    int64_t inherited_peak_bytes; /* neph's high-water mark, which the kernel also counts for the
+                                     program */
     int64_t seen_peak_bytes;
-    double next_check_s; /* of the limits */
+    double next_check_s; /* the next check of the limits */
     struct neph_keeper_report report;
 };
 
 /* ---- the program's side of fork() ------------------------------------------------------------ */
 
-/* What it tells before it becomes the program. When execve() succeeds, READY was the last word,
- * because the pipe closes itself. */
+/* Sent to the supervisor before execve(). When execve() succeeds, READY was the last message,
+ * because the pipe is closed on exec. */
 struct first_words {
     enum neph_keeper_step step;
     int error;
-    int64_t peak_memory_bytes; /* of the copy of neph that it still is */
+    int64_t peak_memory_bytes; /* of this process, still a copy of neph */
 };
 
 static void send_first_words(int fd, enum neph_keeper_step step, int error)
@@ -67,7 +68,7 @@ static void send_first_words(int fd, enum neph_keeper_step step, int error)
     getrusage(RUSAGE_SELF, &usage);
     const struct first_words words = {step, error, (int64_t)usage.ru_maxrss * 1024};
     const ssize_t written = write(fd, &words, sizeof(words));
-    (void)written; /* below PIPE_BUF it is all or nothing; nothing reads as a failed start */
+    (void)written; /* atomic below PIPE_BUF; a missing message is read as a failed start */
 }
 
 _Noreturn static void give_up(int fd, enum neph_keeper_step step)
@@ -76,7 +77,8 @@ _Noreturn static void give_up(int fd, enum neph_keeper_step step)
     _exit(EXIT_NOT_STARTED);
 }
 
-/* They were blocked before the first fork(), so that none of neph's handlers runs in here. */
+/* The signals were blocked before the first fork(), so that no handler of neph runs in this
+ * process. */
 static void restore_signals(void)
 {
     const struct sigaction standard = {.sa_handler = SIG_DFL};
@@ -89,8 +91,8 @@ static void restore_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-/* Where files are limited, a crash writes no core file. The kernel refuses a single file above the
- * limit, but only to a confined program: memory that graphics drivers share counts as files. */
+/* With a limit on files, a crash writes no core file. The kernel limits the size of a single file
+ * only for a confined program: memory that graphics drivers share counts as files. */
 static bool limit_files(const struct neph_keeper_job *job)
 {
     const struct rlimit none = {0, 0},
@@ -100,7 +102,7 @@ static bool limit_files(const struct neph_keeper_job *job)
             (!job->is_confined || setrlimit(RLIMIT_FSIZE, &one) == 0));
 }
 
-/* The death signal comes after what changes the rights of the process, which takes it back. */
+/* PR_SET_PDEATHSIG comes after all calls that change the rights of the process, which reset it. */
 _Noreturn static void become_program(const struct neph_keeper_job *job, pid_t keeper, int words_fd)
 {
     if (setpgid(0, 0) != 0)
@@ -113,7 +115,7 @@ _Noreturn static void become_program(const struct neph_keeper_job *job, pid_t ke
         give_up(words_fd, NEPH_KEEPER_CONFINE);
     if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0)
         give_up(words_fd, NEPH_KEEPER_DEATH_SIGNAL);
-    if (getppid() != keeper) /* it died before the line above */
+    if (getppid() != keeper) /* the supervisor died before the prctl() above */
         _exit(EXIT_NOT_STARTED);
     restore_signals();
     send_first_words(words_fd, NEPH_KEEPER_READY, 0);
@@ -130,9 +132,9 @@ static bool fail_start(struct keeper *keeper, enum neph_keeper_step step, int er
     return false;
 }
 
-/* stdin, stdout and stderr become the program's, the connection to neph comes next, and nothing
- * else of neph stays open. All are lifted first, because neph may have been started without its
- * first three files, and then ours lie there. */
+/* Set up the descriptors: stdin, stdout, stderr, the connection to neph; all others are closed. All
+ * are first duplicated above these numbers: if neph was started with its first three closed, ours
+ * may have those numbers. */
 static bool arrange_files(const struct neph_keeper_job *job)
 {
     const int input_fd = fcntl(job->input_fd, F_DUPFD_CLOEXEC, TALK_FD);
@@ -143,7 +145,7 @@ static bool arrange_files(const struct neph_keeper_job *job)
            dup3(talk_fd, TALK_FD, O_CLOEXEC) >= 0 && close_range(TALK_FD + 1, UINT_MAX, 0) == 0;
 }
 
-/* Read the program's first words until execve() closes the pipe; the last ones count. */
+/* Read the program's messages until execve() closes the pipe; the last one counts. */
 static bool await_start(struct keeper *keeper, int words_fd)
 {
     struct first_words words = {.step = NEPH_KEEPER_SILENCE}, next;
@@ -181,7 +183,7 @@ static bool start(struct keeper *keeper)
 
 /* ---- numbers in /proc ------------------------------------------------------------------------ */
 
-/* What fits of a file, as a string; false when it cannot be opened. */
+/* Read as much of a file as fits, as a string; false when it cannot be opened. */
 static bool read_text(const char *path, char *text, size_t size)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -193,7 +195,7 @@ static bool read_text(const char *path, char *text, size_t size)
     return true;
 }
 
-/* The number after white space; `*text` moves behind it. Negative when there is none. */
+/* The number after white space; `*text` moves behind it. Negative when there is no number. */
 static long long next_number(const char **text)
 {
     const char *at = *text + strspn(*text, " \t\n");
@@ -217,7 +219,7 @@ static void name_status_file(pid_t pid, char path[64])
     stpcpy(at, "/status");
 }
 
-/* The high-water mark of the program's own memory so far, as far as it can be told. */
+/* Update the high-water mark of the program's own memory, if the kernel reports it. */
 static void sample_memory(struct keeper *keeper)
 {
     static const char key[] = "\nVmHWM:";
@@ -234,7 +236,7 @@ static void sample_memory(struct keeper *keeper)
 
 /* ---- waiting --------------------------------------------------------------------------------- */
 
-/* Wait for at most `timeout_ms`. True when the program has ended or neph has. */
+/* Wait for at most `timeout_ms`. True when the program or neph has ended. */
 static bool wait_for_end(struct keeper *keeper, bool *interrupted, int timeout_ms)
 {
     struct pollfd fds[] = {{.fd = keeper->fd, .events = POLLIN}, {.fd = TALK_FD, .events = POLLIN}};
@@ -254,7 +256,7 @@ static int timeout_ms(double deadline_s, int longest_ms)
     return left_ms < 0.0 ? 0 : left_ms < longest_ms ? (int)left_ms : longest_ms;
 }
 
-/* With its group, which it may have left. */
+/* Kill the program and its process group, which the program may have left. */
 static void kill_program(const struct keeper *keeper)
 {
     kill(-keeper->pid, SIGKILL);
@@ -279,7 +281,7 @@ static enum neph_child_excess find_excess(const struct neph_keeper_job *job)
                              : NEPH_EXCESS_NONE;
 }
 
-/* Measure what the program has written, when it is time to. */
+/* Measure the program's files and output, if the next check is due. */
 static void check_limits(struct keeper *keeper)
 {
     const double start_s = neph_wall_s();
@@ -290,7 +292,7 @@ static void check_limits(struct keeper *keeper)
     keeper->next_check_s = end_s + fmax(1e-3 * LIMITS_EVERY_MS, LIMITS_PAUSE * (end_s - start_s));
 }
 
-/* Wait until the program ends, ending it when it must. */
+/* Wait until the program ends; end it at a limit, at an interrupt, or when neph dies. */
 static void watch(struct keeper *keeper)
 {
     const struct neph_keeper_job *job = keeper->job;
@@ -328,9 +330,9 @@ static double seconds(struct timeval time)
     return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
 }
 
-/* ru_maxrss of the program starts with the memory of neph itself at the fork: execve() hands the
- * high-water mark of the old image on (exec_mmap() in the kernel's fs/exec.c). Above that it is
- * exact; below, the samples of the program's own mark are what has been measured. */
+/* ru_maxrss of the program begins with the memory of neph at the fork: execve() passes the
+ * high-water mark of the old image on (exec_mmap() in the kernel's fs/exec.c). Above that value
+ * ru_maxrss is exact; below it, the samples of the program's own mark are the measurement. */
 static int64_t peak_memory_bytes(const struct keeper *keeper, int64_t reported_bytes)
 {
     if (reported_bytes > keeper->inherited_peak_bytes + memory_noise_bytes ||
@@ -353,10 +355,10 @@ static void account(struct keeper *keeper, pid_t pid, int wait_status, const str
         result->peak_memory_bytes = peak_bytes;
 }
 
-/* False when the kernel does not list them. */
+/* Kill all children of this thread. False when the kernel does not list them. */
 static bool kill_children(void)
 {
-    char text[4096]; /* what does not fit comes in the next round */
+    char text[4096]; /* children that do not fit are in the next round */
     if (!read_text("/proc/thread-self/children", text, sizeof(text)))
         return false;
     const char *rest = text;
@@ -365,8 +367,9 @@ static bool kill_children(void)
     return true;
 }
 
-/* What the program has left, and what that leaves when it is killed: all become our children. As
- * nobody else reaps them, their numbers are not given away. */
+/* End all descendants of the program, also those that lose their parent by it: as this process is a
+ * subreaper, they become its children. Only this process reaps them, so their process numbers are
+ * not reused meanwhile. */
 static void end_leftovers(struct keeper *keeper)
 {
     for (;;) {
@@ -376,7 +379,7 @@ static void end_leftovers(struct keeper *keeper)
         if (pid > 0)
             account(keeper, pid, wait_status, &usage);
         else if (pid < 0 || !kill_children())
-            return; /* there is none, or none that we could find */
+            return; /* no child is left, or none can be found */
         else
             waitid(P_ALL, 0, &(siginfo_t){0}, WEXITED | WNOWAIT);
     }
@@ -396,8 +399,8 @@ _Noreturn void neph_keeper_run(const struct neph_keeper_job *job)
 {
     struct keeper keeper = {.job = job, .fd = -1};
     prctl(PR_SET_NAME, process_name);
-    setpgid(0, 0);            /* what kills neph's whole group is to leave us */
-    signal(SIGCHLD, SIG_DFL); /* ignored, it would throw the exit codes away */
+    setpgid(0, 0);            /* a signal to neph's whole group must not reach this process */
+    signal(SIGCHLD, SIG_DFL); /* when ignored, exit codes would be lost */
     if (!arrange_files(job))
         fail_start(&keeper, NEPH_KEEPER_FILES, errno);
     else if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0)

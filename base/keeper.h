@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The process that stands between neph and a program it runs, for child.c alone. It is there for
- * the one thing that neph cannot do: to end the program, and all that the program has started, when
- * neph itself has got SIGKILL. What a program leaves behind, in a session of its own too, becomes a
- * child of the keeper (PR_SET_CHILD_SUBREAPER), and so nothing escapes it.
+ * The child supervisor: a process between neph and a program that neph runs. Used only by child.c.
+ * It ends the program and all its descendants, even after SIGKILL has ended neph itself.
+ * Descendants that lose their parent, in any session, become children of the supervisor
+ * (PR_SET_CHILD_SUBREAPER), so the supervisor finds all of them.
  */
 #ifndef NEPH_BASE_KEEPER_H
 #define NEPH_BASE_KEEPER_H
@@ -13,24 +13,25 @@
 
 #include <stdbool.h>
 
-/* What the program is and gets. All is made before fork(): after it nothing may be allocated. */
+/* The program and its limits. All of it is allocated before fork(): after fork() allocation is
+ * unsafe. */
 struct neph_keeper_job {
     const char *program; /* absolute */
     char *const *argv;
     char *const *environment;
     const char *folder; /* NULL: unchanged */
-    bool is_confined;   /* changes files in that folder alone */
+    bool is_confined;   /* can change files only in that folder */
     struct neph_child_limits limits;
     int input_fd, output_fd; /* stdin; stdout and stderr */
-    int talk_fd;             /* the keeper's end of a SOCK_SEQPACKET pair; neph holds the other */
+    int talk_fd;             /* the supervisor's end of a SOCK_SEQPACKET pair with neph */
     double start_s;          /* as of neph_wall_s() */
     double time_limit_s;     /* <= 0: none */
 };
 
-/* How far the start came. */
+/* The step of the start that was reached. */
 enum neph_keeper_step {
-    NEPH_KEEPER_READY,   /* everything is set, execve() is next; after it: the program has run */
-    NEPH_KEEPER_SILENCE, /* the program's process was killed before it could say anything */
+    NEPH_KEEPER_READY,   /* all is set up and execve() is next; in a report: the program has run */
+    NEPH_KEEPER_SILENCE, /* the program's process was killed before it reported */
     NEPH_KEEPER_DEATH_SIGNAL,
     NEPH_KEEPER_GROUP,
     NEPH_KEEPER_FOLDER,
@@ -40,7 +41,7 @@ enum neph_keeper_step {
     NEPH_KEEPER_EXEC,
 };
 
-/* The one message from the keeper to neph. */
+/* The only message from the supervisor to neph. */
 struct neph_keeper_report {
     enum neph_keeper_step step; /* READY, or the step that failed with errno `error` */
     int error;
@@ -49,9 +50,10 @@ struct neph_keeper_report {
     struct neph_child_result result;
 };
 
-/* The life of the keeper; called after fork() with all signals blocked. Any byte from neph asks it
- * to end the program for an interrupt; a closed connection means that neph is dead, and then it
- * kills everything at once. It sends its report when nothing of the program is left. */
+/* The main function of the supervisor; called after fork() with all signals blocked. Any byte from
+ * neph is a request to end the program for an interrupt. A closed connection means that neph is
+ * dead; all processes are then killed at once. The report is sent when no process of the program is
+ * left. */
 _Noreturn void neph_keeper_run(const struct neph_keeper_job *job);
 
 #endif

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A regular file that still has its name. */
+/* Whether a descriptor is a regular file that has not been unlinked. */
 static bool is_linked(int fd)
 {
     struct stat info;
@@ -21,18 +21,18 @@ int neph_lock_create(const char *path)
     const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
         return -1;
-    /* Between open and flock it looks abandoned: whoever sweeps may hold it, or have removed it. */
+    /* Between open and flock the file looks abandoned: a sweep may have locked or removed it. */
     const bool locked = flock(fd, LOCK_EX | LOCK_NB) == 0;
     if ((locked && is_linked(fd)) || (!locked && errno != EWOULDBLOCK))
         return fd;
-    close(fd); /* whoever holds it removes it */
+    close(fd); /* the sweep that has the lock removes the file */
     errno = EEXIST;
     return -1;
 }
 
 int neph_lock_take_over(const char *path)
 {
-    /* Not O_RDONLY: NFS has exclusive locks for files that are open for writing alone. */
+    /* Not O_RDONLY: NFS grants exclusive locks only for files open for writing. */
     const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0)
         return -1;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
 struct neph_settings neph_options_default(const struct neph_option *options)
@@ -36,7 +36,7 @@ int neph_option_find(const struct neph_option *options, const char *name)
     return find(options, name, strlen(name));
 }
 
-/* Length of the longest run of letters that stands in a name and in the first `length` of a key. */
+/* Length of the longest substring common to a name and the first `length` bytes of a key. */
 static size_t common_run(const char *name, const char *key, size_t length)
 {
     size_t longest = 0;
@@ -50,8 +50,7 @@ static size_t common_run(const char *name, const char *key, size_t length)
     return longest;
 }
 
-/* The names that share a run of so many letters with the key. False when there is no room for all
- * of them. */
+/* List the names that share `least_run` letters with the key. False when they do not fit. */
 static bool list_names(const struct neph_option *options, const char *key, size_t length,
                        size_t least_run, char *text, size_t size)
 {
@@ -64,12 +63,12 @@ static bool list_names(const struct neph_option *options, const char *key, size_
     return used < size;
 }
 
-/* All names, or where they are too many those most like the key. */
+/* Hint with all names or, when these are too many, the names most similar to the key. */
 static void hint_known(const struct neph_option *options, const char *owner, const char *key,
                        size_t length, struct neph_diag *diag)
 {
     char names[384];
-    size_t best = 3; /* shorter runs are chance */
+    size_t best = 3; /* shorter runs are coincidence */
     if (!options->name) {
         neph_hint(diag, "%s has no settings", owner);
         return;
@@ -86,7 +85,7 @@ static void hint_known(const struct neph_option *options, const char *owner, con
         neph_hint(diag, "settings of %s with a name like it: %s", owner, names);
 }
 
-/* The word of an option that is gone, with its reason behind it; NULL: there is none. */
+/* The entry of a removed option, followed by its reason; NULL: no removed option has this name. */
 static const char *const *find_gone(const struct neph_option *options, const char *name,
                                     size_t length)
 {
@@ -98,7 +97,8 @@ static const char *const *find_gone(const struct neph_option *options, const cha
     return NULL;
 }
 
-/* One warning for each word in a process: presets, sweeps and jobs read theirs many times. */
+/* Warn once in a process about each removed option: presets, sweeps and jobs parse their settings
+ * many times. */
 static void warn_gone(const char *owner, const char *const *gone)
 {
     static _Atomic(const char *const *) warned[64];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows of a table of options (base/option.h), for files that are such a table.
+ * Macros for the rows of a table of options (base/option.h).
  */
 #ifndef NEPH_BASE_OPTION_ROWS_H
 #define NEPH_BASE_OPTION_ROWS_H

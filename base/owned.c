@@ -24,7 +24,7 @@ static enum neph_status refuse(struct neph_diag *diag, const char *folder,
     return NEPH_ERR_USAGE;
 }
 
-/* A file that another run is about to rename to the marker is nothing yet. */
+/* Whether a name counts as contents. The temporary file that becomes a marker does not. */
 static bool counts(const char *name)
 {
     return strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && !neph_file_is_temporary(name);
@@ -51,7 +51,7 @@ static enum neph_status look_inside(const char *folder, const struct neph_owned_
     return NEPH_OK;
 }
 
-/* The first line says what the folder is; the rest is for people. */
+/* The first line gives the kind of the folder; the lines after it are for people. */
 static enum neph_status check_marker(const char *folder, const char *text,
                                      const struct neph_owned_kind *kind, struct neph_diag *diag)
 {
@@ -88,8 +88,8 @@ static enum neph_status read_marker(const char *folder, const struct neph_owned_
     return status;
 }
 
-/* The order matters: another run that claims the folder writes the marker first and fills it then,
- * so that what is seen here without a marker is not of another run. */
+/* Look inside first and read the marker second. Another run writes the marker before its files, so
+ * if files were seen and there is still no marker, they are not of another run. */
 static enum neph_status check(const char *folder, const struct neph_owned_kind *kind, bool *marked,
                               struct neph_diag *diag)
 {

@@ -9,7 +9,7 @@
 
 enum { FLOAT_BYTES = 4 };
 
-/* The differences, their bytes by rank: `count` bytes of each, the highest first. */
+/* Write the differences as byte planes: `count` highest bytes first, then the lower ones. */
 static void split(const float *const *planes, int plane_count, size_t pixel_count, uint8_t *bytes)
 {
     const size_t count = (size_t)plane_count * pixel_count;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures go out through libpng's simplified API. Code values come in through the classic one,
- * because the simplified API always converts 16-bit files to linear light, and believes any gAMA
- * chunk. Both work in memory, with base/files.h doing the rest.
+ * PNG files. 8-bit images are written through libpng's simplified API. Code values are read through
+ * the classic one, because the simplified API converts 16-bit files to linear light and trusts any
+ * gAMA chunk. Both work in memory; base/files.h reads and writes the files.
  */
 #include "base/png.h"
 
@@ -56,15 +56,15 @@ enum neph_status neph_png_write_rgb8(const char *path, int width_px, int height_
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* All that lives across a longjmp() of libpng is in here and not in local variables. */
+/* Everything that must survive a longjmp() of libpng is here and not in local variables. */
 struct reader {
     const char *path;
     char *file;
     size_t file_size, position;
     int width_px, height_px;
-    void *samples; /* rows as libpng gives them */
+    void *samples; /* rows in libpng's layout */
     png_bytep *rows;
-    struct neph_image *image; /* of neph_png_read_image() */
+    struct neph_image *image; /* result of neph_png_read_image() */
     png_structp png;
     png_infop info;
     jmp_buf escape;
@@ -86,7 +86,7 @@ _Noreturn static void on_error(png_structp png, png_const_charp message)
                                   truncated ? "truncated or damaged" : "damaged", message));
 }
 
-/* Warnings are about chunks that say nothing about code values. */
+/* Ignored: warnings concern chunks that do not affect code values. */
 static void on_warning(png_structp png, png_const_charp message)
 {
     (void)png;
@@ -120,8 +120,8 @@ static const char *colour_type_name(int colour_type)
     }
 }
 
-/* Deflate cannot shrink by more than this (zlib's technical details: 1032:1), so that a small file
- * that promises gigabytes is found out before memory is asked for. */
+/* Deflate compresses at most by this ratio (zlib's technical details: 1032:1). A small file that
+ * claims gigabytes is thereby refused before memory is allocated. */
 static const size_t shrink_max = 1032;
 
 /* Read all rows into `samples`, row_bytes each. */
@@ -149,7 +149,7 @@ static void read_rows(struct reader *reader, size_t row_bytes)
     if (png_get_rowbytes(reader->png, reader->info) != row_bytes)
         png_error(reader->png, "its header contradicts itself");
     png_read_image(reader->png, reader->rows);
-    png_read_end(reader->png, NULL); /* sees a file without its end */
+    png_read_end(reader->png, NULL); /* detects a file without its end */
 }
 
 static void read_size(struct reader *reader)
@@ -186,7 +186,7 @@ static void decode(struct reader *reader, void (*read)(struct reader *))
     free(reader->rows);
 }
 
-/* Read the file and let `read` do the rest; after a failure nothing is left to free. */
+/* Read the file and call `read` on it; after a failure nothing is left to free. */
 static enum neph_status read_file(struct reader *reader, void (*read)(struct reader *))
 {
     reader->status = neph_file_read(reader->path, file_limit_bytes, &reader->file,
@@ -219,7 +219,7 @@ enum neph_status neph_png_read_rgb16(const char *path, int *width_px, int *heigh
     return NEPH_OK;
 }
 
-/* ---- pictures in linear light ---------------------------------------------------------------- */
+/* ---- images in linear light ------------------------------------------------------------------ */
 
 static uint32_t big_endian_32(const char *bytes)
 {
@@ -227,8 +227,8 @@ static uint32_t big_endian_32(const char *bytes)
     return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
 }
 
-/* The data of the first chunk of that name and at least that size before the pixels, or NULL: our
- * own look, because libpng drops colour chunks that it finds wrong, and does not know cICP. */
+/* The data of the first chunk of that name and at least that size before the pixels, or NULL.
+ * Searched here because libpng drops colour chunks that it finds wrong, and does not know cICP. */
 static const char *find_chunk(const struct reader *reader, const char *name, size_t size_bytes)
 {
     size_t at = 8;
@@ -244,9 +244,9 @@ static const char *find_chunk(const struct reader *reader, const char *name, siz
     return NULL;
 }
 
-/* An animation (chunk acTL, third edition of the specification, 11.3.6) is refused: one of its
- * pictures would be compared. An animation of one picture is that picture where its control chunk
- * (fcTL) stands before the pixels; else the pixels are a picture beside it. */
+/* Refuse animations (chunk acTL, third edition of the specification, 11.3.6), since only one of
+ * their frames would be compared. An animation of one frame is accepted if its control chunk (fcTL)
+ * is before the pixels; otherwise the pixels are not part of the animation. */
 static void check_still(struct reader *reader)
 {
     const char *animation = find_chunk(reader, "acTL", 8);
@@ -270,19 +270,21 @@ _Noreturn static void refuse_colour(struct reader *reader, const char *what)
     escape_with(reader, NEPH_ERR_INPUT);
 }
 
-/* Chromaticities of white, red, green, blue in 1/100000: ITU-R BT.709, and so sRGB. */
+/* Whether the chromaticities of white, red, green, blue, in 1/100000, are those of ITU-R BT.709 and
+ * so of sRGB. */
 static bool is_srgb_primaries(const char *chunk)
 {
     static const int expected[8] = {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
-    static const int rounding = 100; /* writers give three digits */
+    static const int rounding = 100; /* writers round to three digits */
     for (int i = 0; i < 8; i++)
         if (llabs((long long)big_endian_32(chunk + 4 * i) - expected[i]) > rounding)
             return false;
     return true;
 }
 
-/* By the precedence of the PNG specification (third edition, 4.3): cICP, iCCP, sRGB, then gAMA and
- * cHRM. A file that says nothing is taken for sRGB, as the web and every viewer do. */
+/* Check the colour space by the precedence of the PNG specification (third edition, 4.3): cICP,
+ * iCCP, sRGB, then gAMA and cHRM. A file without these is read as sRGB, as by browsers and viewers.
+ */
 static void check_colour_space(struct reader *reader)
 {
     static const uint32_t srgb_gamma = 45455, gamma_rounding = 50;
@@ -291,10 +293,10 @@ static void check_colour_space(struct reader *reader)
     if (cicp && memcmp(cicp, "\1\15\0\1", 4) != 0)
         refuse_colour(reader, "its cICP chunk names another colour space or transfer curve");
     if (cicp || png_get_valid(reader->png, reader->info, PNG_INFO_sRGB))
-        return; /* libpng sets this also for the profiles that it knows to be sRGB */
+        return; /* libpng sets the flag also for profiles that it recognises as sRGB */
     const char *profile = find_chunk(reader, "iCCP", 1);
     if (profile) {
-        /* The file in memory ends with a NUL, so the name ends too. */
+        /* The file in memory ends with a NUL, so the name does, too. */
         snprintf(what, sizeof(what), "it has the colour profile '%.79s'", profile);
         for (char *c = what; *c; c++)
             *c = *c >= ' ' && *c <= '~' ? *c : '?';
@@ -359,10 +361,10 @@ static void make_image(struct reader *reader, size_t channel_count, uint32_t cod
     free(linear);
 }
 
-/* The shape of the pixels, where the file says it: fewer pixels per unit make a pixel larger. */
+/* Set pixel_aspect from the pixel densities: fewer pixels per unit mean larger pixels. */
 static void add_pixel_aspect(struct reader *reader)
 {
-    const float aspect = png_get_pixel_aspect_ratio(reader->png, reader->info); /* 0: not known */
+    const float aspect = png_get_pixel_aspect_ratio(reader->png, reader->info); /* 0: unknown */
     if (aspect == 0.0f || aspect == 1.0f)
         return;
     const enum neph_status status = neph_image_set_attribute(reader->image, "pixel_aspect",
@@ -373,13 +375,14 @@ static void add_pixel_aspect(struct reader *reader)
 
 static void read_picture(struct reader *reader)
 {
-    /* A damaged colour chunk would else be dropped in silence, and the picture taken for sRGB. */
+    /* Otherwise a damaged colour chunk would be dropped without an error, and the file read as
+     * sRGB. */
     png_set_crc_action(reader->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     read_size(reader);
     check_still(reader);
     check_colour_space(reader);
-    /* To 8 or 16 bits of RGB, and alpha where the file has any. All are exact: 1, 2 and 4 bits of
-     * grey are multiplied by 255, 85 and 17. */
+    /* Convert to 8 or 16 bits of RGB, and alpha if the file has it. The conversions are exact: 1, 2
+     * and 4 bits of grey are multiplied by 255, 85 and 17. */
     png_set_expand(reader->png);
     png_set_gray_to_rgb(reader->png);
     const bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||

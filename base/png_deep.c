@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of more than 8 bits go out through libpng's classic API: the simplified one takes 16-bit
- * samples for linear light.
+ * PNG files with more than 8 bits a channel, written through libpng's classic API: the simplified
+ * one takes 16-bit samples as linear light.
  */
 #include "base/png.h"
 
@@ -13,10 +13,10 @@
 
 #include <png.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new colour space: this file then needs a change. */
 _Static_assert(NEPH_PNG_SPACE_COUNT == 2, "a new kind");
 
-/* All that lives across a longjmp() of libpng is in here and not in local variables. */
+/* Everything that must survive a longjmp() of libpng is here and not in local variables. */
 struct writer {
     const char *path;
     char *file;
@@ -65,8 +65,8 @@ static void flush(png_structp png)
     (void)png;
 }
 
-/* ITU-T H.273: primaries of BT.2020, the transfer of ST 2084, RGB, full range. libpng 1.6 does not
- * know the chunk. */
+/* Add the chunk cICP of ITU-T H.273: primaries of BT.2020, the transfer function of ST 2084, RGB,
+ * full range. libpng 1.6 does not know the chunk. */
 static void say_bt2020_pq(struct writer *writer)
 {
     static const png_byte name[] = "cICP";

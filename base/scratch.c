@@ -18,7 +18,7 @@
 
 static const char lock_ending[] = ".lock";
 static const size_t tag_length = 16;
-static const int tries = 16; /* a sweeper has to come between two system calls to spoil one */
+static const int tries = 16; /* a try fails only if a sweep comes between two system calls */
 
 struct neph_scratch {
     char *path, *lock_path;
@@ -90,7 +90,7 @@ void neph_scratch_destroy(struct neph_scratch *scratch)
     if (!scratch)
         return;
     if (scratch->lock_fd >= 0) {
-        /* While there is a folder there is a lock file, or nobody would know it for ours. */
+        /* The lock file must outlive the folder: a sweep finds folders by their lock files. */
         if (neph_dir_remove(scratch->path, NULL) == NEPH_OK)
             unlink(scratch->lock_path);
         close(scratch->lock_fd);

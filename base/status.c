@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new status: this file then needs a change. */
 _Static_assert(NEPH_STATUS_COUNT == 13, "a new kind");
 
 static const struct {
@@ -69,7 +69,7 @@ void neph_prefix(struct neph_diag *diag, const char *format, ...)
     neph_text_clean(diag->message, sizeof(diag->message));
 }
 
-/* Every `from` in a text of `size` bytes becomes `to`. */
+/* Replace every `from` in a text of `size` bytes by `to`. */
 static void replace(char *text, size_t size, const char *from, const char *to)
 {
     char *at = text;

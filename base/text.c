@@ -9,7 +9,7 @@
 
 enum {
     ESCAPE_SIZE = 12, /* "\U000e0001" and its NUL, rounded up */
-    GROWTH = 4,       /* at most: one byte becomes "\xNN" */
+    GROWTH = 4,       /* upper bound: one byte becomes "\xNN" */
 };
 
 static const struct {
@@ -27,7 +27,7 @@ static bool acts(uint32_t code)
     return false;
 }
 
-/* How many bytes a character that starts with `first` has; 0: none starts so. */
+/* Length in bytes of the UTF-8 character that starts with `first`; 0: not a start byte. */
 static size_t length_of(unsigned char first)
 {
     if (first < 0x80)
@@ -39,8 +39,8 @@ static size_t length_of(unsigned char first)
     return first >= 0xf0 && first < 0xf5 ? 4 : 0;
 }
 
-/* The character at the start of `left` > 0 bytes: how many it has; 0: not UTF-8. `*cut` says that
- * all of these bytes could be the start of one. */
+/* Decode the character at the start of `left` > 0 bytes. Returns its length in bytes; 0: not UTF-8.
+ * `*cut`: the bytes are the beginning of a character that continues after them. */
 static size_t decode(const char *text, size_t left, uint32_t *code, bool *cut)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -80,8 +80,8 @@ size_t neph_text_first_unfit(const char *text, size_t length)
     return at;
 }
 
-/* "\x1b", "\u202e": how the first character of `left` bytes is shown. Returns how many bytes it
- * stands for. */
+/* Write the escape of the first character of `left` bytes, such as "\x1b" or "\u202e". Returns the
+ * length of the character in bytes. */
 static size_t escape(const char *text, size_t left, char shown[ESCAPE_SIZE])
 {
     uint32_t code;
@@ -94,7 +94,8 @@ static size_t escape(const char *text, size_t left, char shown[ESCAPE_SIZE])
     return length ? length : 1;
 }
 
-/* A full buffer was probably filled by a function that cuts anywhere. */
+/* Drop an incomplete character at the end of a full buffer: it was probably filled by a function
+ * that truncates at any byte. */
 static void drop_cut_character(char *text, size_t size)
 {
     const size_t length = strlen(text);

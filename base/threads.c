@@ -16,14 +16,15 @@ struct row_work {
     int row_count;
     neph_row_body *body;
     void *context;
-    int helper_limit; /* threads beside the calling one */
+    int helper_limit; /* threads beside the calling thread */
     atomic_int next_row, helper_count;
     atomic_bool stopped_early;
 };
 
 int neph_processor_count(void)
 {
-    /* Affinity, not the machine: Slurm and taskset give us a share of it. */
+    /* The affinity mask, not the machine's count: Slurm and taskset assign a part of the machine.
+     */
     cpu_set_t allowed;
     if (sched_getaffinity(0, sizeof(allowed), &allowed) == 0 && CPU_COUNT(&allowed) > 0)
         return CPU_COUNT(&allowed);
@@ -34,7 +35,7 @@ int neph_processor_count(void)
 static void take_rows(struct row_work *work)
 {
     for (;;) {
-        /* Rows are handed out one by one, because rows of a cloud differ much in cost. */
+        /* Rows are assigned one by one, because rows with clouds cost much more than others. */
         int row = atomic_fetch_add(&work->next_row, 1);
         if (row >= work->row_count)
             return;
@@ -56,7 +57,7 @@ static bool start_helper(struct row_work *work, pthread_t *helper)
     return pthread_create(helper, NULL, work_on_rows, work) == 0;
 }
 
-/* Each thread starts the next while rows are left: a short loop is over before it has made many
+/* Each thread starts the next one while rows are left. A short loop ends before it has created many
  * threads, which would cost more than its rows. */
 static void *work_on_rows(void *argument)
 {
@@ -89,7 +90,7 @@ bool neph_finishes_within(double limit_s, void (*work)(void *context), void *con
         *call = (struct call){work, context};
     if (!call || pthread_create(&thread, NULL, make_call, call) != 0) {
         free(call);
-        work(context); /* for want of a thread: better late than not at all */
+        work(context); /* no thread could be created: call without a time limit */
         return true;
     }
     struct timespec deadline;
@@ -110,7 +111,7 @@ enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *co
                             .body = body,
                             .context = context,
                             .helper_limit = neph_processor_count() - 1};
-    /* The calling thread works too, so that nothing here can fail for want of a thread. */
+    /* The calling thread works too, so that the loop also runs when no thread can be created. */
     work_on_rows(&work);
     if (atomic_load(&work.stopped_early))
         return neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * One parallel loop over rows, on pthreads. Each index is worked on by exactly one thread, so a
- * body that writes only its own row gives the same bits on any number of threads. And a call that
- * is not waited for for ever.
+ * A parallel loop over rows, on pthreads, and a function call with a time limit. In the loop each
+ * index is processed by exactly one thread, so a body that writes only its own row gives the same
+ * bits on any number of threads.
  */
 #ifndef NEPH_BASE_THREADS_H
 #define NEPH_BASE_THREADS_H
@@ -11,7 +11,7 @@
 
 #include <stdbool.h>
 
-/* Work on one index. Called from several threads at a time. */
+/* Process one index. Called from several threads at a time. */
 typedef void neph_row_body(int row, void *context);
 
 /* Number of processors this process may use, at least 1. */
@@ -22,9 +22,9 @@ int neph_processor_count(void);
 enum neph_status neph_parallel_rows(int row_count, neph_row_body *body, void *context,
                                     struct neph_diag *diag);
 
-/* Call work(context) on a thread of its own and wait for it for at most `limit_s` seconds. False:
- * it has not come back, as a driver that hangs does not; nothing can end it, so the thread and what
- * `context` points to are its own from then on and must stay. */
+/* Call work(context) on a new thread and wait for it for at most `limit_s` seconds. False: the call
+ * has not returned, for example because a driver hangs. Nothing can end such a thread: it keeps
+ * running, and the memory at `context` must stay valid from then on. */
 bool neph_finishes_within(double limit_s, void (*work)(void *context), void *context);
 
 #endif

@@ -15,8 +15,8 @@
 
 enum {
     DEPTH_MAX = 64,
-    BUFFER_BYTES = 2048, /* on the stack, for each level */
-    BLOCK_BYTES = 512,   /* of struct stat, on every file system */
+    BUFFER_BYTES = 2048, /* on the stack, per level of folders */
+    BLOCK_BYTES = 512,   /* unit of st_blocks, on every file system */
 };
 
 static const char note_name[] = "removed.txt";

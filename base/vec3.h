@@ -13,7 +13,7 @@ struct neph_vec3 {
     double x, y, z;
 };
 
-/* Scene-linear Rec.709; the unit is in the name of whatever holds it. */
+/* Scene-linear Rec.709; the unit is in the variable's name. */
 struct neph_rgb {
     double r, g, b;
 };

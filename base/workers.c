@@ -5,11 +5,11 @@
 #include <stdlib.h>
 
 struct neph_workers {
-    pthread_mutex_t lock;        /* of all below, and of the tasks */
-    pthread_cond_t added, ended; /* a task; one of them */
+    pthread_mutex_t lock;        /* guards all fields below, and the tasks */
+    pthread_cond_t added, ended; /* signalled when a task was added; when a task has ended */
     struct neph_task *first, *last;
-    int task_count;    /* not done yet, those in work included */
-    int waiting_count; /* of these in the queue */
+    int task_count;    /* tasks not done yet, including those in work */
+    int waiting_count; /* tasks in the queue */
     int idle_count, thread_count, thread_limit;
     bool is_ending;
     pthread_t threads[];
@@ -40,7 +40,7 @@ static struct neph_task *take(struct neph_workers *workers)
     return task;
 }
 
-/* With the lock, which it lets go meanwhile. */
+/* Run a task. Called with the lock, which is released during the task. */
 static void work_on(struct neph_workers *workers, struct neph_task *task)
 {
     pthread_mutex_unlock(&workers->lock);
@@ -69,7 +69,7 @@ static void *work(void *argument)
     return NULL;
 }
 
-/* With the lock. False: there is no thread at all. */
+/* Create a thread if more are needed. Called with the lock. False: no thread exists at all. */
 static bool has_thread(struct neph_workers *workers)
 {
     if (workers->waiting_count >= workers->idle_count &&

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is written into a stream, as a text.
+ * The output of a function that writes to a stream, as a text or a file.
  */
 #ifndef NEPH_BASE_WRITTEN_H
 #define NEPH_BASE_WRITTEN_H
@@ -11,12 +11,12 @@
 
 typedef void neph_writer(const void *what, FILE *out);
 
-/* What `write` says of `what`; `*text` is for the caller to free. NEPH_ERR_MEMORY: it did not fit,
- * and none of it is kept. */
+/* The output of write(what) as a text; the caller frees `*text`. NEPH_ERR_MEMORY: nothing is
+ * returned. */
 enum neph_status neph_written(neph_writer *write, const void *what, char **text,
                               struct neph_diag *diag);
 
-/* Write what neph_written() would give to a file; errors of neph_file_write(), too. */
+/* Write the text of neph_written() to a file. Also the errors of neph_file_write(). */
 enum neph_status neph_written_file(const char *path, neph_writer *write, const void *what,
                                    struct neph_diag *diag);
 

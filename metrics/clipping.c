@@ -10,7 +10,7 @@ static const double pu21_most_cd_per_m2 = 1e4; /* see extractors/code_value.h */
 
 enum image { REFERENCE, TEST, IMAGE_COUNT };
 
-/* How many pixels of a mask are beyond each bound, by image. */
+/* Number of a mask's pixels beyond each bound, for each image. */
 struct tally {
     size_t beyond[NEPH_BOUND_COUNT][IMAGE_COUNT];
     bool differs;
@@ -18,7 +18,7 @@ struct tally {
 
 struct neph_clipping {
     int mask_count, frame_count;
-    struct tally *last, *all; /* of each mask */
+    struct tally *last, *all; /* one for each mask */
 };
 
 struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *memory)
@@ -32,7 +32,7 @@ struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *me
                                          : NULL;
 }
 
-/* Values above these are beyond a bound. */
+/* Values above these limits are beyond a bound. */
 struct limits {
     double channel, luminance;
 };
@@ -43,7 +43,7 @@ static struct limits limits_of(const struct neph_viewing *viewing)
     return (struct limits){1.0 / gain, pu21_most_cd_per_m2 / (viewing->white_cd_per_m2 * gain)};
 }
 
-/* Luminance is above a limit only where a channel is. */
+/* Whether any channel is above the limit. Luminance can be above it only where a channel is. */
 NEPH_VECTOR static bool any_above(const float *restrict r, const float *restrict g,
                                   const float *restrict b, size_t count, float limit)
 {
@@ -53,10 +53,10 @@ NEPH_VECTOR static bool any_above(const float *restrict r, const float *restrict
     return above != 0;
 }
 
-/* Pixels at a time. */
+/* Pixels per step. */
 enum { CHUNK_PX = 256 };
 
-/* Which pixels are beyond, 1 or 0, by bound. */
+/* For each bound, 1 for pixels beyond it, else 0. */
 struct marks {
     uint8_t beyond[NEPH_BOUND_COUNT][CHUNK_PX];
 };
@@ -96,7 +96,8 @@ static void count_row(struct neph_clipping *clipping, const float *const planes[
 {
     const float *r = planes[0] + first, *g = planes[1] + first, *b = planes[2] + first;
     const double least = fmin(limits.channel, limits.luminance);
-    if (!any_above(r, g, b, width, (float)(least * (1.0 - 1e-6)))) /* rounded down for certain */
+    if (!any_above(r, g, b, width, (float)(least * (1.0 - 1e-6)))) /* lowered, to be safe against
+                                                                    * rounding */
         return;
     for (size_t x = 0; x < width; x += CHUNK_PX) {
         const size_t count = width - x < CHUNK_PX ? width - x : CHUNK_PX;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a display does not show. A metric of display values sees white in all that is brighter than
- * white, so two pictures that differ there are alike to it: how much of them that is belongs beside
- * its number.
+ * Counts pixels that a display cannot show. A metric of display values sees everything above white
+ * as white, so it misses differences there. The share of such pixels is printed beside its number.
  */
 #ifndef NEPH_METRICS_CLIPPING_H
 #define NEPH_METRICS_CLIPPING_H
@@ -10,23 +9,23 @@
 #include "metrics/extractor.h"
 #include "metrics/mask.h"
 
-/* Counts of one quantity over the masks, of a frame and of all frames so far. */
+/* Counts for one quantity over the masks, of the last frame and of all frames so far. */
 struct neph_clipping;
 
-/* In the arena; NULL when memory is short. */
+/* Allocated in the arena; NULL: memory is short. */
 struct neph_clipping *neph_clipping_create(int mask_count, struct neph_arena *memory);
 
-/* Look at the next frame, of a quantity with three planes. `masks` are as many as at creation. */
+/* Count the next frame of a quantity with three planes. `masks`: as many as at creation. */
 void neph_clipping_look(struct neph_clipping *clipping, const struct neph_frame_pair *pair,
                         const struct neph_mask *const *masks);
 
-/* The share of the pixels of a mask that are beyond the bound: of the last frame, or (`of_all`) of
- * all together. 0 for NEPH_BOUND_NONE and for a mask without pixels. */
+/* Share of a mask's pixels that are beyond the bound, in the last frame or (`of_all`) in all
+ * frames. 0 for NEPH_BOUND_NONE and for an empty mask. */
 struct neph_clipped neph_clipping_shares(const struct neph_clipping *clipping,
                                          enum neph_display_bound bound,
                                          const struct neph_mask *mask, int index, bool of_all);
 
-/* Whether test and reference have an unequal value anywhere in the mask. */
+/* Whether test and reference differ anywhere in the mask. */
 bool neph_clipping_differs(const struct neph_clipping *clipping, int index, bool of_all);
 
 #endif

@@ -9,10 +9,10 @@
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
-/* Mark pixels of a row against the rows above and below and the row itself moved by one. Written
- * without divisions, so that it holds for a depth of 0 and for the sky. `closest` and `farthest`
- * of the neighbours make ratios farthest / here and here / closest; the comparison of the two is
- * not true of a NaN (infinity against infinity), which then counts as equal. */
+/* Mark the pixels of a row at a depth step to a 4-neighbour. It uses the ratios farthest / here and
+ * here / closest of the neighbours, without divisions, so that depth 0 and the sky work. The
+ * comparison of the two ratios is false for NaN (infinity against infinity), so they count as
+ * equal. */
 NEPH_VECTOR static void mark_steps(const float *here, const float *up, const float *down,
                                    const float *left, const float *right, size_t count,
                                    double ratio, uint8_t *restrict near, uint8_t *restrict far)
@@ -51,11 +51,11 @@ void neph_edge_steps(const float *depth_m, int width_px, int height_px, double r
 
 enum {
     REACH = NEPH_EDGE_DISTANCE_MAX_PX,
-    NOWHERE = 100, /* a distance beyond all that are asked for */
+    NOWHERE = 100, /* larger than every distance in use */
 };
 
-/* Distance along the row to the nearest mark; `padded` has REACH bytes of NOWHERE on either side
- * of 0 at a mark and NOWHERE elsewhere. */
+/* Distance along the row to the nearest mark. `padded`: 0 at a mark, NOWHERE elsewhere, with REACH
+ * more bytes of NOWHERE on either side. */
 NEPH_VECTOR static void spread_sideways(const uint8_t *restrict padded, size_t count,
                                         uint8_t *restrict distance)
 {
@@ -79,8 +79,8 @@ NEPH_VECTOR static void spread_downwards(const uint8_t *restrict row, uint8_t st
     }
 }
 
-/* The larger of the steps sideways and downwards, least over all marks: first within each row,
- * then over the rows. `sideways` has the size of the image, `padded` a row and twice the reach. */
+/* Chessboard distance to the nearest mark: first within each row, then over the rows. `sideways`
+ * has the size of the image, `padded` a row and twice REACH. */
 static void measure_distances(const uint8_t *marks, size_t width, size_t height, uint8_t *sideways,
                               uint8_t *padded, uint8_t *distance)
 {
@@ -130,7 +130,7 @@ enum neph_status neph_edge_field_create(const float *depth_m, int width_px, int 
     return status;
 }
 
-/* ---- thin things ----------------------------------------------------------------------------- */
+/* ---- thin objects ---------------------------------------------------------------------------- */
 
 NEPH_VECTOR static void keep_farther(const float *restrict row, size_t count, float *restrict kept)
 {
@@ -151,7 +151,8 @@ NEPH_VECTOR static void mark_nearer(const float *restrict depth, const float *re
         thin[x] = (uint8_t)((double)opened[x] > ratio * (double)depth[x]);
 }
 
-/* The farthest of each square, at its top left corner; squares that do not fit are left out. */
+/* The farthest depth in each square, stored at its top left corner; only squares inside the
+ * image. */
 static void farthest_of_squares(const float *depth_m, size_t width, size_t height, size_t across,
                                 size_t down, float *row, float *squares)
 {

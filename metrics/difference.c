@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Maps of signed differences, see display.h.
+ * Colour maps of signed differences and of amounts, see display.h.
  */
 #include "metrics/display.h"
 #include "metrics/metric.h"
@@ -9,8 +9,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* RdBu in 11 classes, which stays apart for all common kinds of colour blindness (Brewer,
- * colorbrewer2.org), with blue for less. */
+/* ColorBrewer RdBu in 11 classes (Brewer, colorbrewer2.org), reversed so that blue means less. It
+ * is readable with all common kinds of colour blindness. */
 static const struct neph_display_stop stops[] = {
     {-1.0, {0x05, 0x30, 0x61}}, {-0.8, {0x21, 0x66, 0xac}}, {-0.6, {0x43, 0x93, 0xc3}},
     {-0.4, {0x92, 0xc5, 0xde}}, {-0.2, {0xd1, 0xe5, 0xf0}}, {0.0, {0xf7, 0xf7, 0xf7}},
@@ -20,7 +20,7 @@ static const struct neph_display_stop stops[] = {
 
 enum { STOP_COUNT = sizeof(stops) / sizeof(stops[0]) };
 
-/* Both ends of the scale are dark; what lies beyond is bright, and blue against yellow. */
+/* Both ends of the scale are dark; values beyond it are bright: cyan-blue below, yellow above. */
 static const struct neph_display_legend legend = {
     .stops = stops,
     .stop_count = STOP_COUNT,
@@ -34,8 +34,8 @@ const struct neph_display_legend *neph_display_difference_legend(void)
     return &legend;
 }
 
-/* Magma in 9 stops (van der Walt and Smith, matplotlib 2015, CC0), black for nothing. Its colours
- * end in a pale yellow; what lies beyond the scale is green and what has no value is teal. */
+/* Magma in 9 stops (van der Walt and Smith, matplotlib 2015, CC0); black is zero. The scale ends in
+ * pale yellow; values beyond it are green, NaN is teal. */
 static const struct neph_display_stop amount_stops[] = {
     {0.0, {0x00, 0x00, 0x04}},   {0.125, {0x1c, 0x10, 0x44}}, {0.25, {0x4f, 0x12, 0x7b}},
     {0.375, {0x81, 0x25, 0x81}}, {0.5, {0xb5, 0x36, 0x7a}},   {0.625, {0xe5, 0x50, 0x64}},
@@ -45,7 +45,7 @@ static const struct neph_display_stop amount_stops[] = {
 static const struct neph_display_legend amount_legend = {
     .stops = amount_stops,
     .stop_count = sizeof(amount_stops) / sizeof(amount_stops[0]),
-    .below = {0x00, 0x00, 0x04}, /* noise-corrected amounts may not go below 0 */
+    .below = {0x00, 0x00, 0x04}, /* noise-corrected amounts may be below 0 */
     .above = {0x00, 0xff, 0x40},
     .not_a_number = {0x00, 0x60, 0x60},
 };
@@ -81,7 +81,7 @@ static void colour_of(const struct neph_display_legend *colours, double position
         colour_between(colours, position, rgb);
 }
 
-/* Difference of a depth, for which infinity is a value: the sky. */
+/* Difference of a depth, in which infinity is a valid value: the sky. */
 static double plane_difference(float reference, float test)
 {
     return reference == test ? 0.0 : (double)test - (double)reference;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Knows OpenColorIO, as display_cube.cpp does and nobody else. No exception leaves it.
+ * Encodes display values through OpenColorIO. Only this file and display_cube.cpp include
+ * OpenColorIO; no exception leaves them.
  */
 extern "C" {
 #include "base/status.h"
@@ -22,13 +23,14 @@ namespace
 constexpr size_t block_pixels = 4096;
 constexpr double exposure_max_ev = 64.0;
 
-/* Far beyond white, so that nothing is lost by a clamp here; and finite, because in a general
- * colour matrix infinity meets a zero and becomes NaN, and the rounding of 1e30 lights up the next
- * channel. (OpenColorIO 2.1 folds the matrices of today into a scale, where neither can happen.) */
+/* Clamp before encoding: far above white, so it loses nothing, and finite, because infinity
+ * times a zero of a general colour matrix is NaN, and the rounding of a value such as 1e30 is
+ * visible in other channels. (OpenColorIO 2.1 folds the matrices used here into a scale, which
+ * avoids both.) */
 constexpr float exposed_max = 256.0f;
 
-/* Linear Rec.709 to CIE XYZ under D65, exact from the primaries of ITU-R BT.709 and the white
- * (0.3127, 0.3290); the fractions are those of CSS Color Module Level 4, section 17. */
+/* Linear Rec.709 to CIE XYZ with white D65, exact from the primaries of ITU-R BT.709 and the white
+ * (0.3127, 0.3290); the same fractions as in CSS Color Module Level 4, section 17. */
 constexpr double xyz_from_rec709[16] = {506752.0 / 1228815.0,
                                         87881.0 / 245763.0,
                                         12673.0 / 70218.0,
@@ -46,7 +48,7 @@ constexpr double xyz_from_rec709[16] = {506752.0 / 1228815.0,
                                         0.0,
                                         1.0};
 
-/* Everything but the approximations of log, exp and pow: the codes must not depend on the CPU. */
+/* All optimizations but approximate log, exp and pow: the codes must not depend on the CPU. */
 constexpr auto optimization = ocio::OPTIMIZATION_LOSSLESS;
 
 ocio::ConstCPUProcessorRcPtr create_processor(double scale)

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CODES = 256, ROUNDS = 32 }; /* rounds: the bits of a float */
+enum { CODES = 256, ROUNDS = 32 }; /* rounds: number of bits of a float */
 
 static float float_of(uint32_t bits)
 {
@@ -13,17 +13,17 @@ static float float_of(uint32_t bits)
     return value;
 }
 
-/* Positive floats are in the order of their bits: all codes are searched for at once, each halving
- * the floats that are left to it. */
+/* Binary search for all codes at once: positive floats have the order of their bits, and each round
+ * halves the floats that remain for a code. */
 enum neph_status neph_display_bake(float thresholds[256], struct neph_diag *diag)
 {
-    uint32_t below[CODES], above[CODES]; /* the least float of a code is in (below, above] */
+    uint32_t below[CODES], above[CODES]; /* the smallest float of a code is in (below, above] */
     float grey[CODES];
     uint8_t rgb[3 * CODES];
     const float *const planes[3] = {grey, grey, grey};
     for (int k = 0; k < CODES; k++) {
-        below[k] = 0;           /* 0.0, which is code 0 */
-        above[k] = 0x40000000u; /* 2.0, which is white */
+        below[k] = 0;           /* 0.0, encoded as 0 */
+        above[k] = 0x40000000u; /* 2.0, encoded as white */
     }
     for (int round = 0; round < ROUNDS; round++) {
         for (int k = 0; k < CODES; k++)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * No exception leaves this file, nor display.cpp; no other knows OpenColorIO.
+ * Bakes a view of an OpenColorIO config. Only this file and display.cpp include OpenColorIO; no
+ * exception leaves them.
  */
 extern "C" {
 #include "base/files.h"
@@ -41,7 +42,7 @@ double place_of(double value)
     return std::min(place, 1.0);
 }
 
-/* What a config has, for who named something else. */
+/* The names in a config, for the message about an unknown name. */
 std::string names_of(const ocio::ConstConfigRcPtr &config, const char *display)
 {
     std::string names;
@@ -89,7 +90,7 @@ bool is_torn(const float rgb[3])
     return std::isnan(rgb[0]) || std::isnan(rgb[1]) || std::isnan(rgb[2]);
 }
 
-/* How many colours have a value that is no number. */
+/* Convert colours to codes; returns the number of colours with a NaN. */
 int apply(const ocio::ConstCPUProcessorRcPtr &processor, std::vector<float> &rgb)
 {
     int not_numbers = 0;
@@ -127,7 +128,7 @@ int count_torn(const ocio::Lut1DTransform &table)
     return torn;
 }
 
-/* OpenColorIO takes NaN in a table for 0 and says nothing. */
+/* Count the NaN values in the tables of a config: OpenColorIO silently treats them as 0. */
 int count_torn(const ocio::ConstProcessorRcPtr &processor)
 {
     const ocio::GroupTransformRcPtr group = processor->createGroupTransform();
@@ -162,7 +163,7 @@ void fill(const ocio::ConstCPUProcessorRcPtr &processor, struct neph_display_cub
             cube->nodes[c][i] = rgb[3 * i + c];
 }
 
-/* Trilinear, as who uses the table reads it. */
+/* Trilinear lookup, as users of the table do it. */
 void look_up(const struct neph_display_cube *cube, const float rgb[3], double out[3])
 {
     int low[3];
@@ -186,7 +187,7 @@ void look_up(const struct neph_display_cube *cube, const float rgb[3], double ou
     }
 }
 
-/* Colours as pictures have them: of any brightness on the axis, not far from grey. */
+/* Random test colours: any brightness on the axis, each channel within a factor of 2 of it. */
 std::vector<float> probes()
 {
     std::vector<float> rgb(3 * static_cast<size_t>(probe_count));

@@ -3,10 +3,11 @@
 
 #include <math.h>
 
-/* Constants of elaTCSF, as published. */
+/* Constants of elaTCSF, from the paper. */
 static const double summation = 3.80022, threshold_energy = 6.52801;
 
-/* No luminance of a display, and none of the experiments: the model ends at 0.001. */
+/* Lower limit of the luminance: below all displays and all experiments; the model itself ends at
+ * 0.001. */
 static const double darkest_cd_per_m2 = 0.01;
 
 static const double field_deg = 90.0;
@@ -27,7 +28,7 @@ static struct complex low_pass(double x)
     return (struct complex){scale, -x * scale};
 }
 
-/* Two cascades of low-pass filters, of 15 and of 16 stages, one less the other. */
+/* The difference of two cascades of low-pass filters, with 15 and 16 stages. */
 static double temporal_response(double frequency_hz)
 {
     const double tau_s = 0.00292069, kappa = 2.12547, zeta = 0.721095, xi = 154.133;
@@ -39,7 +40,8 @@ static double temporal_response(double frequency_hz)
     return xi * hypot(a15.re - zeta * b16.re, a15.im - zeta * b16.im);
 }
 
-/* At a point `eccentricity_deg` from that of gaze, without the factor of the luminance. */
+/* Sensitivity at a point `eccentricity_deg` from the fixation point, without the luminance
+ * factor. */
 static double point_sensitivity(double frequency_hz, double log_luminance, double eccentricity_deg)
 {
     const double peripheral_hz = (frequency_hz + 2.0) / (1.0 + 0.0341811 * eccentricity_deg) - 2.0;
@@ -67,7 +69,7 @@ static double ring_mean(double frequency_hz, double log_luminance, double eccent
     return sum / angles;
 }
 
-/* By Gauss and Legendre, eight points for each ten degrees of the radius. */
+/* Gauss-Legendre quadrature, eight points per ten degrees of the radius. */
 double neph_eye_elatcsf(double frequency_hz, double luminance_cd_per_m2, double eccentricity_deg,
                         double radius_deg)
 {

@@ -11,7 +11,7 @@
 struct blur {
     float *plane;   /* by row */
     float *wide;    /* rows with a margin on both sides; owned */
-    float *weights; /* of the distances 0 .. radius_px, half of it at 0; owned */
+    float *weights; /* weights of the distances 0 .. radius_px, halved at 0; owned */
     int width_px, height_px, radius_px;
 };
 
@@ -26,7 +26,7 @@ static float *plane_row(const struct blur *blur, int row)
     return blur->plane + (size_t)row * (size_t)blur->width_px;
 }
 
-/* From the plane into the inside of the wide rows. */
+/* Blur the rows of the plane, into the inner part of the wide rows. */
 static void blur_along(int row, void *context)
 {
     const struct blur *blur = context;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A plane of pixels through a Gaussian, in single precision.
+ * Gaussian blur of a plane of pixels, in single precision.
  */
 #ifndef NEPH_METRICS_GAUSSIAN_H
 #define NEPH_METRICS_GAUSSIAN_H
@@ -8,7 +8,7 @@
 #include "base/status.h"
 
 /* Blur `plane`, width * height, in place. The taps reach to three standard deviations and sum to 1;
- * at the borders the picture is mirrored. Errors: NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
+ * the image is mirrored at its borders. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_gaussian_blur(float *plane, int width_px, int height_px, double sigma_px,
                                     struct neph_diag *diag);
 

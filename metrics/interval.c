@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sums of a resample are those of the tiles, each times how often it was drawn. So the draws,
- * the same for all numbers, are counted once, and a number costs a product of two matrices: counts
- * by sums. Resamples stand together in groups as wide as the product is fast.
+ * The bootstrap. The sums of a resample are the sums of the tiles, each multiplied by how often the
+ * tile was drawn. So the draws, equal for all numbers, are counted once, and a number costs a
+ * matrix product: counts by sums. Resamples are stored in groups of the width at which the product
+ * is fast.
  */
 #include "metrics/interval.h"
 
@@ -16,11 +17,11 @@
 enum {
     GROUP = 64, /* resamples */
     GROUP_COUNT = (NEPH_BOOTSTRAP_RESAMPLES + GROUP - 1) / GROUP,
-    CHUNK = 256, /* draws at a time */
-    COLUMNS = 4, /* sums at a time */
+    CHUNK = 256, /* draws per step */
+    COLUMNS = 4, /* sums per step */
 };
 
-/* Any constant would do; it is fixed so that the same images give the same interval. */
+/* An arbitrary seed, fixed so that the same images give the same interval. */
 static const uint64_t resample_seed = 0x6e6570685f626f6fu;
 
 static const double low_share = 0.025, high_share = 0.975;
@@ -38,8 +39,8 @@ struct neph_tiling neph_tiling_of(int width_px, int height_px)
 
 /* ---- the draws ------------------------------------------------------------------------------- */
 
-/* Draws first .. first + count - 1 of all, by splitmix64 (Steele, Lea and Flood, OOPSLA 2014), the
- * top 32 bits scaled to 0..bound-1: the preference for some values is below bound / 2^32. */
+/* Draws first .. first + count - 1, by splitmix64 (Steele, Lea and Flood, OOPSLA 2014). The top 32
+ * bits are scaled to 0..bound-1; the bias of single values is below bound / 2^32. */
 NEPH_VECTOR static void draw(uint64_t first, int bound, int count, uint32_t *restrict drawn)
 {
     for (int i = 0; i < count; i++) {
@@ -51,8 +52,8 @@ NEPH_VECTOR static void draw(uint64_t first, int bound, int count, uint32_t *res
     }
 }
 
-/* Counts of one resample stand GROUP apart. A count above 255 of n draws among n tiles comes once
- * in 255! resamples. */
+/* Count the draws of a resample; its counts are GROUP apart. For n draws among n tiles, a count
+ * above 255 occurs once in 255! resamples. */
 static void count_draws(int resample, int tile_count, uint8_t *counts)
 {
     uint32_t drawn[CHUNK];
@@ -93,7 +94,7 @@ void neph_resampling_finish(struct neph_resampling *resampling)
 
 typedef double group_sums[GROUP];
 
-/* `column_count` neighbouring sums of the tiles, for each resample of a group. */
+/* Add up `column_count` neighbouring columns of the tiles' sums, for each resample of a group. */
 __attribute__((always_inline)) static inline void
 add_columns(const uint8_t *restrict counts, const double *restrict tiles, int tile_count,
             int sum_count, int column_count, group_sums *restrict totals)
@@ -120,7 +121,7 @@ NEPH_VECTOR static void add_group(const uint8_t *counts, const double *tiles, in
         add_columns(counts, tiles + s, tile_count, sum_count, 1, totals + s);
 }
 
-/* `draws` holds one row of NEPH_BOOTSTRAP_RESAMPLES values per statistic. */
+/* `draws` has one row of NEPH_BOOTSTRAP_RESAMPLES values for each statistic. */
 static void resample(const struct neph_resampling *resampling, const double *tiles, int sum_count,
                      const struct neph_bootstrapped *statistics, int statistic_count, double *draws)
 {

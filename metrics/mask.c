@@ -22,14 +22,14 @@ typedef enum neph_status mark_function(const struct source *source, uint8_t *ins
 struct kind {
     struct neph_mask_kind described;
     mark_function *mark;
-    struct ring ring; /* of the rings */
+    struct ring ring; /* only of ring masks */
 };
 
-/* What a kind works on: the planes it asked for, already found and checked. */
+/* The input of a mask kind: its channels, found and checked. */
 struct source {
     const struct kind *kind;
     int width_px, height_px;
-    const float *planes[3]; /* Z; or the three of transmittance */
+    const float *planes[3]; /* Z; or the three channels of transmittance */
     const struct neph_mask_options *options;
 };
 
@@ -247,12 +247,12 @@ static enum neph_status fail_sample(const char *mask, const char *channel, float
                      (double)value, index % (size_t)width_px, index / (size_t)width_px);
 }
 
-/* The index of the first depth that is none, or `count`. */
+/* The index of the first invalid depth, or `count`. */
 NEPH_VECTOR static size_t find_bad_depth(const float *depth_m, size_t count)
 {
     uint32_t bad_count = 0;
     for (size_t i = 0; i < count; i++)
-        bad_count += depth_m[i] >= 0.0f ? 0u : 1u; /* NaN too */
+        bad_count += depth_m[i] >= 0.0f ? 0u : 1u; /* also true for NaN */
     if (bad_count == 0)
         return count;
     size_t first = 0;
@@ -366,7 +366,7 @@ static const struct neph_channel *find_channel(const struct neph_image *image, c
     return NULL;
 }
 
-/* Add what a channel has inside. */
+/* Add the pixels of a mask channel. */
 static enum neph_status mark_channel(const struct neph_channel *channel, struct neph_mask *mask,
                                      struct neph_diag *diag)
 {

@@ -14,22 +14,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_POOL_COUNT == 16, "a new kind");
 
-/* An extractor at work on a quantity. */
+/* A chosen extractor on one quantity. */
 struct run {
     const struct neph_meter_choice *choice;
     const struct neph_quantity *quantity;
-    const char *obstacle; /* why it gives nothing; NULL: it does */
-    char reason[192];     /* room for an obstacle that came up on the way */
-    void *state;          /* NULL while an obstacle stands */
+    const char *obstacle; /* why it gives no numbers; NULL: it does */
+    char reason[192];     /* buffer for an obstacle found during the run */
+    void *state;          /* NULL with an obstacle */
     struct neph_arena memory;
 };
 
 struct neph_meter {
-    struct neph_arena memory; /* of all that is not said to be owned or borrowed */
+    struct neph_arena memory; /* owns all that is not marked as owned or borrowed */
     struct neph_meter_choice *choices;
     int choice_count;
     struct neph_viewing viewing;
@@ -38,14 +38,14 @@ struct neph_meter {
     const struct neph_meter_number *wanted; /* borrowed; NULL: all */
     bool intervals, draws;
 
-    int width_px, height_px;   /* of the first frame; 0 before it */
+    int width_px, height_px;   /* size of the first frame; 0 before it */
     int frame_count;           /* so far */
-    int announced_frame_count; /* of all; 0: not known */
-    struct run *runs;          /* made at the first frame */
+    int announced_frame_count; /* total number; 0: unknown */
+    struct run *runs;          /* created at the first frame */
     int run_count;
     struct neph_pair_codes *codes;         /* one for each quantity */
-    const struct neph_mask **bare_masks;   /* those of `masks` */
-    struct neph_clipping **clipping;       /* by quantity, NULL where nobody asks */
+    const struct neph_mask **bare_masks;   /* the masks of `masks` */
+    struct neph_clipping **clipping;       /* by quantity; NULL where no metric needs it */
     struct neph_measurement *measurements; /* owned */
     int measurement_count, measurement_room;
 };
@@ -59,7 +59,8 @@ bool neph_meter_wants(const struct neph_meter_number *wanted, const char *metric
     return !wanted;
 }
 
-/* ---- making one ------------------------------------------------------------------------------ */
+/* ---- set-up
+ * ------------------------------------------------------------------------------------ */
 
 static enum neph_status check_viewing(const struct neph_viewing *viewing, struct neph_diag *diag)
 {
@@ -146,7 +147,7 @@ void neph_meter_destroy(struct neph_meter *meter)
     free(meter);
 }
 
-/* Forget those from `first` on. */
+/* Free the draws of the measurements from `first` on. */
 static void drop_draws(struct neph_measurement *measurements, int first, int count)
 {
     for (int i = first; i < count; i++)
@@ -208,8 +209,9 @@ static bool is_good(const struct neph_frame_pair *pair, size_t pixel)
     return good;
 }
 
-/* Whether all samples of a row are finite: then nothing in it is bad. A reference with a mean is
- * finite everywhere, for what is not finite stays in a sum; but a sky is left out of that. */
+/* Whether all samples of a row are finite. If the reference has a finite mean, it is finite
+ * everywhere, because other values would show in the sum; but the sky's depth is excluded from that
+ * mean. */
 static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
 {
     const size_t width = (size_t)pair->width_px;
@@ -221,7 +223,7 @@ static bool row_is_finite(const struct neph_frame_pair *pair, size_t first)
     return true;
 }
 
-/* Count the bad pixels of each mask; return those of the whole frame. */
+/* Count the bad pixels of each mask; returns the number in the whole frame. */
 static size_t count_bad(struct neph_meter *meter, const struct neph_frame_pair *pair, size_t *bad)
 {
     size_t all = 0;
@@ -285,7 +287,8 @@ static struct neph_clipping *clipping_of(const struct neph_meter *meter,
     return meter->clipping[quantity - neph_quantity_at(0)];
 }
 
-/* Say what the display has cut off, and that it is why no error is left. */
+/* Record the clipped shares. If the metric shows no error although the images differ, name clipping
+ * as the reason. */
 static void note_clipping(const struct neph_meter *meter, const struct run *run, int mask,
                           struct neph_measurement *measured)
 {
@@ -362,7 +365,7 @@ static enum neph_pool_certainty certainty_of(const struct neph_meter *meter, int
     return meter->draws && is_final ? NEPH_POOL_DRAWS : NEPH_POOL_INTERVAL;
 }
 
-/* Pool one map; `numbers` holds a row of mask_count for each metric of the extractor. */
+/* Pool one map; `numbers` has a row of mask_count for each metric of the extractor. */
 static enum neph_status pool_one_map(const struct neph_meter *meter, const struct run *run, int map,
                                      int frame, struct neph_pooled *numbers, struct neph_diag *diag)
 {
@@ -390,7 +393,7 @@ static enum neph_status pool_one_map(const struct neph_meter *meter, const struc
     return status;
 }
 
-/* Mask by mask, in the order of the extractor's table. */
+/* Append the numbers mask by mask, in the order of the extractor's table. */
 static enum neph_status take_pooled(struct neph_meter *meter, const struct run *run,
                                     const size_t *bad, int frame, struct neph_diag *diag)
 {
@@ -410,7 +413,7 @@ static enum neph_status take_pooled(struct neph_meter *meter, const struct run *
             status = append_pooled(meter, run, &extractor->metrics[m], k, bad ? bad[k] : 0, frame,
                                    number, diag);
             if (!status)
-                number->draws = NULL; /* the measurement has them */
+                number->draws = NULL; /* now owned by the measurement */
         }
     for (int i = 0; numbers && i < metric_count * mask_count; i++)
         free(numbers[i].draws);
@@ -420,7 +423,7 @@ static enum neph_status take_pooled(struct neph_meter *meter, const struct run *
 
 static const char bad_frame[] = "a pixel of a frame is not finite";
 
-/* Numbers of the whole frame stand under the first mask, which is the whole frame. */
+/* Append the numbers of the whole frame, under the first mask, which is the whole frame. */
 static enum neph_status take_scalars(struct neph_meter *meter, const struct run *run, int frame,
                                      struct neph_diag *diag)
 {
@@ -468,7 +471,7 @@ static enum neph_status start_run(struct run *run, struct neph_frame_pair *pair,
     return extractor->init ? extractor->init(run->state, pair, settings, diag) : NEPH_OK;
 }
 
-/* Whoever looks at display values wants to know what they have lost. */
+/* Count clipped pixels for quantities with extractors of display values. */
 static enum neph_status start_clipping(struct neph_meter *meter, const struct run *run,
                                        struct neph_diag *diag)
 {
@@ -479,7 +482,7 @@ static enum neph_status start_clipping(struct neph_meter *meter, const struct ru
     return *clipping ? NEPH_OK : neph_fail_memory(diag);
 }
 
-/* At the first frame: one run for each choice and each quantity that both images have. */
+/* At the first frame, create a run for each choice and each quantity that both images have. */
 static enum neph_status start_runs(struct neph_meter *meter,
                                    const struct neph_image *const images[3], struct neph_diag *diag)
 {
@@ -532,7 +535,8 @@ static enum neph_status check_sizes(const struct neph_meter *meter,
     return NEPH_OK;
 }
 
-/* Look at a pair; a bad value in a further layer ends a run in order, as one in the quantity does.
+/* Process a pair. In a temporal run, an invalid value in an extra layer ends the run, as one in the
+ * quantity does.
  */
 static enum neph_status extract(struct run *run, struct neph_frame_pair *pair,
                                 struct neph_diag *diag)
@@ -550,7 +554,7 @@ static enum neph_status extract(struct run *run, struct neph_frame_pair *pair,
     return status;
 }
 
-/* One extractor over one pair. `bad` counts by mask, `all_bad` over the frame. */
+/* Measure one pair with one extractor. `bad`: bad pixels per mask; `all_bad`: in the frame. */
 static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
                                     struct neph_frame_pair *pair, const size_t *bad, size_t all_bad,
                                     struct neph_diag *diag)
@@ -559,7 +563,7 @@ static enum neph_status measure_run(struct neph_meter *meter, struct run *run,
     if (run->obstacle)
         return NEPH_OK;
     if (all_bad > 0 && extractor->temporal) {
-        run->obstacle = bad_frame; /* from here on nothing in order is left to measure */
+        run->obstacle = bad_frame; /* the temporal run ends here */
         return NEPH_OK;
     }
     for (int m = 0; m < meter->mask_count; m++)
@@ -589,7 +593,7 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
     size_t all_bad = 0;
     for (int r = 0; r < meter->run_count && !status; r++) {
         struct run *run = &meter->runs[r];
-        if (run->quantity != quantity) { /* the runs of a quantity stand together */
+        if (run->quantity != quantity) { /* runs are grouped by quantity */
             quantity = run->quantity;
             if (!pair_up(meter, quantity, images, &pair)) {
                 status = neph_fail(diag, NEPH_ERR_INPUT, "frame %d has no %s, the first one has",
@@ -604,7 +608,7 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
         status = measure_run(meter, run, &pair, bad, all_bad, diag);
     }
     free(bad);
-    if (status) { /* half a frame is none */
+    if (status) { /* no partial results of a frame */
         drop_draws(meter->measurements, count_before, meter->measurement_count);
         meter->measurement_count = count_before;
     }
@@ -612,8 +616,8 @@ enum neph_status neph_meter_frame(struct neph_meter *meter, const struct neph_im
     return status;
 }
 
-/* The mean of number `which` of each frame over the frames; every frame gave as many, in the same
- * order. One undefined frame makes it undefined: nothing is skipped. */
+/* The mean of number `which` of each frame over all frames; every frame has the same numbers in the
+ * same order. It is undefined if it is undefined in any frame: none is skipped. */
 static struct neph_measurement mean_over_frames(const struct neph_meter *meter, int which,
                                                 int per_frame, double *values)
 {
@@ -718,13 +722,13 @@ static enum neph_status add_planes(struct neph_image *image, int plane_count, fl
                             : neph_image_add_channel(image, "Y", &planes[0], diag);
 }
 
-/* A double beyond the floats is shown as the largest of them. NaN stays: there is no value. */
+/* Convert to float, clamped to the finite range. NaN stays: no value. */
 static float to_float(double value)
 {
     return value > (double)FLT_MAX ? FLT_MAX : value < -(double)FLT_MAX ? -FLT_MAX : (float)value;
 }
 
-/* Row by row, so that no second picture in double is needed. */
+/* Fill row by row, so that no second image in double precision is needed. */
 static enum neph_status fill_image(const struct neph_pool_source *source, int map,
                                    float *const planes[3], struct neph_diag *diag)
 {

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_MOTION_DEPTH_COUNT == 2, "a new kind");
 
 static double dot(const double a[3], const double b[3])
@@ -13,7 +13,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Half the height of the picture at the eye depth 1, and the pixels in it. */
+/* Image centre, and pixels per unit of slope (offset / eye depth). */
 struct lens {
     double centre_x_px, centre_y_px, px_per_slope;
 };
@@ -25,7 +25,7 @@ static struct lens lens_of(const struct neph_motion_camera *camera, int width_px
                          .px_per_slope = 0.5 * height_px / tan(0.5 * camera->vertical_fov_rad)};
 }
 
-/* The direction through a pixel, of the length 1 along the axis. */
+/* The direction through a pixel, with length 1 along the camera axis. */
 static void direction_of(const struct neph_motion_camera *camera, const struct lens *lens,
                          double x_px, double y_px, double direction[3])
 {
@@ -35,7 +35,7 @@ static void direction_of(const struct neph_motion_camera *camera, const struct l
         direction[k] = right * camera->right[k] + up * camera->up[k] + camera->forward[k];
 }
 
-/* From the former camera to what is seen; only its direction counts for the sky. */
+/* Vector from the previous camera to the visible point; for the sky only its direction matters. */
 static void place_of(const struct neph_motion_camera *now, const struct neph_motion_camera *before,
                      const double direction[3], double depth_m, enum neph_motion_depth kind,
                      double place[3])

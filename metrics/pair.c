@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PAIR_VERDICT_COUNT == 3, "a new kind");
 
 enum { SUM_COUNT, SUM_MEAN, SUM_DIFFERENCE, SUM_PRODUCT, SUM_NOISE, SUMS };
@@ -34,7 +34,7 @@ static bool squared_noise(const void *context, const double *sums, double *value
     return mean > 0.0;
 }
 
-/* Add one pixel of one channel; false when it is not finite. */
+/* Add one pixel of one channel; false: it is not finite. */
 static bool add_sample(double xa, double xb, double ya, double yb, double sums[SUMS])
 {
     const double x = 0.5 * (xa + xb), y = 0.5 * (ya + yb);
@@ -60,7 +60,8 @@ static bool add_tile(float *const planes[4][3], const struct neph_mask *mask, in
     return finite;
 }
 
-/* One row of sums for each tile with a pixel of the mask; their number, or -1 for a bad pixel. */
+/* Sums of each tile with a pixel of the mask, one row per tile. Returns their number; -1: a bad
+ * pixel. */
 static int add_tiles(float *const planes[4][3], const struct neph_mask *mask,
                      const struct neph_tiling *tiling, double *tiles)
 {
@@ -77,7 +78,7 @@ static int add_tiles(float *const planes[4][3], const struct neph_mask *mask,
     return count;
 }
 
-/* From a 95 % percentile interval to one of `critical_z` standard errors about the value. */
+/* Convert a 95 % percentile interval to `critical_z` standard errors around the value. */
 static void widen(const struct neph_bootstrap_bounds *bounds, double value, double critical_z,
                   double *low, double *high)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Strips of a map are asked for in parallel, one row of tiles each. For every mask each tile gets
- * its sums, and its values as keys where a pool needs their order. Everything after that, values
- * and intervals alike, is a function of these.
+ * Reduces maps to numbers over masks. Strips of a map, one row of tiles each, are computed in
+ * parallel. For every mask, each tile gets its sums, and its values as sortable keys if a pool
+ * needs their order. All values and intervals are computed from these.
  */
 #include "metrics/pooling.h"
 
@@ -15,11 +15,11 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_POOL_CERTAINTY_COUNT == 3, "a new kind");
 _Static_assert(NEPH_POOL_COUNT == 16, "a new kind");
 
-/* Sums of a tile over the places where v has a value. */
+/* Sums of a tile over the pixels with a value of v. */
 enum { SUM_N, SUM_V, SUM_V2, SUM_W, SUM_COUNT };
 
 struct tile {
@@ -47,9 +47,10 @@ enum neph_status neph_pool_mask_create(const struct neph_mask *mask, struct neph
     return NEPH_OK;
 }
 
-/* ---- what the pools need --------------------------------------------------------------------- */
+/* ---- requirements of the pools
+ * ----------------------------------------------------------------- */
 
-/* Whether it needs the number, or the sum, of a part of the values, by their order. */
+/* Whether a pool needs the number, or the sum, of the values on one side of a threshold. */
 static bool has_part_n(enum neph_pool pool)
 {
     return pool == NEPH_POOL_PERCENTILE || pool == NEPH_POOL_TRIMMED_MEAN ||
@@ -68,14 +69,15 @@ static bool needs_over(enum neph_pool pool)
            pool == NEPH_POOL_ROOT_MEAN_ABOVE;
 }
 
-/* ---- the walk over a map --------------------------------------------------------------------- */
+/* ---- pass over a map
+ * --------------------------------------------------------------------------- */
 
-/* What one mask gets from one map. */
+/* The data of one map for one mask. */
 struct gathered {
     struct neph_pool_mask *mask;
     struct tile *tiles; /* owned */
-    uint32_t *keys;     /* owned; NULL when no pool needs them */
-    size_t *first;      /* of each tile in keys; owned */
+    uint32_t *keys;     /* owned; NULL if no pool needs them */
+    size_t *first;      /* index of each tile's first key; owned */
     uint32_t *counts;   /* keys of each tile; owned */
 };
 
@@ -85,12 +87,11 @@ struct walk {
     int map, over; /* over < 0: no second map */
     struct gathered *sets;
     int set_count;
-    bool any_good; /* else the map may not even exist */
+    bool any_good; /* false: the map may not even exist */
     atomic_bool out_of_memory;
 };
 
-/* Sums of a tile by its columns: the order of additions is what is written here, on vectors of any
- * width. */
+/* Sums of a tile by columns: a fixed order of additions, for any vector width. */
 struct lanes {
     double n[NEPH_TILE_SIDE_PX], v[NEPH_TILE_SIDE_PX], v2[NEPH_TILE_SIDE_PX], w[NEPH_TILE_SIDE_PX],
         max[NEPH_TILE_SIDE_PX];
@@ -103,8 +104,8 @@ static void clear(struct lanes *lanes)
         lanes->max[l] = -INFINITY;
 }
 
-/* The rows of one plane of a tile of full width that is in the mask and has values everywhere,
- * `stride` apart; all but the number. */
+/* Add the rows of one plane of a tile of full width, `stride` apart, that is completely in the mask
+ * and has values everywhere; all sums but the number. */
 NEPH_VECTOR static void add_plain_tile(const double *restrict v, const double *restrict w, int rows,
                                        size_t stride, struct lanes *restrict lanes)
 {
@@ -119,7 +120,7 @@ NEPH_VECTOR static void add_plain_tile(const double *restrict v, const double *r
     }
 }
 
-/* Only pixels within the mask that have a value. */
+/* Add only pixels in the mask that have a value. */
 NEPH_VECTOR static void add_masked_tile(const double *restrict v, const double *restrict w,
                                         const uint8_t *restrict inside, int columns, int rows,
                                         size_t stride, struct lanes *restrict lanes)
@@ -139,7 +140,7 @@ NEPH_VECTOR static void add_masked_tile(const double *restrict v, const double *
     }
 }
 
-/* Keys of the rows of one plane of a plain tile. */
+/* Add the keys of one plane of such a plain tile. */
 NEPH_VECTOR static void add_plain_keys(const double *restrict v, int rows, size_t stride,
                                        uint32_t *restrict keys)
 {
@@ -150,9 +151,9 @@ NEPH_VECTOR static void add_plain_keys(const double *restrict v, int rows, size_
     }
 }
 
-/* Keys where there is a value and the mask. Writes one more than belongs here, for want of a
- * branch: into the next tile of the strip, which comes later, or into the gap that each strip has
- * at its end. */
+/* Add the keys of pixels in the mask that have a value. To avoid a branch it writes one key too
+ * many: into the next tile of the strip, which is filled later, or into the gap at the end of each
+ * strip. */
 static uint32_t *add_some_keys(const double *v, const uint8_t *inside, int count, uint32_t *keys)
 {
     for (int x = 0; x < count; x++) {
@@ -162,7 +163,7 @@ static uint32_t *add_some_keys(const double *v, const uint8_t *inside, int count
     return keys;
 }
 
-/* In halves, which vectors do side by side. */
+/* Add up the lanes by halving, which is vectorised. */
 NEPH_VECTOR static struct tile tile_of(struct lanes *lanes)
 {
     for (int half = NEPH_TILE_SIDE_PX / 2; half > 0; half /= 2) {
@@ -182,13 +183,13 @@ NEPH_VECTOR static struct tile tile_of(struct lanes *lanes)
 struct place {
     double *const *v, *const *w; /* planes */
     const uint8_t *inside;
-    size_t first; /* its first pixel in a plane of the strip */
+    size_t first; /* index of its first pixel in a plane of the strip */
     size_t stride;
     int plane_count, columns, rows;
 };
 
-/* A tile of full width that is wholly in the mask: as if there were values everywhere, and if there
- * are not, the sum is NaN. */
+/* Sum a tile of full width that is completely in the mask, as if it had values everywhere; if it
+ * has not, the sum is NaN. */
 static struct tile sum_plain_tile(const struct place *place)
 {
     struct lanes lanes;
@@ -210,7 +211,7 @@ static struct tile sum_masked_tile(const struct place *place)
     return tile_of(&lanes);
 }
 
-/* Returns the number of keys. */
+/* Add the keys of a tile; returns their number. */
 static uint32_t add_keys(const struct place *place, bool is_plain, uint32_t *keys)
 {
     uint32_t *next = keys;
@@ -228,7 +229,7 @@ static uint32_t add_keys(const struct place *place, bool is_plain, uint32_t *key
     return (uint32_t)(next - keys);
 }
 
-/* One tile of one mask. */
+/* Gather one tile of one mask. */
 static void gather_tile(struct gathered *set, size_t tile, const struct place *place)
 {
     struct tile *found = &set->tiles[tile];
@@ -248,7 +249,7 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
-/* The tiles of a strip that the mask is in. */
+/* Gather the tiles of a strip that overlap the mask. */
 static void gather_tiles(const struct walk *walk, struct gathered *set, int strip,
                          double *const v[3], double *const w[3])
 {
@@ -319,16 +320,16 @@ static enum neph_status prepare_set(const struct walk *walk, struct neph_pool_ma
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* Columns of the table of tiles: the sums, and two for each metric that counts what lies on one
- * side of a threshold of its own. */
+/* Columns of the table of tiles: the sums, and two columns for each metric with a threshold of its
+ * own, for the number and sum of the values on one side of it. */
 enum { METRICS_MAX = NEPH_POOL_METRICS_MAX, COLUMNS_MAX = SUM_COUNT + 2 * METRICS_MAX };
 
 _Static_assert((int)COLUMNS_MAX <= (int)NEPH_BOOTSTRAP_SUMS_MAX, "the bootstrap takes all columns");
 
-/* A metric and its columns; what a statistic is a function of. */
+/* A metric and its columns: the input of a statistic. */
 struct statistic {
     const struct neph_metric *metric;
-    int part_n, part_v; /* number and sum of v of the part; unused where the metric needs none */
+    int part_n, part_v; /* number and sum of v on one side; unused if the metric needs none */
 };
 
 static bool known(double number, double *value)
@@ -337,7 +338,7 @@ static bool known(double number, double *value)
     return isfinite(number);
 }
 
-/* The number itself, or for percentiles the share below: see neph_pool_map(). */
+/* Evaluate the number; for percentiles, the share of values below (see neph_pool_map()). */
 static bool evaluate(const void *context, const double *sums, double *value)
 {
     const struct statistic *statistic = context;
@@ -349,7 +350,7 @@ static bool evaluate(const void *context, const double *sums, double *value)
     case NEPH_POOL_RMS:
         return known(sqrt(sums[SUM_V2] / n), value);
     case NEPH_POOL_ROOT_MEAN:
-    case NEPH_POOL_ROOT_MEAN_ABOVE: /* a draw may well be below: the interval then begins at 0 */
+    case NEPH_POOL_ROOT_MEAN_ABOVE: /* a draw may be negative: the interval then begins at 0 */
         return known(sqrt(fmax(mean, 0.0)), value);
     case NEPH_POOL_ROOT_OF_MEAN:
         return known(pow(fmax(mean, 0.0), 1.0 / metric->parameter), value);
@@ -388,12 +389,12 @@ const char neph_pool_no_error[] = "there is no error at all to take a ratio of";
 const char neph_pool_hidden_error[] =
     "the images differ, but only by what the display does not show";
 
-/* The tiles of a mask that have a value, with their columns and the totals of these. */
+/* The tiles of a mask that have a value, with their columns and the totals of the columns. */
 struct table {
     const struct gathered *set;
-    struct neph_selector *selector; /* owned; NULL when no pool needs an order */
+    struct neph_selector *selector; /* owned; NULL if no pool needs an order */
     double *rows;                   /* row_count rows of column_count; owned */
-    int *tiles;                     /* index of each row; owned */
+    int *tiles;                     /* tile of each row; owned */
     int row_count, column_count;
     double totals[COLUMNS_MAX];
     double max;
@@ -448,19 +449,19 @@ static enum neph_status fill_table(struct table *table, int tile_count, struct n
     return NEPH_OK;
 }
 
-/* How many of the keys are low .. high. */
+/* The number of keys in low .. high. */
 NEPH_VECTOR static uint32_t count_keys(const uint32_t *restrict keys, uint32_t count, uint32_t low,
                                        uint32_t high)
 {
     uint32_t n = 0;
     for (size_t i = 0; i < count; i++)
-        n += keys[i] - low <= high - low ? 1u : 0u; /* unsigned: what is below is far above */
+        n += keys[i] - low <= high - low ? 1u : 0u; /* unsigned: keys below wrap to large values */
     return n;
 }
 
 enum { PART_LANES = 16 };
 
-/* Add a key to a lane when it is at most `high`. */
+/* Add a key's value to a lane if the key is at most `high`. */
 __attribute__((always_inline)) static inline void add_key(uint32_t key, uint32_t high, double *sum)
 {
     *sum += neph_key_value(key <= high ? key : NEPH_KEY_OF_ZERO);
@@ -483,7 +484,7 @@ NEPH_VECTOR static double sum_keys(const uint32_t *restrict keys, uint32_t count
     return sum;
 }
 
-/* How many keys of a row of the table lie in low .. high. */
+/* The number of keys of a table row in low .. high. */
 static uint32_t count_in_row(const struct table *table, int row, uint32_t low, uint32_t high)
 {
     const struct gathered *set = table->set;
@@ -491,7 +492,8 @@ static uint32_t count_in_row(const struct table *table, int row, uint32_t low, u
     return count_keys(set->keys + set->first[tile], set->counts[tile], low, high);
 }
 
-/* Fill the number of a part, the keys low .. high of each tile, and its sum (where low is 0). */
+/* Fill the part columns: number of keys in low .. high of each tile, and their sum (if low is
+ * 0). */
 static void fill_part(struct table *table, const struct statistic *statistic, uint32_t low,
                       uint32_t high)
 {
@@ -512,8 +514,8 @@ static void fill_part(struct table *table, const struct statistic *statistic, ui
         table->totals[statistic->part_v] = total_of(table, statistic->part_v);
 }
 
-/* Fill the part columns with the `kept` smallest keys. Of those equal to the largest of them, the
- * same share stays in each tile. */
+/* Fill the part columns with the `kept` smallest keys. Among keys equal to the largest of them,
+ * each tile keeps the same share. */
 static void part_smallest(struct table *table, const struct statistic *statistic, size_t kept)
 {
     const uint32_t last = neph_select_rank(table->selector, kept - 1);
@@ -566,7 +568,7 @@ static bool value_of(struct table *table, const struct statistic *statistic, dou
     return evaluate(statistic, table->totals, value);
 }
 
-/* Read the bounds of a share back through the order statistics. */
+/* Convert the bounds of a share to values through the order statistics. */
 static void invert_share(const struct table *table, const struct statistic *statistic,
                          struct neph_bootstrap_bounds *bounds)
 {
@@ -599,13 +601,13 @@ static enum neph_status add_intervals(struct table *table, int metric_count,
         if (is_percentile(table->statistics[m].metric))
             invert_share(table, &table->statistics[m], &bounds[m]);
         pooled[m].has_interval = true;
-        pooled[m].low = fmin(bounds[m].low, pooled[m].value); /* other order, other roundings */
+        pooled[m].low = fmin(bounds[m].low, pooled[m].value); /* rounding may differ */
         pooled[m].high = fmax(bounds[m].high, pooled[m].value);
     }
     return status;
 }
 
-/* Which tiles the rows are of (FNV-1a). */
+/* A hash of the set of tiles (FNV-1a). */
 static uint64_t hash_of_tiles(const struct table *table)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -614,8 +616,9 @@ static uint64_t hash_of_tiles(const struct table *table)
     return hash;
 }
 
-/* A draw in which more lies below the percentile has a lower one: Bahadur's representation (Annals
- * of Mathematical Statistics 37, 1966), read back through the order statistics. */
+/* Convert draws of the share below the percentile to draws of the percentile, through the order
+ * statistics: a draw with more values below it has a lower percentile (Bahadur's representation,
+ * Annals of Mathematical Statistics 37, 1966). */
 static void invert_draws(const struct table *table, const struct statistic *statistic,
                          double *draws)
 {
@@ -643,7 +646,7 @@ static enum neph_status keep_draws(const struct table *table, const struct stati
     return NEPH_OK;
 }
 
-/* After add_intervals(), which has filled the columns. */
+/* Add the draws; add_intervals() has filled the columns before. */
 static enum neph_status add_draws(struct table *table, int metric_count, struct neph_pooled *pooled,
                                   struct neph_diag *diag)
 {
@@ -694,7 +697,7 @@ static const char *undefined_because(const struct neph_metric *metric)
     return no_value;
 }
 
-/* Why nothing at all can be said over a mask, or NULL. */
+/* Why no number is defined over a mask; NULL: numbers are defined. */
 static const char *obstacle(const struct neph_pool_source *source, const struct table *table)
 {
     const struct neph_pool_mask *mask = table->set->mask;
@@ -726,7 +729,7 @@ static void take_values(const struct neph_pool_source *source, struct table *tab
     }
 }
 
-/* The order of the values of a table. */
+/* Create the selector for the values of a table. */
 static enum neph_status select_from(struct table *table, const struct neph_key_runs *runs,
                                     int metric_count, struct neph_diag *diag)
 {

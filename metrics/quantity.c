@@ -54,9 +54,10 @@ bool neph_quantity_planes(const struct neph_quantity *quantity, const struct nep
     return true;
 }
 
-/* ---- a frame of one -------------------------------------------------------------------------- */
+/* ---- planes and means
+ * -------------------------------------------------------------------------- */
 
-enum { LANES = 8 }; /* sums are made in as many parts, so that the order of adding is ours */
+enum { LANES = 8 }; /* partial sums; fixed, so that the order of additions is defined */
 
 NEPH_VECTOR static void add_luminance(const float *restrict r, const float *restrict g,
                                       const float *restrict b, size_t count, double *restrict lanes)
@@ -69,7 +70,7 @@ NEPH_VECTOR static void add_luminance(const float *restrict r, const float *rest
         lanes[0] += neph_luminance((double)r[i], (double)g[i], (double)b[i]);
 }
 
-/* The depths of a row that are not the sky, and their number. */
+/* Add up the finite depths of a row; returns their number. */
 static size_t add_depth(const float *depth_m, size_t count, double *sum)
 {
     size_t solid_count = 0;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * A radix selection: one histogram over the top 16 bits is kept, 128 buckets to an octave, so that
- * few keys are in any; the bucket that holds a rank is gathered when it is first asked for, and
- * counted by its next 8 bits, and those by their last 8. Nothing is sorted. A bucket that is
- * crowded all the same, as that of values a little below 1 is, is counted where it lies, and a part
- * of it gathered. Buckets that are expected to be asked for are gathered together.
+ * Radix selection. One histogram over the top 16 bits is kept, with 128 buckets per octave, so that
+ * a bucket contains few keys. The bucket of a requested rank is gathered at the first request, and
+ * counted by its next 8 bits, then by its last 8 bits. Nothing is sorted. A crowded bucket, such as
+ * the one of values just below 1, is counted in place, and only a part of it is gathered. Buckets
+ * that are expected to be needed are gathered together.
  */
 #include "metrics/select.h"
 
@@ -22,11 +22,11 @@ enum {
     BUCKETS = 1 << TOP_BITS,
     MIDDLES = 1 << MIDDLE_BITS,
     LASTS = 1 << LAST_BITS,
-    CROWD_SHARE = 16, /* a bucket with more than this part of all keys is crowded */
-    TOGETHER = 3,     /* buckets that are gathered in one go */
+    CROWD_SHARE = 16, /* a bucket with more than 1 / 16 of all keys is crowded */
+    TOGETHER = 3,     /* buckets that are gathered in one pass */
 };
 
-/* The keys whose bits above `shift` are one of these. */
+/* A set of keys: those with bits above `shift` equal to one of these. */
 struct wanted {
     uint32_t upper[TOGETHER];
     int shift; /* 0: none */
@@ -34,19 +34,20 @@ struct wanted {
 
 struct neph_selector {
     const struct neph_key_runs *runs;
-    size_t below[BUCKETS + 1];      /* keys in the buckets before */
-    double sums_below[BUCKETS + 1]; /* of the values in the buckets before */
+    size_t below[BUCKETS + 1];      /* number of keys in lower buckets */
+    double sums_below[BUCKETS + 1]; /* sum of the values in lower buckets */
     bool has_sums;
-    int open_bucket;        /* that `middle` counts; -1: none */
-    int open_middle;        /* of the open bucket, that `last` counts; -1: none */
-    struct wanted gathered; /* the open bucket and others; when it is crowded, its open middle */
-    uint32_t *members;      /* the keys that are gathered; owned */
+    int open_bucket;        /* bucket that `middle` counts; -1: none */
+    int open_middle;        /* middle digit of the open bucket that `last` counts; -1: none */
+    struct wanted gathered; /* the open bucket and others; if it is crowded, only its open middle
+                             * digit */
+    uint32_t *members;      /* the gathered keys; owned */
     size_t member_count, member_room;
     uint32_t middle[MIDDLES], last[LASTS];
 };
 
-/* Two histograms: neighbouring keys are often alike, and to count them in one place would wait for
- * the count before. */
+/* Count into two histograms alternately: neighbouring keys are often equal, and counting them in
+ * one would wait for the previous count. */
 static void count_run(const uint32_t *restrict keys, size_t count, uint32_t *restrict even,
                       uint32_t *restrict odd)
 {
@@ -61,7 +62,7 @@ static void count_run(const uint32_t *restrict keys, size_t count, uint32_t *res
         even[keys[i] >> LOW_BITS]++;
 }
 
-/* Returns the number of keys in the fullest bucket, or -1 when memory is short. */
+/* Returns the number of keys in the fullest bucket; -1: memory is short. */
 static long long count_buckets(struct neph_selector *selector)
 {
     uint32_t *even = calloc(2 * (size_t)BUCKETS, sizeof(*even));
@@ -86,7 +87,7 @@ static size_t count_of(const struct neph_selector *selector, int bucket)
     return selector->below[bucket + 1] - selector->below[bucket];
 }
 
-/* For so many members; those that were there are lost. */
+/* Allocate memory for so many members; the current ones are lost. */
 static bool make_room(struct neph_selector *selector, size_t room)
 {
     if (room <= selector->member_room)
@@ -104,7 +105,7 @@ static bool make_room(struct neph_selector *selector, size_t room)
 enum neph_status neph_selector_create(const struct neph_key_runs *runs,
                                       struct neph_selector **selector, struct neph_diag *diag)
 {
-    struct neph_selector *created = malloc(sizeof(*created)); /* large, and most of it for later */
+    struct neph_selector *created = malloc(sizeof(*created)); /* large; most of it is used later */
     if (!created)
         return neph_fail_memory(diag);
     created->runs = runs;
@@ -139,8 +140,8 @@ __attribute__((always_inline)) static inline bool is_wanted(uint32_t key, struct
     return (upper == wanted.upper[0]) | (upper == wanted.upper[1]) | (upper == wanted.upper[2]);
 }
 
-/* Most blocks of keys hold none that is wanted, and a look at the block is cheaper than one at each
- * key. `to` has room for one more than it gets. */
+/* Copy the wanted keys of a run. Most blocks of keys contain none, and testing a block is cheaper
+ * than testing each key. `to` needs space for one more key than it gets. */
 NEPH_VECTOR static size_t copy_run(const uint32_t *restrict keys, size_t key_count,
                                    const struct wanted *these, uint32_t *restrict to)
 {
@@ -243,7 +244,7 @@ static uint32_t key_from(const struct neph_selector *selector, int last)
            ((uint32_t)selector->open_middle << LAST_BITS) | (uint32_t)last;
 }
 
-/* By bisection: the last bucket with no more than `rank` keys below it, which is not empty. */
+/* By bisection: the last non-empty bucket with at most `rank` keys below it. */
 static int bucket_of_rank(const struct neph_selector *selector, size_t rank)
 {
     int first = 0, end = BUCKETS;
@@ -328,7 +329,7 @@ static void sum_buckets(struct neph_selector *selector)
     selector->has_sums = true;
 }
 
-/* By bisection: the first bucket with which the running sum exceeds `target`, or BUCKETS. */
+/* By bisection: the first bucket at which the running sum exceeds `target`, or BUCKETS. */
 static int bucket_of_sum(const struct neph_selector *selector, double target)
 {
     int first = 0, end = BUCKETS;
@@ -342,7 +343,7 @@ static int bucket_of_sum(const struct neph_selector *selector, double target)
     return first;
 }
 
-/* Within the open bucket: the first key whose running sum exceeds `target`, or its last one. */
+/* In the open bucket: the first key with a running sum above `target`, or its last key. */
 static double first_above(struct neph_selector *selector, double target)
 {
     double sums[MIDDLES] = {0.0}, running = 0.0;
@@ -356,7 +357,7 @@ static double first_above(struct neph_selector *selector, double target)
     int middle = 0, found = 0;
     for (int m = 0; m < MIDDLES; m++)
         middle = selector->middle[m] > 0 ? m : middle;
-    for (int m = 0; m < middle; m++) { /* the last one takes what rounding leaves */
+    for (int m = 0; m < middle; m++) { /* the last one absorbs rounding errors */
         if (running + sums[m] > target) {
             middle = m;
             break;
@@ -381,7 +382,7 @@ double neph_select_weighted(struct neph_selector *selector, double share)
     sum_buckets(selector);
     const double target = share * selector->sums_below[BUCKETS];
     const int bucket = bucket_of_sum(selector, target);
-    if (bucket == BUCKETS) /* a share of 1, or nothing but zeros: the largest */
+    if (bucket == BUCKETS) /* a share of 1, or only zeros: the largest value */
         return selector->runs->key_count > 0
                    ? neph_key_value(neph_select_rank(selector, selector->runs->key_count - 1))
                    : 0.0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Order statistics of millions of values without sorting them. Values are kept as keys: unsigned
- * numbers in the order of the floats that they stand for.
+ * Order statistics of millions of values without sorting. Values are stored as keys: unsigned
+ * integers with the same order as their floats.
  */
 #ifndef NEPH_METRICS_SELECT_H
 #define NEPH_METRICS_SELECT_H
@@ -14,7 +14,7 @@
 
 #define NEPH_KEY_OF_ZERO 0x80000000u
 
-/* The key of a finite double, rounded to float (6e-8 of it) and held within FLT_MAX. */
+/* The key of a finite double, rounded to float (relative error 6e-8) and clamped to FLT_MAX. */
 static inline uint32_t neph_key_of(double value)
 {
     const float rounded_freely = (float)value;
@@ -33,28 +33,28 @@ static inline double neph_key_value(uint32_t key)
     return (double)value;
 }
 
-/* Runs of keys: run r holds counts[r] keys from keys[first[r]] on. */
+/* Runs of keys: run r has counts[r] keys from keys[first[r]] on. */
 struct neph_key_runs {
     const uint32_t *keys;
     const size_t *first;
     const uint32_t *counts;
     int run_count;
-    size_t key_count; /* of all runs together */
+    size_t key_count; /* total over all runs */
 };
 
-/* The order statistics of a set of keys; made once, asked often. */
+/* The order statistics of a set of keys; created once, queried often. */
 struct neph_selector;
 
-/* `runs` is borrowed for the life. NULL (and a diag) when memory is short. */
+/* Create a selector; `runs` is borrowed for its life. NEPH_ERR_MEMORY. */
 enum neph_status neph_selector_create(const struct neph_key_runs *runs,
                                       struct neph_selector **selector, struct neph_diag *diag);
-void neph_selector_destroy(struct neph_selector *selector); /* NULL is fine */
+void neph_selector_destroy(struct neph_selector *selector); /* NULL is allowed */
 
-/* The key of that rank, 0 .. key_count - 1 in ascending order. */
+/* The key at a rank, 0 .. key_count - 1 in ascending order. */
 uint32_t neph_select_rank(struct neph_selector *selector, size_t rank);
 
-/* Say which percentiles will be asked for: a few of them cost one look at all keys and not one
- * each. It changes no number. key_count >= 1. */
+/* Announce percentiles that will be requested: a few of them then cost one pass over all keys
+ * instead of one pass each. The results do not change. key_count >= 1. */
 enum neph_status neph_select_expect(struct neph_selector *selector, const double *shares, int count,
                                     struct neph_diag *diag);
 

@@ -6,14 +6,14 @@
 
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_REPLICATE_COUNT == 2, "a new kind");
 
 static const double interval_alpha = 0.05;
 
-/* Beyond it the correlation is a trend, which no interval describes, and the correction grows
- * without bound. */
+/* Above this, the correlation indicates a trend, which no interval describes, and the correction
+ * would grow without bound. */
 static const double correlation_max = 0.95;
 
 static bool all_finite(const double *values, int count)
@@ -32,7 +32,7 @@ static double mean_of(const double *values, int count)
     return neph_sum_value(&sum);
 }
 
-/* The unbiased variance of one value. */
+/* Unbiased variance of a single value. */
 static double variance_of(const double *values, int count, double mean)
 {
     double sum = 0.0;
@@ -61,7 +61,7 @@ static void batch_means(const double *frames, int count, int batch_count, int ba
 }
 
 struct batching {
-    int count, frames; /* count 0: too few for any */
+    int count, frames; /* count 0: too few frames */
 };
 
 static struct batching batching_of(int count)
@@ -75,9 +75,9 @@ static struct batching batching_of(int count)
     return (struct batching){batches < NEPH_BATCHES_MIN ? 0 : batches, frames};
 }
 
-/* The correlation of neighbouring frames about the mean of their place in the cycle; `count` is of
- * whole cycles. The estimate is low by (1 + 3 rho) / count (Kendall, Biometrika 41, 1954), which is
- * put back. */
+/* The correlation of neighbouring frames about the mean of their position in the cycle; `count`
+ * covers whole cycles. The estimate is too low by (1 + 3 rho) / count (Kendall, Biometrika 41,
+ * 1954), which is added. */
 static double neighbour_correlation(const double *frames, int count)
 {
     double phase_means[NEPH_CYCLE_FRAMES] = {0.0};
@@ -94,8 +94,8 @@ static double neighbour_correlation(const double *frames, int count)
     return fmin(fmax(measured + (1.0 + 3.0 * measured) / count, 0.0), correlation_max);
 }
 
-/* The variance of the mean of `count` neighbours of an autoregressive series of first order whose
- * variance is 1. */
+/* The variance of the mean of `count` consecutive values of a first-order autoregressive series
+ * with variance 1. */
 static double variance_of_mean(double correlation, int count)
 {
     const double n = count, apart = 1.0 - correlation;
@@ -103,8 +103,8 @@ static double variance_of_mean(double correlation, int count)
            2.0 * correlation * (1.0 - pow(correlation, n)) / (n * n * apart * apart);
 }
 
-/* By how much the variance of batch means, divided by their number, falls short of the variance of
- * the mean of all: 1 without correlation. */
+/* The ratio of the variance of batch means divided by their number to the variance of the total
+ * mean: 1 without correlation. */
 static double shortfall(double correlation, struct batching batching)
 {
     const double of_batch = variance_of_mean(correlation, batching.frames);
@@ -150,7 +150,7 @@ static struct neph_mean mean_of_runs(const double *values, int count)
                          count);
 }
 
-/* Only whole cycles, unless there is not one. */
+/* Number of frames beyond whole cycles; 0 if there is no whole cycle. */
 static int frames_over(int count)
 {
     return count < NEPH_CYCLE_FRAMES ? 0 : count % NEPH_CYCLE_FRAMES;

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Means of series of numbers, one number a frame or one a run, and how sure they are; and whether
- * one series lies above another.
+ * Means of series with one number per frame or per run, their uncertainty, and the comparison of
+ * two series.
  *
- * Neighbouring frames err together, so the frame is not the unit of replication. The interval of a
- * mean over frames is Student's t on the means of batches of frames (Schmeiser, Operations Research
- * 30, 1982), batches being whole four-frame cycles, so that a cycle never widens it. Batch means
- * are themselves a little correlated; the bias that this gives to their variance is known exactly
- * for an autoregressive series of first order, and is taken out with the correlation of
- * neighbouring frames as measured (never to make an interval narrower).
+ * Errors of neighbouring frames are correlated, so frames are not independent replicates. The
+ * interval of a mean over frames is Student's t on the means of batches of frames (Schmeiser,
+ * Operations Research 30, 1982). Batches are whole four-frame cycles, so a cycle never widens the
+ * interval. Batch means are slightly correlated themselves. The resulting bias of their variance is
+ * known exactly for a first-order autoregressive series; it is corrected with the measured
+ * correlation of neighbouring frames (never narrowing the interval).
  *
- * What a 95 % interval covers, measured in tests/metrics/test_series.c for Gaussian series of the
- * correlation 0 to 0.8 between neighbours, with a cycle or without: 94 to 96 % from 128 frames on,
- * 93 to 96 % from 64 on. It covers less when a series remembers for longer than it looks (92 % for
- * half white noise and half correlation 0.8; at the correlation 0.95 89 % for 128 frames and 91 %
- * for 256), and knows nothing of a trend.
+ * Coverage of a 95 % interval, measured in tests/metrics/test_series.c for Gaussian series with
+ * correlation 0 to 0.8 between neighbours, with or without a cycle: 94 to 96 % from 128 frames on,
+ * 93 to 96 % from 64 on. It is lower for series with longer memory: 92 % for half white noise and
+ * half correlation 0.8; at correlation 0.95, 89 % for 128 frames and 91 % for 256. Trends are not
+ * covered.
  */
 #ifndef NEPH_METRICS_SERIES_H
 #define NEPH_METRICS_SERIES_H
@@ -23,54 +23,58 @@
 
 enum {
     NEPH_CYCLE_FRAMES = 4,
-    NEPH_BATCH_FRAMES = 16,    /* from 128 frames on; doubled so that there are never 64 batches */
+    NEPH_BATCH_FRAMES = 16,    /* from 128 frames on; doubled to stay below 64 batches */
     NEPH_BATCH_FRAMES_FEW = 8, /* below 128 frames */
-    NEPH_BATCHES_MIN = 8,      /* no interval below */
+    NEPH_BATCHES_MIN = 8,      /* fewer batches: no interval */
     NEPH_BATCHES_LIMIT = 64,
 };
 
-/* What a series counts. */
+/* The replicates of a series. */
 enum neph_replicate {
-    NEPH_REPLICATE_FRAMES, /* of one sequence, in order, warm-up left out */
-    NEPH_REPLICATE_RUNS,   /* independent: seeds, camera paths, scenes; in any order */
+    NEPH_REPLICATE_FRAMES, /* frames of one sequence, in order, without warm-up */
+    NEPH_REPLICATE_RUNS,   /* independent runs: seeds, camera paths, scenes; in any order */
     NEPH_REPLICATE_COUNT,
 };
 
-/* A mean. Undefined (all zero) when there is no value, or one that is not finite.
- * The interval is DETERMINISTIC when nothing was drawn: at least two equal values, or frames that
- * repeat exactly with a period of 4 or 16. It is NONE below 64 frames or two runs; CYCLES with n
- * the number of batches, or RUNS with n the number of runs; else n is the number of values. */
+/* A mean. Undefined (all zero) without a value, or with one that is not finite. The interval is
+ * - NEPH_INTERVAL_DETERMINISTIC without randomness: at least two equal values, or frames that
+ *   repeat exactly with a period of 4 or 16;
+ * - NEPH_INTERVAL_NONE below 64 frames or two runs;
+ * - else NEPH_INTERVAL_CYCLES with n batches, or NEPH_INTERVAL_RUNS with n runs.
+ *
+ * In the first two cases n is the number of values. */
 struct neph_mean {
     bool defined;
     double value;
-    double low, high; /* 95 %; 0 without an interval, `value` when deterministic */
+    double low, high; /* 95 %; 0 without an interval, `value` if deterministic */
     enum neph_interval_kind interval;
     int n;
     double standard_error; /* 0 without an interval; n - 1 degrees of freedom */
 };
 
-/* The mean of `count` values. Of frames, whole cycles alone are used: what is over at the start,
- * next to the warm-up, is left out (all are used when there is not one cycle). */
+/* The mean of `count` values. Frames are used in whole cycles: extra frames at the start, next to
+ * the warm-up, are left out (all frames are used if there is no whole cycle). */
 struct neph_mean neph_series_mean(const double *values, int count, enum neph_replicate replicate);
 
-/* a - b, value by value: the same frames, or the same runs, once each way. */
+/* Paired comparison a - b, value by value: the same frames, or the same runs, of two methods. */
 struct neph_paired {
     struct neph_mean difference;
     double p;               /* two-sided, Student's t; 1 without an interval */
-    int positive, negative; /* batches (runs) in which a lies above, below; equal ones count not */
+    int positive, negative; /* batches (runs) in which a is above or below; equal ones do not
+                             * count */
     double p_sign;          /* two-sided, exact sign test on these; 1 when there are none */
 };
 
-/* Errors: NEPH_ERR_MEMORY. */
+/* Compare two series. NEPH_ERR_MEMORY. */
 enum neph_status neph_series_paired(const double *a, const double *b, int count,
                                     enum neph_replicate replicate, struct neph_paired *paired,
                                     struct neph_diag *diag);
 
-/* a - b of two numbers with their draws (metric.h), which are of the same tiles: as they are drawn
- * alike, what both have in common falls out. The interval, NEPH_INTERVAL_TILES with n tiles, is
- * from the 2.5th to the 97.5th percentile of the differences of the draws; p is Student's t on
- * their standard deviation, n - 1 degrees of freedom; there are no signs. Undefined when the tiles
- * are not the same, or a draw is not finite. */
+/* Compare two numbers by their draws (metric.h) from the same tiles: the draws are paired, so
+ * common variation cancels. The interval, NEPH_INTERVAL_TILES with n tiles, is the 2.5th to 97.5th
+ * percentile of the differences of the draws; p is Student's t on their standard deviation, with n
+ * - 1 degrees of freedom; there are no signs. Undefined if the tiles differ, or if a draw is not
+ * finite. */
 struct neph_paired neph_series_paired_draws(double a, const struct neph_draws *draws_a, double b,
                                             const struct neph_draws *draws_b);
 

@@ -12,7 +12,7 @@ double neph_normal_p(double z)
 
 double neph_normal_critical(double alpha)
 {
-    /* neph_normal_p falls monotonically from 1 at 0 to 0 (in double) at 39. */
+    /* neph_normal_p falls monotonically from 1 at 0 to 0 (in double precision) at 39. */
     double low = 0.0, high = 39.0;
     for (int i = 0; i < 100; i++) {
         const double middle = 0.5 * (low + high);
@@ -34,7 +34,7 @@ double neph_sidak_alpha(double family_alpha, int count)
  * (a + 1) / (a + b + 2). */
 static double beta_fraction(double a, double b, double x)
 {
-    const double tiny = 1e-300; /* in place of a denominator of 0 */
+    const double tiny = 1e-300; /* replaces a denominator of 0 */
     double c = 1.0, d = 1.0 - (a + b) * x / (a + 1.0);
     d = 1.0 / (d == 0.0 ? tiny : d);
     double fraction = d;
@@ -57,12 +57,12 @@ static double beta_fraction(double a, double b, double x)
     return fraction;
 }
 
-/* I_x(a, b), with y = 1 - x given apart: near 1, x alone does not say what y is. */
+/* I_x(a, b); y = 1 - x is a separate argument, because near 1 it cannot be computed from x. */
 static double incomplete_beta(double a, double b, double x, double y)
 {
     if (x <= 0.0 || y <= 0.0)
         return x <= 0.0 ? 0.0 : 1.0;
-    int sign; /* lgamma() itself leaves it in a global */
+    int sign; /* lgamma() would store the sign in a global variable */
     const double gammas = lgamma_r(a + b, &sign) - lgamma_r(a, &sign) - lgamma_r(b, &sign);
     const double front = exp(gammas + a * log(x) + b * log(y));
     if (x < (a + 1.0) / (a + b + 2.0))
@@ -78,7 +78,7 @@ double neph_student_p(double t, double dof)
     return incomplete_beta(0.5 * dof, 0.5, dof / (dof + square), square / (dof + square));
 }
 
-/* Twice the density, by which neph_student_p() falls. */
+/* Twice the density: the slope of neph_student_p(). */
 static double student_slope(double t, double dof)
 {
     int sign;
@@ -88,8 +88,8 @@ static double student_slope(double t, double dof)
 
 double neph_student_critical(double alpha, double dof)
 {
-    /* For t > 0 the probability is convex, so Newton's steps from 0 climb to the root and never
-     * pass it but by rounding, which ends them. */
+    /* The probability is convex for t > 0, so Newton's iteration from 0 rises to the root and
+     * passes it only by rounding, which ends the iteration. */
     double t = 0.0;
     for (int i = 0; i < 10000; i++) {
         const double next = t + (neph_student_p(t, dof) - alpha) / student_slope(t, dof);
@@ -110,7 +110,8 @@ double neph_sign_p(int positive, int negative)
     return fmin(1.0, 2.0 * incomplete_beta(many, few + 1.0, 0.5, 0.5));
 }
 
-/* How many of the family are tested before this one: the smaller, and of equal ones the earlier. */
+/* The number of p-values tested before this one: smaller ones, and equal ones with a lower
+ * index. */
 static int holm_rank(const double *p, int count, int index)
 {
     int rank = 0;
@@ -123,7 +124,8 @@ void neph_holm(const double *p, int count, double *adjusted)
 {
     for (int i = 0; i < count; i++)
         adjusted[i] = fmin(1.0, p[i] * (count - holm_rank(p, count, i)));
-    /* None below one that is tested before it. In place: a raised value was one of its fellows'. */
+    /* Make the adjusted values monotonic. Works in place, because a raised value equals another
+     * adjusted value. */
     for (int i = 0; i < count; i++)
         for (int k = 0; k < count; k++)
             if (p[k] <= p[i])

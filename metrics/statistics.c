@@ -10,9 +10,9 @@ static void swap(double *a, double *b)
     *b = kept;
 }
 
-/* Reorder so that values[rank] is what sorting would put there, with nothing larger before it and
- * nothing smaller behind it. Quickselect (Hoare, CACM 4, 1961, algorithm 65). Its pivots are
- * pseudo-random, because regular images are just what fixed pivots are slow on. */
+/* Reorder so that values[rank] is the value at that rank of the sorted array, with no larger value
+ * before it and no smaller one after it. Quickselect (Hoare, CACM 4, 1961, algorithm 65) with
+ * pseudo-random pivots, because fixed pivots are slow on regular images. */
 static double select_rank(double *values, size_t count, size_t rank)
 {
     uint64_t state = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sums and percentiles that all families of metrics share.
+ * Sums and percentiles for all metrics.
  */
 #ifndef NEPH_METRICS_STATISTICS_H
 #define NEPH_METRICS_STATISTICS_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* A compensated sum (Neumaier, ZAMM 54, 1974): a million small differences beside a large one are
- * not lost, and the result does not depend on the size of the image. Start from {0}. */
+ * not lost, and the accuracy does not depend on the size of the image. Start from {0}. */
 struct neph_sum {
     double sum, lost;
 };
@@ -27,17 +27,17 @@ static inline double neph_sum_value(const struct neph_sum *total)
     return total->sum + total->lost;
 }
 
-/* The percentile at `share` (0..1) of `count` >= 1 finite values: at h = (count - 1) * share of the
- * values sorted from index 0, linear between neighbours. Type 7 of Hyndman and Fan, The American
+/* The percentile at `share` (0..1) of `count` >= 1 finite values: at position h = (count - 1) *
+ * share of the sorted values, linear between neighbours. Type 7 of Hyndman and Fan, The American
  * Statistician 50, 1996; numpy's default. Reorders the values. */
 double neph_percentile(double *values, size_t count, double share);
 
-/* rel_bias and rel_rmse of the extractor `error`, of planes jointly. */
+/* rel_bias and rel_rmse of the extractor `error`, over all planes jointly. */
 struct neph_relative_error {
     double bias, rmse;
 };
 
-/* `count` finite samples a plane. NaN: the mean of the reference is not above 0. */
+/* `count` finite samples per plane. NaN: the mean of the reference is not above 0. */
 struct neph_relative_error neph_relative_error_of(const float *const reference[],
                                                   const float *const test[], int plane_count,
                                                   size_t count);

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a channel may hold. A name that ends in '.' stands for all channels of that layer. */
+/* The allowed values of a channel. A name that ends in '.' covers all channels of that layer. */
 struct rule {
     const char *name;
-    bool may_be_far; /* +inf has a meaning */
+    bool may_be_far; /* +inf is valid */
     bool may_be_negative;
 };
 
@@ -73,8 +73,9 @@ static void count_sample(struct neph_validity_channel *counts, const struct rule
         counts->first_non_finite = pixel;
 }
 
-/* Whether all values of a run are finite and none is below zero; if so, their least and largest. In
- * integers, which have a minimum and a maximum in vectors: the bits of such floats are in order. */
+/* Whether all values of a run are finite and not negative; if so, their minimum and maximum.
+ * Compared as integers, which have vector minimum and maximum: the bits of such floats have the
+ * same order. */
 NEPH_VECTOR static bool is_plain_run(int count, const float *restrict values, float *restrict min,
                                      float *restrict max)
 {
@@ -87,10 +88,10 @@ NEPH_VECTOR static bool is_plain_run(int count, const float *restrict values, fl
     }
     memcpy(min, &least, sizeof(*min));
     memcpy(max, &largest, sizeof(*max));
-    return largest < 0x7f800000u; /* +inf; what has the sign bit, -0 too, is above */
+    return largest < 0x7f800000u; /* +inf; values with the sign bit, including -0, are larger */
 }
 
-/* Nearly all rows are plain, and are looked at in vectors. */
+/* Count a row. Nearly all rows are plain and are checked in vectors. */
 static void count_row(struct neph_validity_channel *counts, const struct rule *rule, int width_px,
                       const float *samples, int y)
 {
@@ -190,7 +191,7 @@ enum neph_status neph_validity_same_size(const struct neph_image *reference,
                      reference->width_px, reference->height_px, test->width_px, test->height_px);
 }
 
-/* The names of the channels of `image` that `other` lacks, as " 'A' 'B'"; their count. */
+/* List the channels of `image` that `other` lacks, as " 'A' 'B'"; returns their number. */
 static int list_missing(const struct neph_image *image, const struct neph_image *other,
                         char list[256])
 {
@@ -230,7 +231,7 @@ enum neph_status neph_validity_same_channels(const struct neph_image *reference,
 enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag)
 {
-    /* A line for the size and one for each channel, and the hash of these. */
+    /* Hash a text with a line for the size and one for each channel. */
     enum { LINE_MAX = NEPH_IMAGE_NAME_MAX + NEPH_HASH_HEX_SIZE + 32 };
     size_t size = (size_t)(frame->channel_count + 1) * LINE_MAX;
     char *text = malloc(size);

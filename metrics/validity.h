@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gate G0: is this a frame at all? It comes before every other number, because public tools do
- * not look: idiff (OpenImageIO 2.4.7) passes an image with NaN pixels, FLIP shows them as black.
+ * Gate G0: checks that a frame contains valid values, before any other measurement. Public tools do
+ * not check: idiff (OpenImageIO 2.4.7) accepts an image with NaN pixels, FLIP shows them as black.
  */
 #ifndef NEPH_METRICS_VALIDITY_H
 #define NEPH_METRICS_VALIDITY_H
@@ -14,14 +14,14 @@ struct neph_validity_pixel {
 };
 
 struct neph_validity_channel {
-    const char *name; /* the image's own string */
+    const char *name; /* owned by the image */
     size_t nan_count;
     size_t positive_infinity_count; /* 0 for distances, where +inf is the sky */
     size_t negative_infinity_count;
-    size_t non_finite_count; /* the three together */
-    size_t negative_count;   /* finite and below 0, where that has no meaning; -0 is not negative */
+    size_t non_finite_count; /* sum of the three */
+    size_t negative_count;   /* finite and below 0, where that is invalid; -0 is not negative */
     struct neph_validity_pixel first_non_finite, first_negative; /* in reading order, if any */
-    bool has_finite;                                             /* if not, min and max are 0 */
+    bool has_finite;                                             /* false: min and max are 0 */
     float min, max;                                              /* of the finite values */
 };
 
@@ -32,48 +32,48 @@ struct neph_validity {
     size_t negative_count;
 };
 
-/* Whether a channel has a meaning for us (base/image.h): others may hold anything, such as the bits
- * of an object's name. */
+/* Whether neph knows the meaning of a channel (base/image.h). Other channels may contain anything,
+ * such as the bits of an object's name. */
 bool neph_validity_knows(const char *channel);
 
-/* Count. Radiance, volume, transmittance, variance and depth must not be negative; channels of
- * other names may have any sign. Free with _finish; the names live as long as the image. */
+/* Count invalid values. Radiance, volume, transmittance, variance and depth must not be negative;
+ * other channels may have any sign. Free with neph_validity_finish(); the names live as long as the
+ * image. */
 enum neph_status neph_validity_count(const struct neph_image *image, struct neph_validity *validity,
                                      struct neph_diag *diag);
 
-/* A zeroed validity is fine. */
+/* `validity` may be zeroed. */
 void neph_validity_finish(struct neph_validity *validity);
 
-/* The gate: NEPH_ERR_GATE with the channel, the counts and the first bad pixel when anything is
- * not finite, or when more than `negative_allowed` values are negative (SIZE_MAX: any number, for
- * estimators that go below zero and are still unbiased). */
+/* The gate: NEPH_ERR_GATE, with the channel, the counts and the first bad pixel, if a value is not
+ * finite or if more than `negative_allowed` values are negative (SIZE_MAX: any number, for unbiased
+ * estimators that may be negative). */
 enum neph_status neph_validity_gate(const struct neph_validity *validity, size_t negative_allowed,
                                     struct neph_diag *diag);
 
-/* NEPH_ERR_INPUT with both sizes when they differ. */
+/* NEPH_ERR_INPUT, with both sizes, if they differ. */
 enum neph_status neph_validity_same_size(const struct neph_image *reference,
                                          const struct neph_image *test, struct neph_diag *diag);
 
-/* NEPH_ERR_INPUT when the sets of channels differ, with what either side lacks. For two
- * configurations of one model; two engines may well give different layers. */
+/* NEPH_ERR_INPUT, with the missing channels of both sides, if the sets of channels differ. For two
+ * configurations of one model; different engines may give different layers. */
 enum neph_status neph_validity_same_channels(const struct neph_image *reference,
                                              const struct neph_image *test, struct neph_diag *diag);
 
-/* Frozen frames: a renderer that hangs gives the same frame again, and the steadiest of pictures.
+/* Detects frozen frames: a renderer that hangs repeats the same frame, which has no flicker at all.
  * Start from {0} and add every frame of a sequence in order. */
 struct neph_frozen {
     int frame_count;
-    int frozen_count;              /* frames that are identical to the one before, bit by bit */
-    int first_frozen;              /* index of the first of them, if any */
-    char last[NEPH_HASH_HEX_SIZE]; /* of the frame before */
+    int frozen_count;              /* frames that are bitwise identical to their predecessor */
+    int first_frozen;              /* index of the first frozen frame, if any */
+    char last[NEPH_HASH_HEX_SIZE]; /* hash of the previous frame */
 };
 
-/* A hash of size, names of channels and all samples; attributes (the time of rendering) are left
- * out. */
+/* A hash of size, channel names and all samples, without attributes (such as the render time). */
 enum neph_status neph_frozen_hash(const struct neph_image *frame, char hex[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag);
 
-/* `*is_frozen` (may be NULL): whether the frame is identical to the one added before. */
+/* Add a frame. `*is_frozen` (may be NULL): whether it is identical to the previous one. */
 enum neph_status neph_frozen_add(struct neph_frozen *frozen, const struct neph_image *frame,
                                  bool *is_frozen, struct neph_diag *diag);
 

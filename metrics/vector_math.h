@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Branch-free elementary functions in double precision: a loop that calls them is vectorised by
- * the compiler at -O3 where a call of libm would stop it (with -fno-trapping-math and
- * -fno-math-errno, as metrics/CMakeLists.txt sets them; no value depends on either). Built from
- * additions, multiplications, divisions and moves of bits alone and never contracted
- * (-ffp-contract=off), so every clone, every vector width and every machine gives the same bits.
- * They raise no errno, and expect round to nearest. The polynomials interpolate at Chebyshev nodes
- * and are good to 1e-16 on their intervals.
+ * Branch-free elementary functions in double precision. The compiler vectorises loops that call
+ * them at -O3, which calls of libm would prevent (with -fno-trapping-math and -fno-math-errno, as
+ * metrics/CMakeLists.txt sets them; no value depends on either). They consist only of additions,
+ * multiplications, divisions and bit moves, and are never contracted (-ffp-contract=off), so every
+ * clone, vector width and machine gives the same bits. They set no errno, and expect round to
+ * nearest. The polynomials interpolate at Chebyshev nodes, with an error of 1e-16 on their
+ * intervals.
  */
 #ifndef NEPH_METRICS_VECTOR_MATH_H
 #define NEPH_METRICS_VECTOR_MATH_H
@@ -15,9 +15,9 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Before a function with loops to vectorise: the compiler makes it three times, for AVX-512, for
- * AVX2 and for any x86-64, and the loader chooses. Not under sanitizers, which do not survive its
- * resolver. A function so marked must not be `inline`. */
+/* Mark a function with loops to vectorise: the compiler makes three versions, for AVX-512, for AVX2
+ * and for any x86-64, and the loader chooses one. Not under sanitizers, which do not support its
+ * resolver. Such a function must not be `inline`. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 &&           \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define NEPH_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
@@ -25,8 +25,8 @@
 #define NEPH_VECTOR
 #endif
 
-/* Before an inner loop over a few lanes: GCC would write it out as single steps before it looks for
- * vectors, and then find few. */
+/* Mark an inner loop over a few lanes: GCC would fully unroll it before vectorisation, and then
+ * find few vectors. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define NEPH_LANES _Pragma("GCC unroll 1")
 #else
@@ -57,8 +57,8 @@ static inline double neph_power_of_two(double k)
     return neph_of_bits((neph_bits_of(k + NEPH_ROUNDER) + 1023u) << 52);
 }
 
-/* Base-2 logarithm, also of denormals. Relative error below 1e-15. log2(0) = -inf,
- * log2(+inf) = +inf; NaN for x < 0 and NaN. */
+/* Base-2 logarithm, also of denormals. Relative error below 1e-15. log2(0) = -inf, log2(+inf) =
+ * +inf; NaN for x < 0 and for NaN. */
 static inline double neph_log2(double x)
 {
     const uint64_t to_range = 0x3ff0000000000000u - 0x3fe6a09e667f3bcdu; /* 1 - sqrt(1/2) in bits */
@@ -86,8 +86,8 @@ static inline double neph_log2(double x)
     return x <= 0x1.fffffffffffffp1023 ? low : x; /* +inf, NaN */
 }
 
-/* 2^y. Relative error below 1e-15 (a denormal result: half its last place more); 0 and +inf
- * beyond the range; NaN of NaN. */
+/* 2^y. Relative error below 1e-15 (denormal results: plus half their last place); 0 and +inf beyond
+ * the range; NaN for NaN. */
 static inline double neph_exp2(double y)
 {
     const double above = y < -1080.0 ? -1080.0 : y;
@@ -111,16 +111,16 @@ static inline double neph_exp2(double y)
     return (1.0 + f * p) * neph_power_of_two(half) * neph_power_of_two(k - half);
 }
 
-/* Cube root of any sign, also of denormals. Relative error below 1e-15. +-0, +-inf and NaN come
- * back as they are. Without divisions, which cost as much as all the rest. */
+/* Cube root of any sign, also of denormals. Relative error below 1e-15. +-0, +-inf and NaN are
+ * returned unchanged. Without divisions, which would cost as much as everything else together. */
 static inline double neph_cbrt(double x)
 {
     const double size = fabs(x);
     const double scaled = size < 0x1p-1022 ? size * 0x1p54 : size; /* the guess needs an exponent */
     const double unscale = size < 0x1p-1022 ? 0x1p-18 : 1.0;
 
-    /* Minus a third of the exponent is a first guess of 1 / cbrt, good to 3.4 % [as Kahan 1991];
-     * the bits are divided as a double, since there is no vector division of integers. */
+    /* Minus a third of the exponent is a first guess of 1 / cbrt, with an error of 3.4 % [as Kahan
+     * 1991]; the bits are divided as a double, because there is no vector division of integers. */
     const double upper = neph_of_bits((neph_bits_of(scaled) >> 32) | 0x4330000000000000u) - 0x1p52;
     const double third = 1430186011.0 - upper * (1.0 / 3.0);
     double r = neph_of_bits(neph_bits_of(third + 0x1p52) << 32);

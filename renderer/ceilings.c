@@ -22,16 +22,19 @@ static const uint32_t arithmetic_code[] = {
 
 enum { local_size = 64, copy_buffers = 2, sample_buffers = 3, word_bytes = 16 };
 
-/* On a CPU device what two cores do in some 10 ms, on a GPU what fills it; the copy exceeds the
- * 50 MB of the largest caches of GPUs, and the 32 of common CPUs. */
+/* Sizes for about 10 ms on two CPU cores, and to fill a GPU. The copied buffers exceed the largest
+ * caches: 50 MB on GPUs, 32 MB on common CPUs. */
 static const struct sizes {
     size_t copy_bytes;
     uint32_t line_count, sample_count;
-    uint32_t thread_count, turns; /* of arithmetic_rows operations */
+    uint32_t thread_count, turns; /* each with arithmetic_rows operations */
 } cpu_sizes = {(size_t)64 << 20, 1u << 12, 64, 1u << 12, 256},
   gpu_sizes = {(size_t)512 << 20, 1u << 20, 256, 1u << 21, 1024};
 
-enum { arithmetic_rows = 8 }; /* of a thread, in shaders/ceiling_arithmetic.comp */
+enum {
+    arithmetic_rows = 8
+}; /* operations of a thread's turn, in shaders/ceiling_arithmetic.comp
+                               */
 
 enum { grid_side = 128 };
 
@@ -76,7 +79,7 @@ static enum neph_status run_copies(struct neph_vulkan *vulkan,
     return find_least(vulkan, &params, &dispatch, seconds, least_s, diag);
 }
 
-/* As much as one dispatch of groups along x may copy, too. */
+/* Reduced to the largest buffer and to the largest copy by one dispatch of groups along x. */
 static size_t copy_bytes_of(const struct neph_vulkan *vulkan, const struct sizes *sizes)
 {
     const size_t groups_max = vulkan->limits.maxComputeWorkGroupCount[0];
@@ -153,8 +156,8 @@ static enum neph_status measure_arithmetic(struct neph_vulkan *vulkan, const str
 
 /* --- samples ------------------------------------------------------------------------------ */
 
-/* Lines in squares of 8 x 8 neighbours, half a node apart, each square at a place of its own near
- * one face of the grid, through to the other. */
+/* Rays through the grid from one face to the opposite one, in squares of 8 x 8 neighbours half a
+ * node apart; each square has its own position. */
 static void fill_lines(struct neph_gpu_ceiling_line *lines, const struct sizes *sizes)
 {
     const float stride = (float)(grid_side - 4) / (float)sizes->sample_count;
@@ -219,7 +222,7 @@ static enum neph_status fill_samples(const struct neph_vulkan *vulkan, const str
     return status;
 }
 
-/* Each node and the one behind it, which a CPU reads in one (neph_buffer_see_texels()). */
+/* Pairs of each node and its successor, read together on a CPU (neph_buffer_see_texels()). */
 static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph_buffer *pairs,
                                    struct neph_diag *diag)
 {
@@ -240,11 +243,11 @@ static enum neph_status fill_pairs(const struct neph_vulkan *vulkan, struct neph
     return status;
 }
 
-/* Where samples come from, all of it bound. */
+/* The grid in all forms that the kernel samples. */
 struct sampled {
     const struct sizes *sizes;
     struct neph_buffer buffers[sample_buffers];
-    struct neph_buffer pairs; /* of a CPU */
+    struct neph_buffer pairs; /* only on a CPU */
     struct neph_texture texture;
 };
 
@@ -277,7 +280,7 @@ static enum neph_status run_samples(struct neph_vulkan *vulkan, const struct sam
     return status;
 }
 
-/* Those of the buffer, with a texture that every device has bound beside it. */
+/* Sampling from the buffer; the kernel also needs a texture bound, in a format of every device. */
 static enum neph_status run_buffer(struct neph_vulkan *vulkan, struct sampled *sampled,
                                    double seconds, struct neph_ceilings *ceilings,
                                    struct neph_diag *diag)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a device can do at most, measured on it by kernels that do one thing alone: what passes get
- * of it is the other half of a roofline (S. Williams, A. Waterman and D. Patterson, "Roofline: An
- * Insightful Visual Performance Model", CACM 52(4), 2009).
+ * The roofline limits of a device: its highest bandwidth, sampling rate and arithmetic rate, each
+ * measured by a kernel that does only this. A roofline compares passes with them (S. Williams, A.
+ * Waterman and D. Patterson, "Roofline: An Insightful Visual Performance Model", CACM 52(4), 2009).
  */
 #ifndef NEPH_RENDERER_CEILINGS_H
 #define NEPH_RENDERER_CEILINGS_H
@@ -13,23 +13,24 @@
 #include <stddef.h>
 
 struct neph_ceilings {
-    double copy_bytes_per_s; /* read and written, each counted */
-    size_t copy_bytes;       /* of each of the two buffers: more than caches hold */
-    /* grid_density() of shaders/grid.glsl, from a storage buffer; of a CPU from texels of two
-     * nodes, as marches read them. */
+    double copy_bytes_per_s; /* bytes read plus bytes written */
+    size_t copy_bytes;       /* of each of the two buffers: larger than the caches */
+    /* grid_density() of shaders/grid.glsl from a storage buffer. On a CPU from texels of two nodes,
+     * as the ray marcher reads them. */
     double buffer_samples_per_s;
-    double texture_samples_per_s[NEPH_TEXEL_FORMAT_COUNT]; /* of the same, by the texture unit; NaN:
-                                                              not measured, or it does not filter
-                                                              that format */
-    /* Where each sample's place depends on the one before, one ray a lane: no look-up is on its way
-     * together with the next. */
+    double texture_samples_per_s[NEPH_TEXEL_FORMAT_COUNT]; /* the same samples by the texture unit;
+                                                              NaN: not measured, or the format is
+                                                              not filtered */
+    /* Dependent samples: the position of each depends on the value before, with one ray a lane, so
+     * no two samples of a lane overlap in time. */
     double buffer_chain_per_s, texture_chain_per_s[NEPH_TEXEL_FORMAT_COUNT];
-    double multiply_adds_per_s, exponentials_per_s; /* of float32, of all lanes */
-    int grid_side; /* nodes of the grid that it samples, which caches may hold */
+    double multiply_adds_per_s, exponentials_per_s; /* float32, all lanes together */
+    int grid_side; /* nodes along a side of the sampled grid, which may fit into caches */
 };
 
-/* The best of several runs in about `seconds` for each, after as long a warm-up. NaN: the device
- * has no clock. `texel_formats`: 1 << format of each that is measured. */
+/* Measure each limit for about `seconds`, after a warm-up of equal length, and report the best of
+ * several runs. NaN: the device has no clock. `texel_formats`: bits 1 << format of the formats to
+ * measure. */
 enum neph_status neph_ceilings_measure(struct neph_vulkan *vulkan, double seconds,
                                        unsigned texel_formats, struct neph_ceilings *ceilings,
                                        struct neph_diag *diag);

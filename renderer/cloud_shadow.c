@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_SHADOW_PLANE_COUNT == 2, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 
@@ -17,20 +17,21 @@ static const uint32_t cloud_shadow_code[] = {
 #include "shaders/cloud_shadow.comp.inc"
 };
 
-/* Below this sine of its height a sun would stretch a level plane without end: the plane is across
- * the sunlight then. */
+/* Below this sine of the sun's altitude a horizontal plane would be stretched too much; the plane
+ * is then perpendicular to the sunlight. */
 static const double level_least = 0.02;
 
-/* How many times as wide as the map within it a map is. */
+/* Ratio of the width of a level to the next finer one. */
 static const double level_ratio = 4.0;
 
-/* Maps around the camera move by whole parts of this size of theirs. */
+/* Maps around the camera move in steps of this part of their width. */
 static const double stride_part = 1.0 / 16.0;
 
 /* --- light space ----------------------------------------------------------------------------- */
 
-/* What texels stay with: the noise of Horizon clouds, which the wind carries through their bounds;
- * else the corner of all bounds, which it carries along. */
+/* The reference point of the texels: the displacement of the noise of Horizon clouds, which the
+ * wind moves within their bounds; for other media a corner of the bounds, which moves with the
+ * wind. */
 static struct neph_vec3 anchor_of(const struct neph_scene *scene, const struct neph_bounds *box)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -59,7 +60,7 @@ static void set_sun_plane(struct neph_vec3 sun, struct neph_shadow_space *space)
     memcpy(space->across, space->side, sizeof(space->across));
 }
 
-/* In light space: both places, and how far along the sun ray. */
+/* To light space: both coordinates on the plane, and the distance along the sun ray. */
 static void project(const struct neph_shadow_space *space, struct neph_vec3 point_m, double out[3])
 {
     const struct neph_vec3 from_m = neph_vec3_sub(point_m, space->origin_m);
@@ -96,7 +97,8 @@ static double rounded_up(double size_m)
     return exp2(ceil(8.0 * log2(size_m)) / 8.0);
 }
 
-/* All of an interval, about its middle: on a level plane that stays where it is under any sun. */
+/* Cover an interval, centred on its middle. On a horizontal plane the texels then stay in place
+ * under any sun. */
 static void cover(const struct neph_shadow_map *map, int axis, double low_m, double high_m,
                   struct neph_shadow_level *level)
 {
@@ -106,7 +108,7 @@ static void cover(const struct neph_shadow_map *map, int axis, double low_m, dou
     level->low_m[axis] = texel_m * round(middle - 0.5 * (map->texels - 1));
 }
 
-/* A side of this length around a place. */
+/* Place a side of length `side_m` around a position, in steps of the stride. */
 static void surround(const struct neph_shadow_map *map, int axis, double place_m, double side_m,
                      struct neph_shadow_level *level)
 {
@@ -151,19 +153,20 @@ struct neph_shadow_space neph_shadow_space_of(const struct neph_shadow_map *map,
     }
     project_box(&space, &box, low, high);
     project(&space, camera_m, camera);
-    space.start_m = low[2] - 1e-3 * (high[2] - low[2]); /* a float32 of it is outside, too */
+    space.start_m = low[2] - 1e-3 * (high[2] - low[2]); /* still outside after rounding to float32
+                                                         */
     set_maps(map, low, high, camera, &space);
     return space;
 }
 
-/* --- making ---------------------------------------------------------------------------------- */
+/* --- creation -------------------------------------------------------------------------------- */
 
 static uint64_t texel_count(const struct neph_shadow_map *map)
 {
     return (uint64_t)map->texels * (uint64_t)map->texels * (uint64_t)map->levels;
 }
 
-/* A texel's ray is looked at from end to end, and has a sun ray for each depth. */
+/* The ray of a texel passes through all media and has one sun ray for each depth. */
 static enum neph_status plan(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                              const struct neph_gpu_scene *gpu,
                              const struct neph_march_params *params,

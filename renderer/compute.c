@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new use: this file then needs a change. */
 _Static_assert(NEPH_BUFFER_USE_COUNT == 3, "a new kind");
 
 /* --- buffers ------------------------------------------------------------------------------ */
 
-/* What each use needs of its memory, and what it would like on top. */
+/* Memory properties of each use: needed, and preferred in addition. */
 static const struct {
     VkBufferUsageFlags usage;
     VkMemoryPropertyFlags needed, liked;
@@ -34,7 +34,7 @@ static const struct {
                               VK_MEMORY_PROPERTY_HOST_CACHED_BIT},
 };
 
-/* The first type that has the properties; UINT32_MAX when none has. */
+/* The first memory type with all `properties`; UINT32_MAX: none. */
 static uint32_t find_memory_type(const struct neph_vulkan *vulkan, uint32_t allowed_types,
                                  VkMemoryPropertyFlags properties)
 {
@@ -78,7 +78,7 @@ static VkResult allocate_memory(const struct neph_vulkan *vulkan, enum neph_buff
     return result;
 }
 
-/* The smallest buffer that neph_buffer_see_texels() can show. */
+/* The smallest buffer for which neph_buffer_see_texels() can create views. */
 enum { TEXEL_BYTES_MAX = 4 * sizeof(uint32_t) };
 
 enum neph_status neph_buffer_create(const struct neph_vulkan *vulkan, enum neph_buffer_use use,
@@ -213,7 +213,8 @@ static struct neph_kernel_bound bound_by(const struct neph_kernel *kernel,
     return bound;
 }
 
-/* While a kernel is being made the device gets what there is, so that it can begin. */
+/* If a kernel is not compiled yet, submit the batch so far, so that the device can begin with it.
+ */
 static enum neph_status await_kernel(struct neph_batch *batch, const struct neph_kernel *kernel,
                                      struct neph_diag *diag)
 {
@@ -329,7 +330,7 @@ enum neph_status neph_kernel_run(const struct neph_vulkan *vulkan, const struct 
 
 /* --- copies ------------------------------------------------------------------------------- */
 
-/* Send what has been recorded and wait for it. */
+/* Submit the recorded commands and wait for them. */
 static VkResult run_lane(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {
     const VkResult result = neph_lane_send(vulkan, lane);

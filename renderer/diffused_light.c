@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
@@ -30,31 +30,31 @@ static const uint32_t field_code[] = {
 
 enum { local_size = 64 };
 
-/* The jobs of shaders/diffuse_cycle.comp. */
+/* The operations of shaders/diffuse_cycle.comp. */
 enum job { CLEAR, COARSEN, RED, BLACK, LEAVE, CORRECT, LIMIT };
 
-/* Sweeps over both colours before and after a coarser level, and on the coarsest. */
+/* Red-black sweeps before and after a coarser level, and on the coarsest level. */
 enum { SWEEPS = 2, COARSEST_SWEEPS = 8 };
 
-/* Cycles after which a picture at rest is left as it is (of what was given 1.5e-4 is unbalanced
- * then, in 24 cells a side), and those of a first picture, at least. */
+/* SETTLED: cycles after which a static scene is considered converged (the residual is then 1.5e-4
+ * of the source, with 24 cells a side). COLD: cycles of a first frame, at least. */
 enum { SETTLED = 48, COLD = 16 };
 
-/* Points of a cell, at most (shaders/diffuse_fill.comp). */
+/* Sample points of a cell, at most (shaders/diffuse_fill.comp). */
 enum { POINTS = 8 };
 
-/* Cells of a column for each that a lattice in three dimensions would have along its side. */
+/* Resolution of a column relative to a 3D grid with the same setting. */
 enum { COLUMN_FINER = 8 };
 
-/* --- where it lies --------------------------------------------------------------------------- */
+/* --- bounds of the grid ---------------------------------------------------------------------- */
 
-/* The column ends where it is darker than this below, and thinner than this above. */
+/* Optical depths from above at the lower and the upper end of the column. */
 static const double column_depth_max = 200.0, column_depth_min = 1e-4;
 
-/* Fogs so much wider than high are a layer without end. */
+/* Fogs with a larger ratio of width to height are treated as an infinite layer. */
 static const double layer_aspect = 16.0;
 
-/* How far up and down fogs are looked for [m]. */
+/* Vertical range in which fogs are searched [m]. */
 static const double column_reach_m = 1e5;
 
 static double depth_above(const struct neph_scene *scene, struct neph_vec3 at_m)
@@ -66,7 +66,7 @@ static double depth_above(const struct neph_scene *scene, struct neph_vec3 at_m)
     return depth;
 }
 
-/* The height above which no more than `depth` is left. */
+/* The height above which the optical depth is at most `depth`, by bisection. */
 static double height_of(const struct neph_scene *scene, struct neph_vec3 at_m, double low_m,
                         double high_m, double depth)
 {
@@ -77,7 +77,7 @@ static double height_of(const struct neph_scene *scene, struct neph_vec3 at_m, d
     return 0.5 * (low_m + high_m);
 }
 
-/* The highest box that the vertical through a place meets. */
+/* The top of the highest box on the vertical line through a point. */
 static double ground_m(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double ground = -column_reach_m;
@@ -98,7 +98,7 @@ static struct neph_bounds support_of(const struct neph_scene *scene)
     return all;
 }
 
-/* From where the fogs begin to where they are dark, at the first camera. */
+/* The column at the camera of frame 0: from the top of the fogs down to column_depth_max. */
 static struct neph_bounds column_of(const struct neph_scene *scene)
 {
     const struct neph_vec3 at_m = neph_scene_camera(scene, 0.0).position_m;
@@ -111,7 +111,7 @@ static struct neph_bounds column_of(const struct neph_scene *scene)
     return box;
 }
 
-/* Shapes, or fogs that are no layer. */
+/* The bounds of bounded media, or of fogs that are not an infinite layer. */
 static bool find_room(const struct neph_scene *scene, struct neph_bounds *box)
 {
     double sides_m[3];
@@ -122,7 +122,7 @@ static bool find_room(const struct neph_scene *scene, struct neph_bounds *box)
     return fmax(sides_m[0], sides_m[2]) <= layer_aspect * sides_m[1] && isfinite(sides_m[1]);
 }
 
-/* Cubes, as near as whole numbers of them come to the box, two at least. */
+/* Sizes for cells as near to cubes as whole numbers allow, at least two along each axis. */
 static void choose_size(const struct neph_bounds *box, int cells, uint32_t size[3])
 {
     double sides_m[3];
@@ -137,7 +137,7 @@ void neph_diffused_light_place(struct neph_diffused_light *light, const struct n
 {
     const struct neph_vec3 camera_m = neph_scene_camera(scene, frame).position_m;
     if (!light->is_column)
-        find_room(scene, &light->box); /* the wind carries it along */
+        find_room(scene, &light->box); /* the wind moves it */
     struct neph_bounds box = light->box;
     if (light->is_column) {
         box.min_m.x = camera_m.x;
@@ -148,7 +148,7 @@ void neph_diffused_light_place(struct neph_diffused_light *light, const struct n
     neph_lattice_place(&box, camera_m, light->levels[0].size, 0, &gpu->frame->light_lattice);
 }
 
-/* --- making ---------------------------------------------------------------------------------- */
+/* --- creation -------------------------------------------------------------------------------- */
 
 static uint32_t cell_count(const struct neph_gpu_diffusion_level *level)
 {
@@ -161,7 +161,7 @@ static uint32_t all_cells(const struct neph_diffused_light *light)
     return last->first + cell_count(last);
 }
 
-/* Each level is half as fine as the one before, down to one that a few sweeps balance. */
+/* Coarsen by two from level to level, until a few sweeps solve the coarsest. */
 static void make_levels(struct neph_diffused_light *light)
 {
     light->level_count = 1;
@@ -190,7 +190,7 @@ static enum neph_status find_box(struct neph_diffused_light *light, const struct
                : neph_lattice_check(&light->box, "light_ahead=diffusion", "light_ahead=none", diag);
 }
 
-/* A cell's points are the steps of its march, all of them in one dispatch. */
+/* The sample points of a cell are the steps of its march and must fit into one dispatch. */
 static enum neph_status plan(struct neph_diffused_light *light, const struct neph_scene *scene,
                              const struct neph_gpu_scene *gpu, struct neph_diag *diag)
 {
@@ -239,7 +239,8 @@ neph_diffused_light_create(struct neph_vulkan *vulkan, const struct neph_scene *
         return NEPH_OK;
     light->vulkan = vulkan;
     light->params = *params;
-    light->params.lighting = NEPH_MARCH_DIFFUSED; /* of what fills the cells */
+    light->params.lighting = NEPH_MARCH_DIFFUSED; /* the lighting of the kernels that fill the cells
+                                                   */
     enum neph_status status = find_box(light, scene, diag);
     if (status)
         return status;
@@ -266,7 +267,7 @@ void neph_diffused_light_destroy(struct neph_diffused_light *light)
 
 /* --- filling --------------------------------------------------------------------------------- */
 
-/* A picture in work. */
+/* The work of a frame. */
 struct work {
     struct neph_diffused_light *light;
     const struct neph_dispatch *bound;
@@ -340,7 +341,7 @@ static enum neph_status fill_run(const struct neph_gpu_march_run *run, void *con
     struct work *work = context;
     struct neph_dispatch dispatch = *work->bound;
     dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &work->light->cells;
-    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &work->light->cells; /* nothing is there */
+    dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &work->light->cells; /* unused binding */
     dispatch.push = run;
     dispatch.group_count = (run->ray_count + local_size - 1) / local_size;
     const enum neph_status status = begin(work, diag);
@@ -406,7 +407,7 @@ static enum neph_status run_cycles(struct work *work, int count, struct neph_dia
     return status;
 }
 
-/* All cells of the finest level by `kernel`: they are linked, or forget what they had. */
+/* Run `kernel` on all cells of the finest level: links between cells, or a reset of the fluence. */
 static enum neph_status run_cells(struct work *work, const struct neph_kernel *kernel,
                                   struct neph_diag *diag)
 {
@@ -417,9 +418,9 @@ static enum neph_status run_cells(struct work *work, const struct neph_kernel *k
     return end(work, diag);
 }
 
-/* --- a picture ------------------------------------------------------------------------------- */
+/* --- a frame --------------------------------------------------------------------------------- */
 
-/* Solids throw shadows on cells, and stand in them. */
+/* Whether the solids are unchanged: they cast shadows on cells and block them. */
 static bool holds_solids(const struct neph_diffused_light *light, const struct neph_scene *scene)
 {
     return scene->solid_count == light->solid_count &&
@@ -469,8 +470,9 @@ static enum neph_status fill(struct work *work, const struct neph_scene *scene,
     return status;
 }
 
-/* Paths look ahead to the light inside. By R. E. Marshak, Phys. Rev. 71, 1947, as much of it comes
- * through a thick slab as does; what a march shows of a surface is better by NEPH_GPU_OUTWARD. */
+/* The boundary coefficient for estimates of unfinished paths: by R. E. Marshak, Phys. Rev. 71,
+ * 1947, for the right transmission of a thick slab. For rendered radiance NEPH_GPU_OUTWARD is
+ * better. */
 static const float marshak_outward = 0.5f;
 
 static struct neph_gpu_diffusion_run run_of(const struct neph_diffused_light *light,
@@ -509,7 +511,7 @@ enum neph_status neph_diffused_light_solve(struct neph_diffused_light *light,
     struct work work = {.light = light, .bound = bound, .gpu_s = gpu_s};
     neph_diffused_light_place(light, scene, frame, gpu);
     if (!continues && light->is_alone && holds(light, scene))
-        return NEPH_OK; /* the same again */
+        return NEPH_OK; /* an independent frame with equal inputs */
     work.run = run_of(light, scene, &gpu->frame->light_lattice);
     enum neph_status status = get_kernels(&work, gpu, diag);
     if (!continues)

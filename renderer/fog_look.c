@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new model: this file then needs a change. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
 static const uint32_t fog_look_code[] = {
@@ -19,12 +19,12 @@ enum {
     LOCAL_SIZE = 64,
     BUFFERS = NEPH_GPU_SCENE_BUFFERS + 1,
     CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 1,
-    RAYS_MAX = 1 << 20, /* of a dispatch */
+    RAYS_MAX = 1 << 20, /* per dispatch */
 };
 
 _Static_assert(NEPH_FOG_UNREAL == 0 && NEPH_FOG_FILAMENT == 1, "fog_look.glsl's models");
 
-/* --- the look --------------------------------------------------------------------------------- */
+/* --- fog parameters --------------------------------------------------------------------------- */
 
 static void put_rgb(float out[3], double r, double g, double b)
 {
@@ -53,7 +53,7 @@ static struct neph_gpu_fog_look_layer layer_from(const struct neph_fog_layer *la
     };
 }
 
-/* Layers without extinction have no logarithm, and are left out. */
+/* Layers without extinction are omitted: the shader stores logarithms. */
 static void put_layers(const struct neph_scene *scene, double observer_y_m,
                        struct neph_gpu_fog_look *gpu)
 {
@@ -63,7 +63,7 @@ static void put_layers(const struct neph_scene *scene, double observer_y_m,
             gpu->layers[gpu->layer_count++] = layer_from(&fog->layers[l], observer_y_m);
 }
 
-/* Filament has no end, no froxels and no highest observer. */
+/* Filament has no end distance, no froxels and no maximum observer height. */
 static void put_distances(const struct neph_fog_look *look, enum neph_fog_model model,
                           double camera_y_m, struct neph_gpu_fog_look *gpu)
 {
@@ -97,7 +97,7 @@ struct neph_gpu_fog_look neph_gpu_fog_look_from(const struct neph_scene *scene,
     return gpu;
 }
 
-/* --- pictures --------------------------------------------------------------------------------- */
+/* --- frames ----------------------------------------------------------------------------------- */
 
 struct neph_fog_looks {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -176,7 +176,7 @@ void neph_fog_looks_destroy(struct neph_fog_looks *looks)
     free(looks);
 }
 
-/* --- one picture ------------------------------------------------------------------------------ */
+/* --- one frame -------------------------------------------------------------------------------- */
 
 /* The channels of the frame; they point into the image. */
 struct layers {
@@ -186,7 +186,7 @@ struct layers {
 struct work {
     struct neph_fog_looks *looks;
     struct neph_gpu_fog_look_run run;
-    const struct layers *layers; /* NULL: nothing comes back */
+    const struct layers *layers; /* NULL: no image is returned */
     double *gpu_s;               /* borrowed; one of neph_fog_looks.flights_gpu_s */
 };
 
@@ -228,7 +228,7 @@ static enum neph_status read_pixels(const struct work *work, struct neph_diag *d
     return status;
 }
 
-/* The rays of one dispatch, sent on their way. */
+/* Submit the rays of one dispatch. */
 static enum neph_status send_run(const struct work *work, struct neph_diag *diag)
 {
     struct neph_fog_looks *looks = work->looks;
@@ -280,7 +280,7 @@ static enum neph_status read_picture(struct work *work, struct neph_image **imag
     return NEPH_OK;
 }
 
-/* In memory that no other picture reads. */
+/* Update the scene in memory that no other frame reads. */
 static void show(struct neph_fog_looks *looks, const struct neph_scene *scene, double frame)
 {
     neph_turns_take(&looks->frame_turns, &looks->gpu.buffers[0]);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene as near froxels see it where the look of a fog is handed over to them (fog=unreal and the
- * scene's volumetric_fog_distance_m): that of the march, which has no fog, with the fog among its
- * media. All but the frame is the march's own. Not for other folders.
+ * A scene for froxels near the camera, used when the height fog is a medium of the froxels up to a
+ * distance (fog=unreal and the scene's volumetric_fog_distance_m). It is the scene of the ray
+ * marcher, which has no fog, plus the fog as a medium. All data except the frame's are shared with
+ * the ray marcher. Not for other folders.
  */
 #ifndef NEPH_RENDERER_FROXEL_SCENE_H
 #define NEPH_RENDERER_FROXEL_SCENE_H
@@ -10,11 +11,11 @@
 #include "renderer/gpu_scene.h"
 #include "renderer/in_flight.h"
 
-/* Zero: nothing is handed over. */
+/* Zero: the froxels use the scene of the ray marcher. */
 struct neph_froxel_scene {
-    struct neph_gpu_scene gpu; /* borrows all but its first buffer */
-    struct neph_buffer frame;  /* that buffer */
-    struct neph_turns turns;   /* which frames in flight take */
+    struct neph_gpu_scene gpu; /* borrows all buffers except the first */
+    struct neph_buffer frame;  /* the first buffer */
+    struct neph_turns turns;   /* of frames in flight */
 };
 
 /* Zero-initialise `froxels`; free with _destroy, also after an error. */
@@ -24,11 +25,12 @@ enum neph_status neph_froxel_scene_create(const struct neph_vulkan *vulkan,
                                           struct neph_diag *diag);
 void neph_froxel_scene_destroy(const struct neph_vulkan *vulkan, struct neph_froxel_scene *froxels);
 
-/* `marched` as it is now, and the height fog of `scene`, the whole. Nothing for a zero one. */
+/* Update from the current state of `marched` and add the whole height fog of `scene`. Does nothing
+ * for a zero-initialised struct. */
 void neph_froxel_scene_show(struct neph_froxel_scene *froxels, const struct neph_scene *scene,
                             double frame, const struct neph_gpu_scene *marched);
 
-/* What froxels see: `marched` where nothing is handed over. */
+/* The scene for froxels: `marched` for a zero-initialised struct. */
 const struct neph_gpu_scene *neph_froxel_scene_of(const struct neph_froxel_scene *froxels,
                                                   const struct neph_gpu_scene *marched);
 

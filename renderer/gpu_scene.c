@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_GPU_DATA_COUNT == 3, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
@@ -28,7 +28,8 @@ static void set_rgb(float out[3], struct neph_rgb rgb)
     out[2] = (float)rgb.b;
 }
 
-/* SOLID_TURNED of shaders/solids.glsl and what follows it. */
+/* The axis and angle of a turned box, as SOLID_TURNED of shaders/solids.glsl and the kinds after
+ * it. */
 static void set_turn(const struct neph_turn *turn, struct neph_gpu_solid *box)
 {
     box->kind = 2u + (uint32_t)turn->axis;
@@ -62,8 +63,8 @@ struct neph_gpu_solid neph_gpu_solid_from(const struct neph_solid *solid,
 
 _Static_assert(NEPH_GPU_FITTED_OCTAVES == NEPH_OCTAVES_FITTED_COUNT, "one number of octaves");
 
-/* Each channel has its own contribution. What the phase function and the sun's optical depth are
- * scaled by is one for all: three would cost three times as much. */
+/* Contributions are per channel. The scales of the phase function and of the sun's optical depth
+ * are common to the channels: separate ones would triple the cost. */
 static void fit_octaves(const struct neph_medium *medium, struct neph_gpu_medium *gpu)
 {
     const struct neph_rgb albedo = medium->albedo;
@@ -98,7 +99,7 @@ static struct neph_gpu_medium medium_from(const struct neph_medium *medium,
     return gpu;
 }
 
-/* Media that do nothing are left out. */
+/* Whether a medium has an effect; others are omitted. */
 static bool is_there(const struct neph_medium *medium)
 {
     const struct neph_rgb color = medium->extinction_color;
@@ -130,7 +131,7 @@ static void fill_lamps(const struct neph_scene *scene, struct neph_vec3 camera_m
     frame->lamp_count = (uint32_t)scene->light_count;
 }
 
-/* The camera, the sun and the sky. */
+/* Camera, sun and sky of a frame. */
 static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
                                         const struct neph_camera *camera, int width_px,
                                         int height_px)
@@ -157,7 +158,7 @@ static struct neph_gpu_frame frame_from(const struct neph_scene *scene,
     return gpu;
 }
 
-/* --- the world ---------------------------------------------------------------------------- */
+/* --- lists of media ----------------------------------------------------------------------- */
 
 uint32_t neph_gpu_scene_list(const struct neph_scene *scene,
                              const struct neph_medium *media[NEPH_GPU_MEDIA_MAX])
@@ -202,7 +203,7 @@ bool neph_shapes_box(const struct neph_scene *scene, struct neph_bounds *box)
 
 /* --- buffers ------------------------------------------------------------------------------ */
 
-/* A device buffer of at least one element: nothing may be bound that is empty. */
+/* Upload to a device buffer of at least one element, because an empty buffer cannot be bound. */
 static enum neph_status upload(const struct neph_vulkan *vulkan, const void *data, size_t count,
                                size_t element_bytes, const char *name, struct neph_buffer *buffer,
                                struct neph_diag *diag)
@@ -215,7 +216,7 @@ static enum neph_status upload(const struct neph_vulkan *vulkan, const void *dat
     return status;
 }
 
-/* Room for all solids in mapped memory: they move with the camera. */
+/* A mapped buffer for all solids: they are relative to the camera and change with it. */
 static enum neph_status create_solids(const struct neph_vulkan *vulkan, struct neph_gpu_scene *gpu,
                                       struct neph_diag *diag)
 {
@@ -244,7 +245,7 @@ static size_t data_count(const struct neph_medium *medium, enum neph_gpu_data da
     return kind->data == data ? kind->data_count(medium) : 0;
 }
 
-/* What the media of the frame look up, one after the other, as fill_media() has placed it. */
+/* Upload the data of one kind of all media, in the order of fill_media(). */
 static enum neph_status upload_data(const struct neph_vulkan *vulkan,
                                     const struct neph_medium *const *media, enum neph_gpu_data data,
                                     struct neph_gpu_scene *gpu, struct neph_diag *diag)
@@ -271,8 +272,8 @@ static enum neph_status upload_data(const struct neph_vulkan *vulkan,
     return status;
 }
 
-/* For a CPU, which reads a texel in the time of a third of a word (neph_buffer_see_texels()). Grids
- * that are too large twice over have none. */
+/* On a CPU: the values of grids in pairs, since reading a texel takes a third of the time of
+ * reading a word (neph_buffer_see_texels()). Omitted if the pairs exceed the largest buffer. */
 static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *const *media,
                                      struct neph_gpu_scene *gpu, struct neph_diag *diag)
@@ -301,7 +302,7 @@ static enum neph_status upload_pairs(const struct neph_vulkan *vulkan,
     return status;
 }
 
-/* One cell for a medium whose density moves within its box. */
+/* Majorants of a medium; a single cell if its density moves within its bounds. */
 static enum neph_status majorants_of(const struct neph_medium *medium, bool flows,
                                      struct neph_majorants **majorants, struct neph_diag *diag)
 {
@@ -315,7 +316,8 @@ static enum neph_status majorants_of(const struct neph_medium *medium, bool flow
         (*majorants)->extinction_per_m[0] = nextafterf((float)neph_gpu_largest_per_m(medium),
                                                        INFINITY);
     else
-        neph_majorants_cover_nodes(*majorants, medium); /* what grid_random_node() looks up */
+        neph_majorants_cover_nodes(*majorants, medium); /* bounds of the values that
+                                                           grid_random_node() returns */
     return NEPH_OK;
 }
 
@@ -333,7 +335,7 @@ static enum neph_status append(float **values, size_t *count,
     return NEPH_OK;
 }
 
-/* All majorant grids, one after the other. */
+/* Upload the majorant grids of all media to one buffer. */
 static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
                                          const struct neph_scene *scene,
                                          const struct neph_medium *const *media,
@@ -365,14 +367,14 @@ static enum neph_status upload_majorants(const struct neph_vulkan *vulkan,
 
 /* --- the scene ---------------------------------------------------------------------------- */
 
-/* Upper bound of the loop turns of medium_optical_depth(), following shaders/ loop by loop. */
+/* Upper bound of the loop iterations of medium_optical_depth(), loop by loop of the shaders. */
 static uint64_t depth_turns(const struct neph_medium *medium)
 {
     const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
     return 16 + (kind->integral_turns ? kind->integral_turns(medium) : 0);
 }
 
-/* Behind those of the frame. */
+/* Append a medium to the frame. */
 static struct neph_gpu_medium *add_medium(const struct neph_medium *medium,
                                           struct neph_vec3 camera_m, uint32_t first,
                                           struct neph_gpu_scene *gpu)
@@ -395,7 +397,7 @@ static void let_scatter(const struct neph_scene *scene, bool scatters, struct ne
     frame->scatters_lamps |= scatters && scene->light_count > 0;
 }
 
-/* Media of the frame, and for each where it came from. */
+/* Write the media of the frame; `media` receives the source of each. */
 static void fill_media(const struct neph_scene *scene, struct neph_vec3 camera_m,
                        struct neph_gpu_scene *gpu,
                        const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
@@ -420,7 +422,7 @@ _Static_assert((int)NEPH_MEDIUM_KIND_COUNT <= 8 && NEPH_FOG_LAYERS_MAX <= 2 &&
                    NEPH_GPU_KINDS_SHIFT + 4 * NEPH_GPU_KNOWN_MEDIA_MAX <= 32,
                "three bits for a kind, one for its layers");
 
-/* The kinds and layers of few media, for specialization constant 1. */
+/* The kinds and layers of up to NEPH_GPU_KNOWN_MEDIA_MAX media, for specialization constant 1. */
 static uint32_t known_media(const struct neph_gpu_frame *frame)
 {
     uint32_t known = frame->medium_count << NEPH_GPU_MEDIA_SHIFT;
@@ -433,8 +435,8 @@ static uint32_t known_media(const struct neph_gpu_frame *frame)
     return known;
 }
 
-/* All of space around a sphere and a turned box: what rounding makes of their rays no box bounds.
- */
+/* Extend a block by a solid. For a sphere or a turned box the block becomes unbounded, because
+ * rounding of their intersections could exceed any box. */
 static void block_include(struct neph_gpu_solid_block *block, const struct neph_gpu_solid *solid)
 {
     const bool is_box = solid->kind == NEPH_SOLID_BOX;
@@ -461,14 +463,14 @@ static void fill_solids(const struct neph_scene *scene, struct neph_vec3 camera_
     }
 }
 
-/* Behind everything there is `depth_m` of room along an axis, of which float32 may have lost some
- * beside a face that far from the camera. */
+/* Whether a gap is significant: float32 loses gaps below 1e-6 of the distance between face and
+ * camera. */
 static bool is_room(double depth_m, double face_m)
 {
     return depth_m > 1e-6 * fabs(face_m);
 }
 
-/* Whether a solid lies on the far side of a box from the sun, along one axis at least. */
+/* Whether a solid is beyond a box as seen from the sun, along at least one axis. */
 static bool lies_behind(const struct neph_bounds *solid, const struct neph_bounds *box,
                         struct neph_vec3 to_sun, struct neph_vec3 camera_m)
 {
@@ -487,7 +489,7 @@ static bool lies_behind(const struct neph_bounds *solid, const struct neph_bound
     return false;
 }
 
-/* Whether some solid may shade some medium. */
+/* Whether any solid can cast a shadow on any medium. */
 static bool solids_shade(const struct neph_scene *scene, struct neph_vec3 camera_m)
 {
     struct neph_bounds box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -517,7 +519,7 @@ static void set_pairs(struct neph_gpu_scene *gpu)
         gpu->constants[1] |= NEPH_GPU_PAIRS;
 }
 
-/* The first buffers, and which medium each of theirs is. */
+/* Fill the frame's buffers; `media` receives the source of each medium. */
 static void fill(struct neph_gpu_scene *gpu, const struct neph_scene *scene, double frame,
                  int width_px, int height_px, const struct neph_medium *media[NEPH_SCENE_MEDIA_MAX])
 {
@@ -585,7 +587,8 @@ void neph_gpu_scene_add_fog(struct neph_gpu_scene *gpu, const struct neph_scene 
     const struct neph_gpu_medium *made = add_medium(fog, camera_m, 0, gpu);
     let_scatter(scene, !is_black(made->albedo), gpu->frame);
     gpu->constants[1] = (gpu->constants[1] & ~known) | known_media(gpu->frame);
-    gpu->frame->solids_shade = scene->solid_count > 0; /* fog is everywhere */
+    gpu->frame->solids_shade = scene->solid_count > 0; /* the fog is unbounded, so any solid shades
+                                                          it */
     gpu->constants[1] |= scene->solid_count > 0 ? NEPH_GPU_SHADED : 0u;
 }
 

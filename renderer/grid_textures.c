@@ -4,7 +4,7 @@
 #include "renderer/media/grid.h"
 #include "renderer/texture.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 
 static void slab_of_grid(const void *context, int z, float *values)
@@ -29,7 +29,7 @@ static enum neph_status create_nothing(const struct neph_vulkan *vulkan,
                                        struct neph_texture *texture, struct neph_diag *diag)
 {
     const struct neph_texture_params params = {
-        .format = NEPH_TEXEL_R8, /* every device has it */
+        .format = NEPH_TEXEL_R8, /* supported by every device */
         .size = {1, 1, 1},
         .slab = slab_of_nothing,
         .name = "no grid",

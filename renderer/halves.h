@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a driver's own conversions between floats and halves are worth. Vulkan leaves their rounding
- * open, and by whole numbers each takes some twenty instructions in place of one. Not for other
+ * Tests of a driver's conversions between float and half. Vulkan leaves their rounding open;
+ * emulating one with integers takes about twenty instructions instead of one. Not for other
  * folders.
  */
 #ifndef NEPH_RENDERER_HALVES_H
@@ -10,9 +10,9 @@
 #include "renderer/compute.h"
 #include "renderer/shaders/constants.h"
 
-/* `*right` receives NEPH_HALVES_READ where unpackHalf2x16() gives every half's own value, and
- * NEPH_HALVES_WRITTEN where packHalf2x16() rounds to the nearest half, of two to the even one, at
- * every place where that decides. Runs a kernel. */
+/* Run a kernel that tests the conversions. `*right` receives NEPH_HALVES_READ if unpackHalf2x16()
+ * is exact for every half, and NEPH_HALVES_WRITTEN if packHalf2x16() rounds to nearest even at all
+ * values where the rounding decides. */
 enum neph_status neph_halves_ask(struct neph_vulkan *vulkan, uint32_t *right,
                                  struct neph_diag *diag);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames in flight: the CPU prepares one while the device still works on those before. What the CPU
- * writes for a frame lies in memory that takes turns. Not for other folders.
+ * Frames in flight: the CPU prepares a frame while the device works on earlier ones. Memory that
+ * the CPU writes for a frame exists once per slot. Not for other folders.
  */
 #ifndef NEPH_RENDERER_IN_FLIGHT_H
 #define NEPH_RENDERER_IN_FLIGHT_H
@@ -12,41 +12,44 @@ enum { NEPH_IN_FLIGHT_FRAMES = 3 };
 
 /* Zero-initialise. Frame number n has slot n % NEPH_IN_FLIGHT_FRAMES. */
 struct neph_in_flight {
-    uint64_t sent, home;                     /* frames, ever */
-    uint64_t batches[NEPH_IN_FLIGHT_FRAMES]; /* sent when the frame of a slot was complete */
+    uint64_t sent, home;                     /* counts of frames submitted and collected */
+    uint64_t batches[NEPH_IN_FLIGHT_FRAMES]; /* batches submitted up to the end of the slot's frame
+                                              */
 };
 
-/* The slot of the next frame, once the frame that had it before is home. A frame that nobody has
- * asked for by _home is forgotten. */
+/* Wait until the frame that had the next slot before is done, and return the slot. A frame that was
+ * not collected by _home is dropped. */
 enum neph_status neph_in_flight_begin(const struct neph_vulkan *vulkan,
                                       struct neph_in_flight *flight, int *slot,
                                       struct neph_diag *diag);
 
-/* All batches of that frame have been sent. */
+/* Mark a frame as complete: all its batches have been submitted. */
 void neph_in_flight_end(const struct neph_vulkan *vulkan, struct neph_in_flight *flight);
 
-/* Wait for the oldest frame that is on its way. NEPH_ERR_USAGE: there is none. */
+/* Wait for the oldest frame in flight and collect it. NEPH_ERR_USAGE: none is in flight. */
 enum neph_status neph_in_flight_home(const struct neph_vulkan *vulkan,
                                      struct neph_in_flight *flight, int *slot,
                                      struct neph_diag *diag);
 
-/* Wait for all that was ever sent, frames complete or not, and forget them. */
+/* Wait for all submitted work, whether its frames are complete or not, and drop these frames. */
 enum neph_status neph_in_flight_land(const struct neph_vulkan *vulkan,
                                      struct neph_in_flight *flight, struct neph_diag *diag);
 
-/* The buffers of a name that wait while one of them is used. */
+/* The copies of a buffer that are not in use by the current frame. */
 struct neph_turns {
     struct neph_buffer waiting[NEPH_IN_FLIGHT_FRAMES - 1];
 };
 
-/* More buffers like an uploaded one. Zero-initialise; free with _destroy, also after an error. */
+/* Create copies with the size of an upload buffer. Zero-initialise; free with _destroy, also after
+ * an error. */
 enum neph_status neph_turns_create(const struct neph_vulkan *vulkan, const struct neph_buffer *like,
                                    const char *name, struct neph_turns *turns,
                                    struct neph_diag *diag);
 void neph_turns_destroy(const struct neph_vulkan *vulkan, struct neph_turns *turns);
 
-/* The one that has waited longest takes the place of `buffer`: once a frame, after
- * neph_in_flight_begin(), it is one that no kernel reads. What it holds is old. */
+/* Swap `buffer` with the copy that has been unused longest. Called once a frame, after
+ * neph_in_flight_begin(), so that no kernel reads the new `buffer`. It has the contents of an older
+ * frame. */
 void neph_turns_take(struct neph_turns *turns, struct neph_buffer *buffer);
 
 #endif

@@ -82,9 +82,9 @@ static VkResult create_layouts(const struct neph_vulkan *vulkan, struct neph_ker
     return vulkan->api.vkCreatePipelineLayout(vulkan->device, &layout, NULL, &kernel->layout);
 }
 
-/* --- making one: on another thread ---------------------------------------------------------- */
+/* --- compilation, on another thread --------------------------------------------------------- */
 
-/* As a validation layer would: what lavapipe does not do as the shader says. */
+/* Report loops that lavapipe executes wrongly (spirv_loops.h) like a validation message. */
 static void check_loops(struct neph_vulkan *vulkan, const char *name, const uint32_t *words,
                         size_t size_bytes)
 {
@@ -99,7 +99,7 @@ static void check_loops(struct neph_vulkan *vulkan, const char *name, const uint
                  name, lost.value, lost.header);
 }
 
-/* The name of the shader and the constants that it has, before what went wrong with them. */
+/* Prefix a diag with the name of the shader and the constants that it reads. */
 static enum neph_status blame(const struct neph_kernel *kernel, enum neph_status status,
                               struct neph_diag *diag)
 {
@@ -127,7 +127,7 @@ static enum neph_status specialize(const struct neph_kernel_params *params, uint
     return status;
 }
 
-/* Its SPIR-V, from the last time or made. */
+/* The specialised SPIR-V, from the cache or newly made. */
 static enum neph_status get_words(const struct neph_kernel *kernel, uint32_t **words,
                                   size_t *size_bytes, struct neph_diag *diag)
 {
@@ -145,7 +145,7 @@ static enum neph_status get_words(const struct neph_kernel *kernel, uint32_t **w
     return NEPH_OK;
 }
 
-/* Make of the words those that a layer can add checks to. */
+/* Rewrite the loops for checks by a validation layer (spirv_split.h). */
 static enum neph_status split_loops(uint32_t **words, size_t *size_bytes, struct neph_diag *diag)
 {
     uint32_t *split = NULL;
@@ -156,7 +156,8 @@ static enum neph_status split_loops(uint32_t **words, size_t *size_bytes, struct
     return NEPH_OK;
 }
 
-/* lavapipe (Mesa 22.3.6) numbers its shaders without a lock. */
+/* lavapipe (Mesa 22.3.6) numbers its shaders without a lock, so its pipelines are made one at a
+ * time. */
 static VkResult create_pipeline(struct neph_kernel *kernel, const VkComputePipelineCreateInfo *info)
 {
     struct neph_vulkan *vulkan = kernel->vulkan;
@@ -235,10 +236,10 @@ enum neph_status neph_kernel_finish(const struct neph_kernel *kernel, struct nep
     return kernel->status;
 }
 
-/* --- all of a device ---------------------------------------------------------------------- */
+/* --- the kernels of a device -------------------------------------------------------------- */
 
-/* Texels are a CPU's. Bits of constants that the shader does not read become 0: they make no other
- * kernel. */
+/* Canonical params: texels only on a CPU; bits of constants that the shader does not read become 0,
+ * so that they do not lead to a second kernel. */
 static struct neph_kernel_params own_params(const struct neph_vulkan *vulkan,
                                             const struct neph_kernel_params *params)
 {
@@ -308,7 +309,7 @@ enum neph_status neph_kernel_get(struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-/* Kernels that are not begun are not made any more: Ctrl-C ends a cold start at once. */
+/* Kernels still in the queue are not compiled: so Ctrl-C ends a cold start at once. */
 void neph_kernels_destroy(struct neph_vulkan *vulkan)
 {
     atomic_store(&vulkan->is_ending, true);

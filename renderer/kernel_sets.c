@@ -177,9 +177,9 @@ VkResult neph_kernel_sets_get(const struct neph_kernel *kernel,
     return VK_SUCCESS;
 }
 
-/* --- what goes ---------------------------------------------------------------------------- */
+/* --- removal of sets ---------------------------------------------------------------------- */
 
-/* One of the two. What a set does not have is null there. */
+/* A destroyed resource, one of the two. Unused entries of a set are null. */
 struct going {
     VkBuffer buffer;
     VkImageView image;
@@ -195,10 +195,11 @@ static bool set_has(const struct kernel_set *set, struct going going)
     return has;
 }
 
-/* Nothing that is on its way uses it any more, and another one may get its handle. */
+/* Wait for all users and destroy the sets; a new resource may get the same handle. */
 static void forget(const struct neph_vulkan *vulkan, struct going going)
 {
-    neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by who needs it */
+    neph_lanes_wait(vulkan, vulkan->lanes->sent); /* a lost device is reported by the next caller
+                                                     that uses it */
     struct kernel_set **at = &vulkan->sets->first;
     while (*at) {
         struct kernel_set *set = *at;

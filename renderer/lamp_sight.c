@@ -4,7 +4,7 @@
 #include <math.h>
 
 static const double widest_tangent = 20.0;
-static const double farthest_px = 1e9; /* an int32_t has room for more */
+static const double farthest_px = 1e9; /* within the range of int32_t */
 
 struct neph_gpu_lamp_sight neph_lamp_sight(const struct neph_camera *camera, int width_px,
                                            int height_px, struct neph_vec3 position_m)

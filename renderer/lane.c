@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* --- making ------------------------------------------------------------------------------- */
+/* --- creation ----------------------------------------------------------------------------- */
 
 static VkResult create_lane(struct neph_vulkan *vulkan, bool has_clock, struct neph_lane *lane)
 {
@@ -94,7 +94,7 @@ static void write_timestamp(const struct neph_vulkan *vulkan, const struct neph_
                                         lane->timestamps, lane->stamp_count);
 }
 
-/* The first time is taken behind the barrier: what still runs of other batches is theirs. */
+/* The first timestamp is written after the barrier, so that earlier batches do not count. */
 static void record_start(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {
     const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
@@ -102,7 +102,8 @@ static void record_start(const struct neph_vulkan *vulkan, struct neph_lane *lan
     const VkAccessFlags writes = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
     const VkAccessFlags reads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
     lane->stamp_count = 0;
-    if (lane->timestamps) /* by the CPU: it is home, and the device would take its time */
+    if (lane->timestamps) /* reset by the CPU: the lane is idle, and a reset by the device would be
+                             timed */
         vulkan->api.vkResetQueryPool(vulkan->device, lane->timestamps, 0, NEPH_LANE_STAMPS_MAX + 1);
     neph_lane_barrier(vulkan, lane, stages, writes, stages, reads | writes);
     write_timestamp(vulkan, lane);
@@ -136,7 +137,7 @@ void neph_lane_stamp(const struct neph_vulkan *vulkan, struct neph_lane *lane, d
     write_timestamp(vulkan, lane);
 }
 
-/* --- going and coming --------------------------------------------------------------------- */
+/* --- submission and completion ------------------------------------------------------------ */
 
 VkResult neph_lane_send(const struct neph_vulkan *vulkan, struct neph_lane *lane)
 {

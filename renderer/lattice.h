@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lattices over the box around all shapes of a scene. Not for other folders.
+ * Regular grids over the bounds of all bounded media of a scene. Not for other folders.
  */
 #ifndef NEPH_RENDERER_LATTICE_H
 #define NEPH_RENDERER_LATTICE_H
@@ -11,17 +11,17 @@
 /* The sides of a box along the axes [m]. */
 void neph_lattice_sides_m(const struct neph_bounds *box, double sides_m[3]);
 
-/* Nodes of cubes, as near as whole numbers of them come to the box: `most` along its longest
- * side. */
+/* The number of nodes along each axis for cells as near to cubes as whole numbers allow: `most`
+ * along the longest side. */
 void neph_lattice_nodes(const struct neph_bounds *box, int most, uint32_t size[3]);
 
-/* NEPH_ERR_UNSUPPORTED: the box has no finite volume above 0, which the setting `wants`
- * ("skip=majorant") needs and `without` ("skip=off") does not. */
+/* NEPH_ERR_UNSUPPORTED: the bounds have no finite volume above 0. The setting `wants`
+ * ("skip=majorant") needs it; the message recommends `without` ("skip=off"). */
 enum neph_status neph_lattice_check(const struct neph_bounds *box, const char *wants,
                                     const char *without, struct neph_diag *diag);
 
-/* As a camera sees it. `size` is how many cells there are along each axis, or nodes, of which
- * `ends` = 1 is beyond the cells (0 for cells). */
+/* Place a grid relative to the camera. `size`: cells along each axis (`ends` 0), or nodes, of which
+ * the last is the end of the last cell (`ends` 1). */
 void neph_lattice_place(const struct neph_bounds *box, struct neph_vec3 camera_m,
                         const uint32_t size[3], uint32_t ends, struct neph_gpu_lattice *lattice);
 

@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
@@ -28,14 +28,14 @@ static const uint32_t march_code[] = {
 #include "shaders/march.comp.inc"
 };
 
-/* --- what can be rendered ----------------------------------------------------------------- */
+/* --- supported scenes --------------------------------------------------------------------- */
 
 static bool is_positive(struct neph_rgb rgb)
 {
     return rgb.r > 0.0 || rgb.g > 0.0 || rgb.b > 0.0;
 }
 
-/* Is there anything that the background could light? */
+/* Whether the background lights any solid or medium. */
 static bool is_lit_by_environment(const struct neph_scene *scene)
 {
     if (!scene->environment_light || !is_positive(scene->background_w_per_m2_sr))
@@ -50,7 +50,7 @@ static bool is_lit_by_environment(const struct neph_scene *scene)
     return false;
 }
 
-/* Paths of traced light start in media, so it lights no solids. */
+/* Paths of traced light start in media, so it does not light solids. */
 static const char *find_obstacle_to_traced(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -64,7 +64,7 @@ static const char *find_obstacle_to_traced(const struct neph_scene *scene)
     return NULL;
 }
 
-/* One solution for all channels. */
+/* Diffusion is solved once for all channels. */
 static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
 {
     if (neph_scene_is_endless(scene))
@@ -79,7 +79,7 @@ static const char *find_obstacle_to_diffused(const struct neph_scene *scene)
     return NULL;
 }
 
-/* One table for all media. */
+/* There is one table for all media. */
 static const char *find_obstacle_to_slab(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->medium_count; i++) {
@@ -94,7 +94,7 @@ static const char *find_obstacle_to_slab(const struct neph_scene *scene)
     return NULL;
 }
 
-/* NULL when there is none. */
+/* The first unsupported feature; NULL: none. */
 static const char *find_obstacle(const struct neph_scene *scene, enum neph_march_lighting lighting)
 {
     if (neph_surfaces_obstacle(scene))
@@ -225,7 +225,7 @@ static bool looks_ahead(const struct neph_march_params *params)
     return params->lighting == NEPH_MARCH_TRACED && params->light.looks_ahead;
 }
 
-/* Tables that lie in the box around all shapes, or in one texture of them. */
+/* Refuse unbounded media with tables over the bounds of all media. */
 static enum neph_status check_endless(const struct neph_scene *scene,
                                       const struct neph_march_params *params,
                                       struct neph_diag *diag)
@@ -281,9 +281,9 @@ enum neph_status neph_march_check(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
-/* --- rays in squares ---------------------------------------------------------------------- */
+/* --- order of rays ------------------------------------------------------------------------ */
 
-enum { square_px = 8 }; /* of shaders/march.comp, a work group */
+enum { square_px = 8 }; /* a work group of shaders/march.comp */
 
 static uint64_t squares_across(int side_px)
 {
@@ -296,8 +296,8 @@ static uint64_t ray_count_of(const struct neph_march_params *params)
            square_px;
 }
 
-/* In raster order, by the bits of a ray's place in its square, as shaders/march.comp has it; -1:
- * the ray is beyond the picture. */
+/* The pixel of a ray: squares in raster order, and in a square by the bits of the ray's index, as
+ * in shaders/march.comp. -1: outside the image. */
 static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
 {
     const uint64_t side = square_px, columns = squares_across(params->width_px);
@@ -309,7 +309,7 @@ static int64_t pixel_of(const struct neph_march_params *params, uint64_t ray)
                : -1;
 }
 
-/* --- one march ---------------------------------------------------------------------------- */
+/* --- the ray marcher ---------------------------------------------------------------------- */
 
 struct neph_march {
     struct neph_vulkan *vulkan; /* borrowed */
@@ -318,10 +318,10 @@ struct neph_march {
     struct neph_march_scene scene;
     struct neph_buffer pixels, states, readback;
     struct neph_in_flight flight;
-    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES]; /* what dispatches of the frames in flight take */
-    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* before them */
-    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* paths of traced light before them */
-    struct neph_sky_times skies[NEPH_IN_FLIGHT_FRAMES];     /* and tables of the sky */
+    double flights_gpu_s[NEPH_IN_FLIGHT_FRAMES];            /* dispatches of the frames in flight */
+    struct neph_sun_fill_cost fills[NEPH_IN_FLIGHT_FRAMES]; /* fillings before them */
+    double lights_gpu_s[NEPH_IN_FLIGHT_FRAMES];             /* traced light before them */
+    struct neph_sky_times skies[NEPH_IN_FLIGHT_FRAMES];     /* tables of the sky before them */
     int home_slot;
 };
 
@@ -430,15 +430,15 @@ static void unpack(const struct neph_gpu_march_pixel *pixel, size_t index,
     stats->view_steps += pixel->view_steps;
 }
 
-/* A frame in work. */
+/* The work of a frame. */
 struct work {
     struct neph_march *march;
     const struct neph_kernel *kernel;
-    bool is_read; /* rays that are through come back, into the layers */
+    bool is_read; /* finished rays are read back into the layers */
     struct layers layers;
     struct neph_march_stats stats;
     double *gpu_s;                     /* borrowed; one of neph_march.flights_gpu_s */
-    struct neph_march_scene_cost cost; /* before it */
+    struct neph_march_scene_cost cost; /* work before the march */
 };
 
 static struct neph_dispatch dispatch_of(const struct neph_march *march,
@@ -470,7 +470,7 @@ static enum neph_status read_pixels(struct work *work, const struct neph_gpu_mar
     return status;
 }
 
-/* One dispatch, sent on its way; the last of its rays also brings the results. */
+/* Submit one dispatch; the last dispatch of its rays also returns the results. */
 static enum neph_status march_run(const struct neph_gpu_march_run *run, void *context,
                                   struct neph_diag *diag)
 {
@@ -503,7 +503,7 @@ static enum neph_status get_kernel(struct neph_march *march, const struct neph_k
     return neph_kernel_get(march->vulkan, &params, kernel, diag);
 }
 
-/* All dispatches of a frame, sent. */
+/* Submit all dispatches of a frame. */
 static enum neph_status send_frame(struct neph_march *march, struct work *work,
                                    struct neph_diag *diag)
 {
@@ -517,7 +517,7 @@ static enum neph_status send_frame(struct neph_march *march, struct work *work,
     return status;
 }
 
-/* A frame that is waited for, into an image. */
+/* Render a frame into an image and wait for it. */
 static enum neph_status read_frame(struct neph_march *march, struct work *work,
                                    struct neph_image **image, struct neph_diag *diag)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bits of `index` behind the binary point, in reverse (van der Corput). */
+/* The bits of `index` reversed behind the binary point (van der Corput). */
 static double radical_inverse(unsigned index)
 {
     double value = 0.0;
@@ -36,7 +36,7 @@ static void add_stats(struct neph_march_stats *sum, const struct neph_march_stat
     sum->dispatches += stats->dispatches;
 }
 
-/* Sums of all channels, one after the other. */
+/* Add the samples of all channels, one channel after the other. */
 static void add_image(const struct neph_image *image, double *sums)
 {
     const size_t count = neph_image_pixel_count(image);
@@ -53,7 +53,7 @@ static void take_means(const double *sums, int rays_per_px, struct neph_image *i
             image->channels[c].samples[p] = (float)(sums[(size_t)c * count + p] / rays_per_px);
 }
 
-/* The frame through one point, into the sums. */
+/* Render one frame with an offset and add it to the sums. */
 static enum neph_status add_ray(struct neph_march *march, const struct neph_scene *scene,
                                 double frame, const struct neph_march_moment *moment, double *sums,
                                 struct neph_march_stats *total, struct neph_diag *diag)

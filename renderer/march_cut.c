@@ -9,25 +9,25 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
 
-/* The loop turns of all rays in a dispatch before anything is known of the device's speed: about
- * 0.2 s on two CPU cores; a GPU does 500 times as much in a millisecond or two, and cut as finely
- * as that runs a few hundred rays at a time of the 100,000 that fill it. */
+/* Loop iterations of all rays in a dispatch before the device's speed is measured: about 0.2 s on
+ * two CPU cores. A GPU does 500 times as much in one or two milliseconds; with the limit of a CPU
+ * it would run a few hundred rays at a time instead of the 100,000 that fill it. */
 static const uint64_t cpu_first_turns = 1ull << 25;
 static const uint64_t gpu_first_turns = 1ull << 34;
 
-/* A dispatch is no smaller than this, which takes 30 ms where nothing else runs: by the clock of a
- * device that others use, too, all work is slow, and cut finer it is slower still. */
+/* Minimum of a dispatch, about 30 ms on an idle device. On a shared device all work appears slow,
+ * and smaller dispatches would be slower still. */
 static const uint64_t cpu_least_turns = 1ull << 22;
 static const uint64_t gpu_least_turns = 1ull << 28;
 
-/* Those of one thread. A GPU has no limit but its watchdog: this is some 0.1 s of one thread. */
+/* Limit of one thread. A GPU has only a watchdog: this is about 0.1 s of one thread. */
 static const uint64_t gpu_thread_turns_max = 1ull << 20;
 
-/* The rays of one dispatch, at most: 32 MiB of results. */
+/* Limit of rays in a dispatch: 32 MiB of results. */
 static const uint64_t dispatch_rays_max = 1u << 19;
 
 static uint64_t least(uint64_t a, uint64_t b)
@@ -53,7 +53,7 @@ int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march
     return neph_march_marches_sun(scene, params) ? params->sun_steps : 0;
 }
 
-/* Octaves of the similar medium. */
+/* Octaves of the similar medium (octaves_fitted.h). */
 static void fit_similar(struct neph_gpu_medium *medium)
 {
     const struct neph_phase phase = {(enum neph_phase_kind)medium->phase_kind, (double)medium->g};
@@ -71,7 +71,7 @@ static void fit_similar(struct neph_gpu_medium *medium)
     medium->octave_eccentricity = (float)octaves.eccentricity;
 }
 
-/* What part of a row of lengths the first is, if each is so many times the one before. */
+/* The first length of a geometric series of lengths, relative to their sum. */
 static double first_part(double growth, uint32_t count)
 {
     return growth > 1.0 ? (growth - 1.0) / (pow(growth, count) - 1.0) : 1.0 / fmax(1.0, count);
@@ -102,18 +102,18 @@ static uint64_t octave_count(const struct neph_scene *scene, enum neph_march_lig
     if (lighting == NEPH_MARCH_OCTAVES_FITTED || lighting == NEPH_MARCH_SIMILARITY)
         return NEPH_OCTAVES_FITTED_COUNT;
     if (lighting == NEPH_MARCH_DIFFUSED || lighting == NEPH_MARCH_SLAB)
-        return 2; /* as many loops over media */
+        return 2; /* loops over media */
     return lighting == NEPH_MARCH_OCTAVES ? (uint64_t)scene->octaves.count : 0;
 }
 
-/* Loop turns (compute.h) of what the shader does, at most, following its loops one by one. */
+/* Upper bounds of loop iterations (compute.h), loop by loop of the shader. */
 struct turns {
     uint64_t solids, media, exact;
-    uint64_t empties; /* of one step that may be passed */
-    uint64_t sun;     /* a sun ray through media */
+    uint64_t empties; /* of one step that may be skipped */
+    uint64_t sun;     /* of a sun ray through media */
 };
 
-/* Else optical depths are sums over steps, all of them. */
+/* Otherwise all optical depths are sums over steps. */
 static bool has_closed_forms(const struct neph_march_params *params)
 {
     return params->transmittance == NEPH_MARCH_EXACT || params->sun == NEPH_MARCH_EXACT;
@@ -140,13 +140,13 @@ static bool is_on_cpu(const struct neph_gpu_scene *gpu)
     return (gpu->constants[1] & NEPH_GPU_ON_CPU) != 0;
 }
 
-/* Parts that all steps of a ray are divided into for one lamp, beside one for each step, at most
- * (shaders/march_lamp_steps.glsl): 7 for each four steps, 112 of few, and no more than 3/4 of a
- * thread's turns have room for, but 8. 0: there is no lamp. */
+/* Upper bound of the sub-steps for one light, over all steps of a ray, in addition to one per step
+ * (shaders/march_lamp_steps.glsl): 7 for each four steps but at least 112, limited to 3/4 of a
+ * thread's loop iterations but at least 8. 0: no light. */
 static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
                            uint64_t lamps, uint64_t solids, uint64_t media)
 {
-    const uint64_t medium_turns = 1 + 3 * media; /* of two layers each */
+    const uint64_t medium_turns = 1 + 3 * media; /* two layers each */
     const bool marches = params->sun == NEPH_MARCH_MARCHED ||
                          (gpu->constants[0] >> NEPH_MEDIUM_HORIZON & 1u) != 0;
     const uint64_t sun_steps = marches ? (uint64_t)params->sun_steps : 0;
@@ -159,7 +159,7 @@ static uint64_t lamp_parts(const struct neph_gpu_scene *gpu, const struct neph_m
     return most(8, least(most(112, least(wanted, 0xffff)), all / 4 * 3 / (lamps * turns)));
 }
 
-/* Loop turns of the shader as a whole. */
+/* Loop iterations of the whole shader. */
 static void count_turns(const struct neph_scene *scene, const struct neph_gpu_scene *gpu,
                         const struct neph_march_params *params, uint64_t *per_step,
                         uint64_t *per_dispatch)
@@ -168,15 +168,15 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
     uint64_t sunlight = turns.solids + turns.sun +
                         octave_count(scene, params->lighting) * (1 + turns.media);
     if (params->lighting == NEPH_MARCH_SLAB)
-        sunlight *= 2; /* and away from the sun */
-    /* Each light is looked for as the sun is, from each part of a step, which is a step itself. */
+        sunlight *= 2; /* a second ray, away from the sun */
+    /* Each light needs the work of the sun for each sub-step, and a sub-step is a step. */
     const uint64_t lamplight = (uint64_t)scene->light_count *
                                (turns.solids + turns.sun + 2 * turns.media + turns.exact);
     sunlight += lamplight;
     if (params->sky.is_on)
         sunlight += 2 * neph_sky_look_turns(scene->medium_count, params->sky.tables.field.degree);
     if (params->fog.is_look)
-        sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* to the eye and to the sun */
+        sunlight += 2 * NEPH_GPU_LAYERS_MAX; /* towards the eye and towards the sun */
     *per_step = 2 + 2 * turns.media + turns.exact + sunlight + 3 * turns.empties;
     *per_dispatch = turns.solids + 3 * turns.media + turns.exact + sunlight +
                     lamp_parts(gpu, params, (uint64_t)scene->light_count,
@@ -185,7 +185,8 @@ static void count_turns(const struct neph_scene *scene, const struct neph_gpu_sc
                     1;
 }
 
-/* Where light is the sun's alone, and of octaves no more than a ray keeps the phases of. */
+/* Whether media emit nothing and the number of octaves is at most the number of cached phase values
+ * of a ray, with grids as textures. */
 static bool is_sunlit_texture(const struct neph_gpu_scene *gpu,
                               const struct neph_march_params *params)
 {
@@ -217,7 +218,7 @@ static uint64_t turns_of(const struct neph_march_cut *cut, uint64_t steps)
     return steps * cut->turns_per_step + cut->turns_per_dispatch;
 }
 
-/* Whole work groups, where it is not less than one anyway. */
+/* Whole work groups, at least one. */
 static void set_rays(struct neph_march_cut *cut, uint64_t turns)
 {
     const uint64_t enough = turns > cut->turns_least ? turns : cut->turns_least;
@@ -261,7 +262,7 @@ enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-/* Cut rays whose turns are counted. */
+/* Split rays with known loop iterations. */
 static void cut_rays(const struct neph_vulkan *vulkan, struct neph_march_cut *cut)
 {
     const bool is_cpu = vulkan->description.is_cpu;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How a march of many rays is cut into dispatches: no thread may turn more loops than a driver
- * allows (compute.h), and none may hold the device so long that Ctrl-C is not heard. For the
+ * Splitting of a march of many rays into dispatches. A thread may not exceed the driver's limit of
+ * loop iterations (compute.h), and a dispatch must be short enough for Ctrl-C to take effect. For
  * renderers that include shaders/march.glsl.
  */
 #ifndef NEPH_RENDERER_MARCH_CUT_H
@@ -14,32 +14,32 @@
 enum {
     NEPH_MARCH_LOCAL_SIZE = 64, /* of shaders/march.glsl */
     NEPH_MARCH_STATE_BYTES = sizeof(
-        struct neph_gpu_march_state), /* one for each ray of a dispatch */
-    /* The scene's, a march's states, what it makes of them, the sun cache, traced light, the sky.
-     */
+        struct neph_gpu_march_state), /* one state for each ray of a dispatch */
+    /* The scene's buffers, the states of the rays, the results, the sun cache, traced light, the
+     * sky. */
     NEPH_MARCH_BUFFERS = NEPH_GPU_SCENE_BUFFERS + 6,
     NEPH_MARCH_CONSTANTS = NEPH_GPU_SCENE_CONSTANTS + 4,
 };
 
 struct neph_march_cut {
-    uint64_t ray_count, step_count; /* of the whole */
-    uint64_t rays_max;              /* ever in one dispatch: what its buffers have room for */
-    uint64_t rays, steps;           /* now, at most, in one dispatch */
-    uint64_t turns_per_step, turns_per_dispatch; /* of a ray, at most */
-    uint64_t turns_least;                        /* of all rays in a dispatch */
-    struct neph_pace pace;                       /* in such turns */
+    uint64_t ray_count, step_count; /* of the whole march */
+    uint64_t rays_max;              /* upper limit in any dispatch: the capacity of its buffers */
+    uint64_t rays, steps;           /* current limits of one dispatch */
+    uint64_t turns_per_step, turns_per_dispatch; /* loop iterations of one ray, upper bounds */
+    uint64_t turns_least;                        /* of all rays in a dispatch, at least */
+    struct neph_pace pace;                       /* in loop iterations */
 };
 
-/* Whether the sky lights media: paths alone can ask for it in all directions. */
+/* Whether the sky lights media. Only paths can sample it in all directions. */
 bool neph_march_sky_lights(const struct neph_march_params *params);
 
 /* Whether sun rays are marched at all. */
 bool neph_march_marches_sun(const struct neph_scene *scene, const struct neph_march_params *params);
 
-/* Steps of the scene's sun rays: 0 where none is marched. */
+/* Steps of the scene's sun rays: 0 if none is marched. */
 int neph_march_sun_steps(const struct neph_scene *scene, const struct neph_march_params *params);
 
-/* Write into a frame what the shaders are told there. */
+/* Write the march's settings into the frame for the shaders. */
 void neph_march_set_frame(const struct neph_scene *scene, const struct neph_march_params *params,
                           struct neph_gpu_frame *frame);
 
@@ -47,23 +47,24 @@ void neph_march_set_frame(const struct neph_scene *scene, const struct neph_marc
 void neph_march_constants(const struct neph_gpu_scene *gpu, const struct neph_march_params *params,
                           uint32_t constants[NEPH_MARCH_CONSTANTS]);
 
-/* How many events one thread may have in a dispatch, each with a sun ray and a ray to the next
- * solid, beside so many turns that look at each medium twice. NEPH_ERR_UNSUPPORTED: none. */
+/* The number of events that one thread may have in a dispatch. Each has a sun ray and a ray to the
+ * next solid, beside `turns` loop iterations that evaluate each medium twice. NEPH_ERR_UNSUPPORTED:
+ * 0. */
 enum neph_status neph_march_cut_events(const struct neph_vulkan *vulkan,
                                        const struct neph_scene *scene,
                                        const struct neph_gpu_scene *gpu,
                                        const struct neph_march_params *params, uint64_t turns,
                                        uint64_t *events, struct neph_diag *diag);
 
-/* NEPH_ERR_UNSUPPORTED: one step alone is more than a dispatch may hold. */
+/* NEPH_ERR_UNSUPPORTED: a single step exceeds the limits of a dispatch. */
 enum neph_status neph_march_cut_make(const struct neph_vulkan *vulkan,
                                      const struct neph_scene *scene,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_march_params *params, uint64_t ray_count,
                                      struct neph_march_cut *cut, struct neph_diag *diag);
 
-/* Rays that are not cut: each has some samples of the media, and some sun rays. Errors as of _make.
- */
+/* For rays that are not split: each has `samples` evaluations of the media and `sun_rays` sun rays.
+ * Errors as of _make. */
 enum neph_status neph_march_cut_make_whole(const struct neph_vulkan *vulkan,
                                            const struct neph_scene *scene,
                                            const struct neph_gpu_scene *gpu,
@@ -71,19 +72,19 @@ enum neph_status neph_march_cut_make_whole(const struct neph_vulkan *vulkan,
                                            uint64_t sun_rays, uint64_t ray_count,
                                            struct neph_march_cut *cut, struct neph_diag *diag);
 
-/* The device took so long for all dispatches of a march: the next will be cut by that. What is
- * marched does not depend on it. */
+/* Adapt the size of further dispatches to the measured time of all dispatches of a march. Results
+ * do not depend on it. */
 void neph_march_cut_learn(struct neph_march_cut *cut, double gpu_s);
 
-/* Whether it is one dispatch. */
+/* Whether the march is one dispatch. */
 bool neph_march_cut_is_whole(const struct neph_march_cut *cut);
 
-/* Runs one dispatch. The last of its rays ends with end_step = step_count. */
+/* Run one dispatch. The last dispatch of a ray ends with end_step = step_count. */
 typedef enum neph_status neph_march_body(const struct neph_gpu_march_run *run, void *context,
                                          struct neph_diag *diag);
 
-/* All dispatches, in the order in which they must come; the first error ends it.
- * NEPH_ERR_INTERRUPTED: neph_interrupted() between two of them. */
+/* Run all dispatches in order until the first error. NEPH_ERR_INTERRUPTED: neph_interrupted()
+ * between two dispatches. */
 enum neph_status neph_march_cut_run(const struct neph_march_cut *cut, neph_march_body *body,
                                     void *context, struct neph_diag *diag);
 

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The fog models of the ray marcher's setting `fog`.
+ */
 #include "renderer/march_params.h"
 
 struct neph_march_fog neph_fog_for_march(int choice)

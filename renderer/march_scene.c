@@ -7,7 +7,7 @@
 #include "scenes/fog_translation.h"
 #include "scenes/motion.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new lighting: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
 static enum neph_status create_turns(const struct neph_vulkan *vulkan,
@@ -20,8 +20,8 @@ static enum neph_status create_turns(const struct neph_vulkan *vulkan,
                                       &scene->solid_turns, diag);
 }
 
-/* What is marched, of a scene of which the air may be tables and the fog a look; `rest` is room for
- * it. */
+/* The scene without its veils: air that is rendered from tables, and fog that is rendered by a
+ * model. Uses `rest` as storage if there is a veil. */
 static const struct neph_scene *marched(const struct neph_march_scene *scene,
                                         const struct neph_scene *from, struct neph_scene *rest)
 {
@@ -117,7 +117,7 @@ void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_marc
     neph_gpu_scene_destroy(vulkan, &scene->gpu);
 }
 
-/* The scene itself. */
+/* Update the scene itself. */
 static void show_scene(const struct neph_scene *from, const struct neph_march_params *params,
                        double frame, struct neph_march_scene *scene)
 {
@@ -128,8 +128,8 @@ static void show_scene(const struct neph_scene *from, const struct neph_march_pa
     neph_march_set_frame(from, params, scene->gpu.frame);
 }
 
-/* The look of the fog that is not among what is marched. It leaves near fog to froxels where there
- * are any, and has all of it where there are none. */
+/* Update the fog model. With froxels it begins where they end; without froxels it covers all
+ * distances. */
 static void show_fog_look(const struct neph_scene *from, const struct neph_march_params *params,
                           double frame, struct neph_march_scene *scene)
 {
@@ -149,8 +149,9 @@ static bool diffuses(const struct neph_march_scene *scene)
     return scene->diffused_light.level_count > 0;
 }
 
-/* What a march shows of higher orders, or paths look ahead to. Where they take that back, it has no
- * part in the mean (light_walk.comp), and is solved once, when pictures begin. */
+/* Solve diffused light, for rendering or as the estimate of unfinished paths. If that estimate is
+ * corrected later, the solution does not change the mean (light_walk.comp) and is computed only for
+ * the first frame of a sequence. */
 static enum neph_status diffuse(const struct neph_scene *from, double frame,
                                 const struct neph_march_moment *moment,
                                 struct neph_march_scene *scene, struct neph_dispatch bound,
@@ -174,7 +175,7 @@ static void bind_sky(const struct neph_march_scene *scene, struct neph_dispatch 
     dispatch->buffers[first + 1] = scene->has_sky ? &scene->sky.nodes : &scene->no_sky;
 }
 
-/* Where media are lit by the sky: in the middle of those that end. */
+/* The point at which the sky lights media: the centre of the bounded media. */
 static struct neph_vec3 lit_place_m(const struct neph_scene *rest, double frame)
 {
     struct neph_bounds box;
@@ -183,7 +184,7 @@ static struct neph_vec3 lit_place_m(const struct neph_scene *rest, double frame)
     return neph_vec3_scale(neph_vec3_add(box.min_m, box.max_m), 0.5);
 }
 
-/* The sky from the camera, and from what it lights. */
+/* Update the sky as seen from the camera, and from the media that it lights. */
 static enum neph_status look_at_sky(const struct neph_scene *from, const struct neph_scene *rest,
                                     const struct neph_march_params *params, double frame,
                                     struct neph_march_scene *scene, struct neph_sky_times *times,
@@ -200,7 +201,7 @@ static enum neph_status look_at_sky(const struct neph_scene *from, const struct 
     return scene->has_sky ? neph_sky_tables_look(&scene->sky, &look, times, diag) : NEPH_OK;
 }
 
-/* Light of higher orders, of whichever kind. Paths have majorants in place of skipped cells. */
+/* Update multiple scattering of the selected method. Paths use majorants instead of empty cells. */
 static enum neph_status find_light(const struct neph_scene *from, double frame,
                                    const struct neph_march_moment *moment,
                                    struct neph_march_scene *scene, double *gpu_s,
@@ -240,7 +241,7 @@ static enum neph_status show_marched(const struct neph_scene *from, const struct
     return status ? status : find_light(from, frame, moment, scene, cost->light_gpu_s, diag);
 }
 
-/* The air before the camera, and shadows on it. */
+/* Update the air in front of the camera and the shadows on it. */
 static enum neph_status veil(const struct neph_scene *rest, struct neph_march_scene *scene,
                              struct neph_march_scene_cost *cost, struct neph_diag *diag)
 {

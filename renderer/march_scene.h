@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a march reads of a scene on the device: the scene as one frame sees it, in memory that
- * frames in flight take turns with, and its shortcuts. Not for other folders.
+ * The device data of a scene that a march reads: the scene of one frame, in memory with one copy
+ * for each frame in flight, and the tables of its real-time methods. Not for other folders.
  */
 #ifndef NEPH_RENDERER_MARCH_SCENE_H
 #define NEPH_RENDERER_MARCH_SCENE_H
@@ -30,29 +30,31 @@ struct neph_march_scene {
     struct neph_slab_light slab_light;
     struct neph_froxel_scene froxels;
     bool has_sky, has_fog_look;
-    struct neph_sky_split split; /* of the air, where there is one */
+    struct neph_sky_split split; /* of the air, if the scene has one */
     struct neph_sky_tables sky;
     struct neph_sky_shade sky_shade;
     struct neph_buffer no_sky;
 };
 
-/* For a march with these parameters, at their frame. Zero-initialise `scene`; free with _destroy,
- * also after an error. Errors as of neph_gpu_scene_create() and of its shortcuts' _create. */
+/* Create the data for a march with these parameters, at their frame. Zero-initialise `scene`; free
+ * with _destroy, also after an error. Errors as of neph_gpu_scene_create() and of the _create
+ * functions of the tables. */
 enum neph_status neph_march_scene_create(struct neph_vulkan *vulkan, const struct neph_scene *from,
                                          const struct neph_march_params *params,
                                          struct neph_march_scene *scene, struct neph_diag *diag);
 
-/* A zero one is fine. */
+/* A zero-initialised struct is fine. */
 void neph_march_scene_destroy(const struct neph_vulkan *vulkan, struct neph_march_scene *scene);
 
-/* What a picture costs before it is marched, told when that is home; borrowed until then. */
+/* Device times of a frame's work before its march, set when the frame is collected; borrowed until
+ * then. */
 struct neph_march_scene_cost {
     struct neph_sun_fill_cost *fill;
-    double *light_gpu_s;        /* the device's time for traced or diffused light */
-    struct neph_sky_times *sky; /* added to; NULL where there is none */
+    double *light_gpu_s;        /* of traced or diffused light */
+    struct neph_sky_times *sky; /* added to; NULL: no sky */
 };
 
-/* Show another frame, after neph_in_flight_begin(), in memory that no other frame reads.
+/* Update to another frame, after neph_in_flight_begin(), in memory that no other frame reads.
  * Errors as of neph_march_frame(). */
 enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        const struct neph_march_params *params, double frame,
@@ -60,11 +62,11 @@ enum neph_status neph_march_scene_show(const struct neph_scene *from,
                                        struct neph_march_scene *scene,
                                        struct neph_march_scene_cost *cost, struct neph_diag *diag);
 
-/* Fill in the buffers of shaders/march_run.glsl but for the march's own at NEPH_GPU_SCENE_BUFFERS
- * and the binding after it. */
+/* Set the buffers of shaders/march_run.glsl, except the march's own at NEPH_GPU_SCENE_BUFFERS and
+ * the next binding. */
 void neph_march_scene_bind(const struct neph_march_scene *scene, struct neph_dispatch *dispatch);
 
-/* And those for the light of froxels, which see a fog that was handed over to them. */
+/* As neph_march_scene_bind(), with the scene of froxels (froxel_scene.h). */
 void neph_march_scene_bind_froxels(const struct neph_march_scene *scene,
                                    struct neph_dispatch *dispatch);
 

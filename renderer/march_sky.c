@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The sizes of the sky's tables for the ray marcher.
+ */
 #include "renderer/march_params.h"
 
 struct neph_march_sky neph_sky_for_march(struct neph_march_sky_choices choices)

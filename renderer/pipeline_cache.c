@@ -9,19 +9,19 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Shaders change and their old code is never asked for again: a file that has grown beyond this
- * begins anew. */
+/* A larger file is discarded: it contains code of old versions of shaders, which is never used
+ * again. */
 enum { FILE_MAX_BYTES = 64 << 20, HASH_BYTES = NEPH_HASH_HEX_SIZE - 1 };
 
 struct neph_pipeline_cache {
     VkPipelineCache handle;
     char *folder, *path;
-    char hash[NEPH_HASH_HEX_SIZE]; /* of what the file has; empty: nothing of use */
+    char hash[NEPH_HASH_HEX_SIZE]; /* of the file's contents; empty: nothing usable */
 };
 
-/* --- the file: the hash of the driver's bytes, then these --------------------------------- */
+/* --- the file: a hash, then the driver's bytes -------------------------------------------- */
 
-/* All that a driver could take for another one's code. */
+/* The name has all properties that decide whether code fits the driver. */
 static enum neph_status name_file(const struct neph_vulkan *vulkan, char name[80],
                                   struct neph_diag *diag)
 {
@@ -48,7 +48,7 @@ static enum neph_status name_file(const struct neph_vulkan *vulkan, char name[80
     return status;
 }
 
-/* The driver's bytes in `file`; none, when they are not those that were written. */
+/* Size of the driver's bytes in `file`; 0 if they do not match the hash. */
 static size_t check_file(struct neph_pipeline_cache *cache, const char *file, size_t size_bytes)
 {
     char hash[NEPH_HASH_HEX_SIZE];
@@ -75,8 +75,7 @@ static void free_cache(struct neph_pipeline_cache *cache)
     free(cache);
 }
 
-/* A driver checks the header of bytes that it has written itself; those it does not like it leaves
- * out. */
+/* The driver checks the header of its bytes and ignores unsuitable ones. */
 static VkResult create_handle(const struct neph_vulkan *vulkan, struct neph_pipeline_cache *cache)
 {
     char *file = NULL;
@@ -118,7 +117,7 @@ enum neph_status neph_pipeline_cache_create(struct neph_vulkan *vulkan, const ch
     return status;
 }
 
-/* The hash, then what the driver has to say. */
+/* Write the hash, then the driver's bytes. */
 static void save(const struct neph_vulkan *vulkan, const struct neph_pipeline_cache *cache)
 {
     size_t data_bytes = 0;

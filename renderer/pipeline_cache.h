@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a driver has compiled, kept on disk for the next run: a VkPipelineCache in a file that is
- * named after the device and the driver. It only saves time: a file that is broken, or that cannot
- * be read or written, is none. Not for other folders.
+ * Pipelines compiled by the driver, kept on disk for the next run: a VkPipelineCache in a file
+ * named after the device and the driver. It only saves time: a file that is damaged, or cannot be
+ * read or written, counts as empty. Not for other folders.
  */
 #ifndef NEPH_RENDERER_PIPELINE_CACHE_H
 #define NEPH_RENDERER_PIPELINE_CACHE_H
 
 #include "renderer/vulkan_device.h"
 
-/* vulkan->pipelines, with what the file has; `folder` is made when the file is written. After
- * NEPH_ERR_MEMORY or _ENGINE there is none, and nothing to destroy. */
+/* Create vulkan->pipelines from the file; `folder` is created when the file is written. After
+ * NEPH_ERR_MEMORY or NEPH_ERR_ENGINE there is nothing to destroy. */
 enum neph_status neph_pipeline_cache_create(struct neph_vulkan *vulkan, const char *folder,
                                             struct neph_diag *diag);
 
-/* Writes the file, whole or not at all, when there is more in it than there was. Fine without
- * one. */
+/* Write the file, completely or not at all, if the cache has grown. Does nothing without a cache.
+ */
 void neph_pipeline_cache_destroy(struct neph_vulkan *vulkan);
 
-/* For vkCreateComputePipelines(); null: there is none. */
+/* For vkCreateComputePipelines(); null: no cache. */
 VkPipelineCache neph_pipeline_cache_handle(const struct neph_vulkan *vulkan);
 
 #endif

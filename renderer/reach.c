@@ -8,9 +8,15 @@
 #include <math.h>
 #include <stdio.h>
 
-/* The largest extinction times distance. An opaque box with sunlight scattered once, against closed
- * forms: pixels are off by 0.7 % rms and their mean by 0.05 % at 1e5, by 7 % and 0.4 % at 9e5, by
- * 68 % and 17 % at 9e6. Blobs and voxels whose edges are soft are good to 0.05 % even there. */
+/* Limit of extinction times distance. Measured on an opaque box with single scattering against
+ * closed forms:
+ *
+ *   extinction * distance   pixels, rms   mean
+ *   1e5                     0.7 %         0.05 %
+ *   9e5                     7 %           0.4 %
+ *   9e6                     68 %          17 %
+ *
+ * Blobs and voxels with soft edges have errors of 0.05 % even at 9e6. */
 static const double reach_max = 1e5;
 
 static bool is_same(struct neph_vec3 a, struct neph_vec3 b)
@@ -18,7 +24,7 @@ static bool is_same(struct neph_vec3 a, struct neph_vec3 b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Whether its bounds end a medium before its density does. */
+/* Whether the bounds cut a medium off where its density is above 0. */
 static bool is_cut(const struct neph_medium *medium)
 {
     struct neph_medium whole = *medium;
@@ -28,7 +34,7 @@ static bool is_cut(const struct neph_medium *medium)
     return !is_same(cut.min_m, all.min_m) || !is_same(cut.max_m, all.max_m);
 }
 
-/* The extinction of what one sees of a shape from outside [1/m]. */
+/* Extinction near the visible surface of a medium, as seen from outside [1/m]. */
 static double skin_per_m(const struct neph_medium *medium)
 {
     const struct neph_gpu_kind *kind = neph_gpu_kind_of(medium);
@@ -38,7 +44,7 @@ static double skin_per_m(const struct neph_medium *medium)
     return fmin(largest_per_m, kind->skin_per_m(medium, largest_per_m));
 }
 
-/* Extinction times distance of a medium from the camera. */
+/* Extinction times distance from the camera of a medium. */
 static double eye_reach(const struct neph_medium *medium, struct neph_vec3 camera_m,
                         double *extinction_per_m)
 {
@@ -50,9 +56,9 @@ static double eye_reach(const struct neph_medium *medium, struct neph_vec3 camer
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
 }
 
-/* Rays of an orthographic camera begin up to half a diagonal from it, which in pictures of 16:9 is
- * their height. What they meet lies as far away at least, even where the camera is in the medium.
- */
+/* eye_reach() of a medium for perspective and orthographic cameras. Rays of an orthographic camera
+ * start up to half a diagonal beside it, which for 16:9 is about the image height. That height is
+ * therefore a lower limit of the distance, even with the camera inside the medium. */
 static double medium_reach(const struct neph_scene *scene, int m, struct neph_vec3 camera_m,
                            double *extinction_per_m)
 {

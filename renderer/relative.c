@@ -34,7 +34,7 @@ struct neph_gpu_globe neph_gpu_globe_from(struct neph_vec3 center_m, double radi
     const struct neph_vec3 from_center_m = neph_vec3_sub(camera_position_m, center_m);
     const double distance_m = neph_vec3_length(from_center_m);
     struct neph_gpu_globe globe = {
-        .up = {0.0f, 1.0f, 0.0f}, /* any direction will do at the centre */
+        .up = {0.0f, 1.0f, 0.0f}, /* arbitrary at the centre */
         .camera_radius_m = (float)fmin(distance_m, NEPH_GPU_FAR_M),
         .camera_altitude_m = neph_relative_m(distance_m, radius_m),
         .radius_m = (float)radius_m,

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_REQUIREMENT_KIND_COUNT == 4, "a new kind");
 _Static_assert(NEPH_REQUIREMENT_NECESSITY_COUNT == 3, "a new kind");
 
@@ -137,7 +137,7 @@ void neph_requirements_features(const struct neph_device_facts *facts,
     features_12->sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
 }
 
-/* --- refusing ----------------------------------------------------------------------------- */
+/* --- refusal ------------------------------------------------------------------------------ */
 
 static bool is_lacking(const struct neph_requirement *row, const struct neph_device_facts *facts)
 {
@@ -173,7 +173,7 @@ enum neph_status neph_requirements_check(const struct neph_device_facts *facts,
     return NEPH_ERR_UNAVAILABLE;
 }
 
-/* --- choosing ----------------------------------------------------------------------------- */
+/* --- choice of a device ------------------------------------------------------------------- */
 
 static bool is_named(const struct neph_device_facts *facts, const char *wanted)
 {

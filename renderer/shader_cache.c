@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A file: the hash of the words, then these. */
+/* Format of a file: the hash of the words, then the words. */
 enum { HASH_BYTES = NEPH_HASH_HEX_SIZE - 1, FILE_MAX_BYTES = 16 << 20 };
 
 struct neph_shader_cache {
@@ -55,7 +55,7 @@ enum neph_status neph_shader_cache_key(const uint32_t *code, size_t code_bytes,
     return status;
 }
 
-/* The words in a file; none, when they are not those that were written. */
+/* Size of the words in a file; 0 if they do not match the hash. */
 static size_t check_file(const char *file, size_t size_bytes)
 {
     char hash[NEPH_HASH_HEX_SIZE];
@@ -88,7 +88,7 @@ bool neph_shader_cache_read(struct neph_shader_cache *cache, const char *key, ui
     char *path = cache ? neph_path_join(cache->folder, key) : NULL;
     const bool is_there = path && read_words(path, words, size_bytes);
     if (is_there)
-        utimensat(AT_FDCWD, path, NULL, 0); /* used now */
+        utimensat(AT_FDCWD, path, NULL, 0); /* the time of the last use */
     free(path);
     return is_there;
 }
@@ -110,7 +110,7 @@ void neph_shader_cache_write(struct neph_shader_cache *cache, const char *key,
     free(path);
 }
 
-/* --- the limit ---------------------------------------------------------------------------- */
+/* --- the size limit ----------------------------------------------------------------------- */
 
 struct kept {
     char name[NEPH_HASH_HEX_SIZE];
@@ -139,7 +139,7 @@ static bool list_file(struct listing *listing, const struct kept *file)
     return true;
 }
 
-/* What is not named as a shader is not ours. */
+/* Files whose names do not have the form of a key are ignored. */
 static void list_folder(DIR *directory, struct listing *listing)
 {
     bool has_memory = true;
@@ -163,7 +163,7 @@ static int compare_used(const void *a, const void *b)
     return (x->tv_nsec > y->tv_nsec) - (x->tv_nsec < y->tv_nsec);
 }
 
-/* Another process may do the same; who comes second finds nothing to remove. */
+/* Several processes may do this at once; removing a file twice is harmless. */
 static void keep_limit(const char *folder)
 {
     DIR *directory = opendir(folder);

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-/* Words: the size in bytes, the number of constants, the bits of each, then zlib's stream of the
- * module's first bytes of all words, their second bytes, and so on: like bytes beside each other
- * deflate to a tenth less. */
+/* Words: the size in bytes, the number of constants, the read bits of each, then a zlib stream of
+ * byte planes: the first bytes of all words of the module, then the second bytes, and so on.
+ * Grouping similar bytes saves a tenth. */
 enum { COUNT = 1, BITS = 2, WORD_BYTES = 4 };
 
 uint32_t neph_shader_constant_bits(const uint32_t *code, int constant)

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
 
@@ -41,7 +41,7 @@ static enum neph_status check_growth(const char *name, double growth, int steps,
                      pow(NEPH_STEP_GROWTH_WHOLE_MAX, 1.0 / (steps - 1)));
 }
 
-/* As SCALES_VIEW of shaders/march_light.glsl. */
+/* The value of SCALES_VIEW in shaders/march_light.glsl. */
 static bool scales_view(enum neph_march_lighting lighting)
 {
     return lighting == NEPH_MARCH_OCTAVES_FITTED || lighting == NEPH_MARCH_DIFFUSED ||

@@ -9,20 +9,20 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 
-/* 32 KiB of bits, which a GPU keeps near its threads. */
+/* 32 KiB of bits, which fit into a GPU's caches near its threads. */
 static const double cells_wanted = 64.0 * 64.0 * 64.0;
 
-/* Cells are as sure of this part of a cell around them: more than a shader's place is off by, which
- * is 1e-3 of a cell where coordinates are 10^4 cells. */
+/* Margin of a cell, as a part of its side. Greater than the rounding of a shader's position, which
+ * is 1e-3 of a cell at coordinates of 10^4 cells. */
 static const double hair = 1e-2;
 
-/* The buffer of majorants: frame.glsl. */
+/* The binding of the majorants in frame.glsl. */
 static const int binding = 3;
 
-/* About as many cubes as are wanted; a flat box has fewer. */
+/* Choose about cells_wanted cubic cells; a flat box has fewer. */
 static void choose_size(const struct neph_bounds *box, uint32_t size[3])
 {
     double sides_m[3];
@@ -135,7 +135,7 @@ static double length_m(struct neph_vec3 v)
     return sqrt(neph_vec3_dot(v, v));
 }
 
-/* The largest way that a medium, or noise, has gone beside the box. */
+/* The largest displacement of a medium, or of the noise, relative to the bounds. */
 static double largest_shift_m(const struct neph_skip_cells *skip, const struct neph_scene *scene,
                               struct neph_vec3 box_m, struct neph_vec3 box_then_m)
 {
@@ -158,7 +158,7 @@ static enum neph_status check_places(const struct neph_skip_cells *skip,
     neph_lattice_sides_m(box, sides_m);
     const double cell_m = fmin(sides_m[0] / skip->size[0],
                                fmin(sides_m[1] / skip->size[1], sides_m[2] / skip->size[2]));
-    /* Sums of displacements in double differ by far less than this. */
+    /* Sums of displacements in double differ by much less than this. */
     const double rounding_m = 1e-6 * cell_m;
     if (largest_shift_m(skip, scene, box->min_m, skip->box_min_m) <= rounding_m)
         return NEPH_OK;

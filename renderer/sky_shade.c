@@ -49,7 +49,7 @@ struct work {
     const struct neph_sky_shade *shade;
     const struct neph_kernel *kernel;
     struct neph_dispatch dispatch;
-    struct neph_sun_fill_cost *cost; /* borrowed, as the next */
+    struct neph_sun_fill_cost *cost; /* borrowed, as gpu_s */
     double *gpu_s;
 };
 
@@ -83,7 +83,7 @@ static enum neph_status send_run(const struct neph_gpu_march_run *run, void *con
                               "the sky's shadows", work->gpu_s, diag);
 }
 
-/* Solids that move are not compared. */
+/* Whether media are unchanged. Scenes with moving solids always count as changed. */
 static bool is_as_before(struct neph_sky_shade *shade, const struct neph_scene *rest,
                          const struct neph_sky_tables *tables)
 {
@@ -109,7 +109,7 @@ enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct 
     neph_turns_take(&shade->counter_turns, &shade->counters);
     memset(shade->counters.mapped, 0, sizeof(struct neph_gpu_sun_counters));
     cost->counters[NEPH_SUN_SKY] = shade->counters.mapped;
-    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &shade->counters; /* nothing is there */
+    work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS] = &shade->counters; /* unused bindings */
     work.dispatch.buffers[NEPH_GPU_SCENE_BUFFERS + 1] = &shade->counters;
     const enum neph_status status = get_kernel(shade, gpu, &work.kernel, diag);
     return status ? status : neph_march_cut_run(&shade->cut, send_run, &work, diag);

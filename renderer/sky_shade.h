@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shadows of media and solids on the air of a planet before the camera: how much of the sun each
- * froxel of its table sees (shaders/sky_sunlit.comp), before that table is filled
- * (sky/tables.h). From the shadow map of clouds where there is one. Not for other folders.
+ * Shadows of media and solids on the air between the camera and the scene: the sunlit fraction of
+ * each froxel of the aerial table (shaders/sky_sunlit.comp), computed before that table is filled
+ * (sky/tables.h). Uses the shadow map of clouds if there is one. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SKY_SHADE_H
 #define NEPH_RENDERER_SKY_SHADE_H
@@ -12,27 +12,27 @@
 #include "renderer/sun_fill.h"
 
 struct neph_sky_shade {
-    struct neph_vulkan *vulkan; /* borrowed; NULL: nothing throws shadows */
+    struct neph_vulkan *vulkan; /* borrowed; NULL: nothing casts shadows */
     struct neph_march_params params;
-    struct neph_march_cut cut; /* of all froxels */
+    struct neph_march_cut cut; /* covers all froxels */
     struct neph_buffer counters;
     struct neph_turns counter_turns;
-    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]; /* in the world, of the newest filling */
+    struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX]; /* in world space, of the latest filling */
 };
 
-/* For what is marched under a sky; nothing without another medium or solid than the ground.
- * Zero-initialise `shade`; free with _destroy, also after an error. */
+/* Create the shadows for the scene without its sky, `rest`; nothing when it has no other medium and
+ * no solid except the ground. Zero-initialise `shade`; free with _destroy, also after an error. */
 enum neph_status neph_sky_shade_create(struct neph_vulkan *vulkan, const struct neph_scene *rest,
                                        const struct neph_gpu_scene *gpu,
                                        const struct neph_march_params *params,
                                        struct neph_sky_shade *shade, struct neph_diag *diag);
 
-/* A zero one is fine. */
+/* A zero-initialised struct is fine. */
 void neph_sky_shade_destroy(struct neph_sky_shade *shade);
 
-/* Send it on its way, `bound` to what a march is bound to, and make the table of air stale; nothing
- * where all is as it was. What is counted goes to `cost`, the device's time is added to `*gpu_s`;
- * both are borrowed until the frame is home. Errors as of neph_march_frame(). */
+/* Submit the computation, with the bindings `bound` of a march, and mark the table of air as stale;
+ * nothing if all is unchanged. Counters go to `cost`, the device time is added to `*gpu_s`; both
+ * are borrowed until the frame is collected. Errors as of neph_march_frame(). */
 enum neph_status neph_sky_shade_fill(struct neph_sky_shade *shade, const struct neph_scene *rest,
                                      const struct neph_gpu_scene *gpu,
                                      const struct neph_dispatch *bound,

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new lighting: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
 enum { NODES = NEPH_GPU_SLAB_NODES, CELLS = 48 };
@@ -51,14 +51,15 @@ static double kernel(double t, double a, double b)
     return 2.0 - neph_slab_light_e2(t - a) - neph_slab_light_e2(b - t);
 }
 
-/* Edges of cells, fine where light comes in and leaves. */
+/* Edge i of the cells, denser near both boundaries. */
 static double edge_of(int i, double depth)
 {
     const double x = 2.0 * i / CELLS - 1.0, bend = fmin(depth, 30.0) / 8.0 + 1e-3;
     return 0.5 * depth * (1.0 + tanh(bend * x * 0.5) / tanh(bend * 0.5));
 }
 
-/* Gauss: the matrix is diagonally dominant, for no row of the kernel sums up to more than 2. */
+/* Gaussian elimination without pivoting: the matrix is diagonally dominant, because the rows of the
+ * kernel sum up to at most 2. */
 static void solve(double matrix[CELLS][CELLS], double right[CELLS])
 {
     for (int i = 0; i < CELLS; i++)
@@ -75,8 +76,9 @@ static void solve(double matrix[CELLS][CELLS], double right[CELLS])
     }
 }
 
-/* The source function S is constant in a cell: S = albedo (mean + e^-t / 4 pi), and the mean is
- * half the integral of E1(|t - s|) S(s) over the slab (E. A. Milne, 1921). */
+/* Milne's equation (E. A. Milne, 1921) with a source function S that is constant in a cell: S =
+ * albedo (mean + e^-t / 4 pi), where the mean radiance is half the integral of E1(|t - s|) S(s)
+ * over the slab. */
 double neph_slab_light_endless_per_sr(double above, double below, double albedo)
 {
     double matrix[CELLS][CELLS], source[CELLS], edges[CELLS + 1], mean = 0.0;
@@ -98,9 +100,10 @@ double neph_slab_light_endless_per_sr(double above, double below, double albedo)
     return mean;
 }
 
-/* What leaves through the sides of a column as wide as it is long, as if it were absorbed: with the
- * fluence a cosine across, D 2 (pi / (width + 2 q))^2, in units of the extinction; D = 1/3, q =
- * 0.7104 (S. Glasstone, M. C. Edlund, "The Elements of Nuclear Reactor Theory", 1952: buckling). */
+/* Loss through the sides of a column as wide as it is long, as an equivalent absorption: with a
+ * fluence that is a cosine across the column it is D 2 (pi / (width + 2 q))^2, in units of the
+ * extinction; D = 1/3, q = 0.7104 (S. Glasstone, M. C. Edlund, "The Elements of Nuclear Reactor
+ * Theory", 1952: buckling). */
 static double lost_to_sides(double width)
 {
     const double q = 0.7104, wave = M_PI / (width + 2.0 * q);
@@ -121,7 +124,7 @@ static double isotropic_albedo(double albedo, double g)
     return albedo >= 1.0 ? 1.0 : albedo * (1.0 - g) / (1.0 - albedo * g);
 }
 
-/* By albedo of each channel. */
+/* Fill the table, one channel for each albedo. */
 static void fill(const struct neph_medium *medium, float table[NODES * NODES][4])
 {
     const double g = neph_phase_mean_cosine(&medium->phase);

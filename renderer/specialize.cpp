@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Knows SPIRV-Tools. No exception leaves it.
+ * Shader specialization by SPIRV-Tools (specialize.h). The only file that uses SPIRV-Tools; catches
+ * all of its exceptions.
  */
 extern "C" {
 #include "renderer/specialize.h"
@@ -20,25 +21,26 @@ extern "C" {
 namespace
 {
 
-/* As spirv-opt calls them. Not --redundancy-elimination: it makes values that lavapipe loses where
- * a loop is left (docs/devices.md). Not loop unrolling: the driver unrolls what is marked. */
+/* Passes of spirv-opt, by their flags. Excluded: --redundancy-elimination, because it moves values
+ * so that lavapipe loses them at loop exits (docs/devices.md); loop unrolling, because the driver
+ * unrolls marked loops. */
 const std::vector<std::string> passes = {
-    /* What the constants rule out, in each function. */
+    /* Remove the code that the constants exclude, function by function. */
     "--freeze-spec-const",
     "--fold-spec-const-op-composite",
     "--ccp",
     "--eliminate-dead-branches",
     "--eliminate-dead-code-aggressive",
-    /* One function, whose variables are all its own. */
+    /* Inline everything into one function with local variables. */
     "--merge-return",
     "--inline-entry-points-exhaustive",
     "--eliminate-dead-functions",
     "--private-to-local",
-    /* What is ruled out now that arguments are known. */
+    /* Remove the code excluded by arguments, which are known now. */
     "--eliminate-local-single-store",
     "--ccp",
     "--eliminate-dead-branches",
-    /* Values in place of variables. */
+    /* Replace variables by values. */
     "--scalar-replacement=100",
     "--convert-local-access-chains",
     "--eliminate-local-single-block",
@@ -48,7 +50,7 @@ const std::vector<std::string> passes = {
     "--ccp",
     "--eliminate-dead-branches",
     "--eliminate-dead-code-aggressive",
-    /* What says little. */
+    /* Simplify. */
     "--simplify-instructions",
     "--eliminate-dead-code-aggressive",
     "--merge-blocks",
@@ -64,8 +66,8 @@ Values values_of(const uint32_t *constants, int count)
     return values;
 }
 
-/* What only a CPU's kernels of a shader use, whole numbers of 64 bits and texels, all of its
- * kernels declare, and a GPU may lack. A capability goes where no type is left that needs it.
+/* Capabilities that all kernels of a shader declare but only a CPU's kernels use: 64-bit integers
+ * and texel buffers, which a GPU may lack. A capability is removed when no type needs it any more.
  * (SPIRV-Tools can do this since 2023.4: --trim-capabilities.) */
 constexpr uint32_t op_capability = 17, op_type_int = 21, op_type_image = 25, dim_buffer = 5;
 const struct {
@@ -93,7 +95,7 @@ void remove_idle(std::vector<uint32_t> *words, size_t row)
         words->erase(first, first + 2);
 }
 
-/* The optimiser's words when it refuses; empty: it does not. */
+/* The optimiser's message when it refuses the shader; empty: success. */
 std::string optimize(const uint32_t *words, size_t word_count, const Values &values,
                      std::vector<uint32_t> *optimized)
 {

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* GLSL.std.450 has two instructions that write through a pointer. */
+/* Two instructions of GLSL.std.450 write through a pointer. */
 enum { GLSL_MODF = 35, GLSL_FREXP = 51 };
 
 static const struct {
@@ -39,7 +39,7 @@ bool neph_spirv_is_pure(const struct neph_spirv_module *module, size_t at)
 
 /* --- reading ------------------------------------------------------------------------------ */
 
-/* Returns how many blocks there are. */
+/* Index the definitions. Returns the number of blocks. */
 static int read_ids(struct neph_spirv_module *module)
 {
     int block_count = 0;
@@ -61,7 +61,7 @@ static bool is_terminator(uint32_t operation)
     return operation >= OP_BRANCH && operation <= OP_UNREACHABLE;
 }
 
-/* Returns the word behind the block. */
+/* Index a block. Returns the index of the word after it. */
 static size_t read_block(struct neph_spirv_module *module, size_t at, int index)
 {
     struct neph_spirv_block *block = &module->blocks[index];

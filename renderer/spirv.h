@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A SPIR-V module in memory, for renderer/spirv_loops.h and spirv_split.h: where its values and
- * blocks are. Words and numbers are those of the SPIR-V specification 1.6, chapters 2 and 3.
+ * A SPIR-V module in memory, with an index of its values and blocks, for renderer/spirv_loops.h and
+ * spirv_split.h. Words and opcodes as in the SPIR-V specification 1.6, chapters 2 and 3.
  */
 #ifndef NEPH_RENDERER_SPIRV_H
 #define NEPH_RENDERER_SPIRV_H
@@ -48,19 +48,19 @@ enum { NEPH_SPIRV_HEADER_WORDS = 5, NEPH_SPIRV_NO_BLOCK = -1 };
 
 /* The result of an instruction. */
 struct neph_spirv_id {
-    size_t at; /* the word where it is defined */
-    int block; /* that it is defined in, or that it is the label of; or NEPH_SPIRV_NO_BLOCK */
+    size_t at; /* index of the word of its definition */
+    int block; /* of its definition, or that it labels; NEPH_SPIRV_NO_BLOCK: none */
 };
 
 struct neph_spirv_block {
-    size_t at, end, terminator; /* words; from its label on */
-    size_t merge;               /* the word of its OpLoopMerge or OpSelectionMerge; 0: none */
+    size_t at, end, terminator; /* word indices, from the label on */
+    size_t merge;               /* word index of OpLoopMerge or OpSelectionMerge; 0: none */
 };
 
 struct neph_spirv_module {
     const uint32_t *words; /* borrowed */
     size_t word_count;
-    size_t functions; /* the word where they begin */
+    size_t functions; /* word index of the first function */
     uint32_t id_count;
     struct neph_spirv_id *ids; /* owned */
     int block_count;
@@ -72,7 +72,7 @@ static inline uint32_t neph_spirv_operation(const struct neph_spirv_module *modu
     return module->words[at] & 0xffff;
 }
 
-/* In words; the next instruction is that far. */
+/* Number of words of an instruction; the next one follows them. */
 static inline size_t neph_spirv_length(const struct neph_spirv_module *module, size_t at)
 {
     return module->words[at] >> 16;
@@ -91,11 +91,11 @@ static inline uint32_t neph_spirv_label_of(const struct neph_spirv_module *modul
     return module->words[block->at + 1];
 }
 
-/* False: no memory. Free with _free in both cases. `words` is a valid module. */
+/* False: no memory. Call _free in both cases. `words` is a valid module. */
 bool neph_spirv_read(const uint32_t *words, size_t size_bytes, struct neph_spirv_module *module);
 void neph_spirv_free(struct neph_spirv_module *module);
 
-/* Whether an instruction does nothing but give a value: word 1 its type, word 2 its id. */
+/* Whether an instruction only computes a value: word 1 is its type, word 2 its id. */
 bool neph_spirv_is_pure(const struct neph_spirv_module *module, size_t at);
 
 #endif

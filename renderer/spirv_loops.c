@@ -22,32 +22,33 @@ enum {
     OP_GROUP_NON_UNIFORM_ANY = 335,
 };
 
-/* Storage classes that no thread writes: of these a thread that has left reads what it has read. */
+/* Storage classes that threads cannot write: a thread that has left the loop reads the same values
+ * from them as before. */
 enum { CLASS_INPUT = 1, CLASS_UNIFORM = 2, CLASS_PUSH_CONSTANT = 9 };
 
 struct definition {
-    size_t at; /* the word; 0: not seen yet */
+    size_t at; /* word index; 0: not defined yet */
     int block; /* or NEPH_SPIRV_NO_BLOCK */
     bool is_type;
-    /* In the loop in work: */
-    bool is_carried; /* a turn hands it to the next */
-    bool is_other;   /* asked once more by a thread that has left, it is something else */
-    bool is_lost;    /* and so it is after the loop */
+    /* For the loop being checked: */
+    bool is_carried; /* passed to the next iteration by a phi */
+    bool is_other;   /* recomputed by a thread that has left, it would differ */
+    bool is_lost;    /* and its value after the loop is therefore wrong */
 };
 
-/* In the loop in work. */
+/* A block in the loop being checked. */
 struct place {
     bool is_in;
-    bool is_early;    /* the loop may be left behind it, in the same turn */
-    bool is_continue; /* of the continue construct */
+    bool is_early;    /* the loop may be left after this block, in the same iteration */
+    bool is_continue; /* in the continue construct */
 };
 
 struct search {
     struct neph_spirv_module module;
     struct definition *definitions; /* owned, by id */
     struct place *places;           /* owned, by block */
-    int header, merge, target;      /* the loop in work: blocks */
-    bool reads_on;                  /* its continue construct loads something */
+    int header, merge, target;      /* blocks of the loop being checked */
+    bool reads_on;                  /* the continue construct has loads */
 };
 
 /* --- the module ------------------------------------------------------------------------------- */
@@ -82,7 +83,8 @@ static void define_all(struct search *search)
             define(search, at, b);
 }
 
-/* Words of an instruction that may be ids; numbers follow, or, of OP_EXT_INST, lie between. */
+/* The words of an instruction that may be ids. Literal numbers follow them, or precede them in
+ * OP_EXT_INST. */
 struct operands {
     size_t at, end;
 };
@@ -105,7 +107,7 @@ static struct operands operands_of(const struct search *search, size_t at)
         break;
     case OP_VECTOR_SHUFFLE:
     case OP_COMPOSITE_INSERT:
-    case OP_IMAGE_SAMPLE_EXPLICIT_LOD: /* whose level of detail is a constant */
+    case OP_IMAGE_SAMPLE_EXPLICIT_LOD: /* with a constant level of detail */
     case OP_IMAGE_FETCH:
     case OP_IMAGE_READ:
         operands.end = 5;
@@ -121,7 +123,7 @@ static struct operands operands_of(const struct search *search, size_t at)
     return operands;
 }
 
-/* Words of a terminator that are labels. */
+/* The words of a terminator that are labels. */
 struct ways {
     size_t at, end, step;
 };
@@ -153,9 +155,10 @@ static bool is_within(const struct search *search, uint32_t id)
            search->places[search->definitions[id].block].is_in;
 }
 
-/* --- the loop in work ------------------------------------------------------------------------- */
+/* --- the loop being checked ------------------------------------------------------------------- */
 
-/* A loop's blocks come after its header, and each goes back to it without the merge block. */
+/* Whether a block is in the loop: it is after the header, and the header can be reached from it
+ * without the merge block. */
 static bool goes_around(const struct search *search, int block)
 {
     for (struct ways way = ways_of(search, block); way.at < way.end; way.at += way.step) {
@@ -196,8 +199,8 @@ static void find_blocks(struct search *search)
     }
 }
 
-/* Whether any way leads to a second turn. What returns from the middle of a function is inlined as
- * a loop of one. */
+/* Whether a second iteration is possible. A return from the middle of a function is inlined as a
+ * loop with a single iteration. */
 static bool turns(const struct search *search)
 {
     for (int b = 0; b < search->module.block_count; b++)
@@ -207,7 +210,7 @@ static bool turns(const struct search *search)
     return search->target == search->header;
 }
 
-/* All threads of a subgroup have the same answer. */
+/* Whether a value is uniform in the subgroup: the result of a vote. */
 static bool is_vote(const struct search *search, uint32_t id)
 {
     const size_t at = search->definitions[id].at;
@@ -217,7 +220,7 @@ static bool is_vote(const struct search *search, uint32_t id)
     return operation == OP_GROUP_NON_UNIFORM_ALL || operation == OP_GROUP_NON_UNIFORM_ANY;
 }
 
-/* Nobody goes along who has left. */
+/* Whether all threads leave together, so that none keeps executing after it has left. */
 static bool is_left_together(const struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
@@ -251,9 +254,9 @@ static void find_continue(struct search *search)
     }
 }
 
-/* --- what is lost ----------------------------------------------------------------------------- */
+/* --- lost values ------------------------------------------------------------------------------ */
 
-/* What a turn hands to the next for a phi of the header; 0: nothing. */
+/* The value that an iteration passes to a phi of the header; 0: none. */
 static uint32_t handed_on(const struct search *search, size_t phi)
 {
     const uint32_t *words = search->module.words + phi;
@@ -263,9 +266,10 @@ static uint32_t handed_on(const struct search *search, size_t phi)
     return 0;
 }
 
-/* The phi holds what the next turn starts from as soon as that is made: before the loop is left,
- * some way on. Where the continue construct is next to nothing, Mesa makes a choice of the phi, of
- * the last turn's and the first value, which nobody carries. */
+/* A header phi is updated as soon as the value for the next iteration is computed, so it differs
+ * after exits that come later in the same iteration. If the continue construct is nearly empty,
+ * Mesa turns the phi into a selection between that value and the initial one, which is not carried.
+ */
 static void judge_header_phi(struct search *search, size_t at)
 {
     struct definition *phi = &search->definitions[search->module.words[at + 2]];
@@ -286,7 +290,7 @@ static bool is_loaded_anew(const struct search *search, size_t load)
     return class == CLASS_INPUT || class == CLASS_UNIFORM || class == CLASS_PUSH_CONSTANT;
 }
 
-/* Any instruction but a phi. */
+/* Decide for an instruction that is not a phi. */
 static void judge(struct search *search, size_t at)
 {
     const struct neph_spirv_module *module = &search->module;
@@ -301,8 +305,8 @@ static void judge(struct search *search, size_t at)
     definition->is_lost = definition->is_other && !definition->is_carried;
 }
 
-/* Calls of `judge` and `judge_header_phi` for all of the loop, in an order in which what is made
- * comes before what is made of it. Other phis are kept, as what is carried is. */
+/* Decide for all instructions of the loop, definitions before uses. Phis outside the header
+ * preserve their values, as carried values do. */
 static void judge_loop(struct search *search)
 {
     const struct neph_spirv_module *module = &search->module;
@@ -331,7 +335,7 @@ static void forget_and_carry(struct search *search)
             search->definitions[handed_on(search, at)].is_carried = true;
 }
 
-/* A phi of two values keeps them, from where the loop is left. */
+/* Whether a phi at a loop exit has different inputs: it then preserves its value. */
 static bool keeps(const struct search *search, size_t at)
 {
     const uint32_t *words = search->module.words + at;
@@ -343,7 +347,7 @@ static bool keeps(const struct search *search, size_t at)
     return false;
 }
 
-/* The first lost value that a block asks for; 0: none. */
+/* The first lost value that a block uses; 0: none. */
 static uint32_t asked_for(const struct search *search, const struct neph_spirv_block *block)
 {
     const struct neph_spirv_module *module = &search->module;

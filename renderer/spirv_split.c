@@ -8,10 +8,10 @@
 
 enum { BOUND = 3, ADDED_WORDS = 8 }; /* two labels and two branches */
 
-/* A header that is divided: labels of its new blocks. */
+/* The labels of the blocks that a loop header is split into. */
 struct parts {
-    uint32_t body; /* 0: the header stays as it is */
-    uint32_t back; /* 0: it does not branch to itself */
+    uint32_t body; /* 0: the header is unchanged */
+    uint32_t back; /* 0: the header does not branch to itself */
 };
 
 struct splitter {
@@ -31,8 +31,9 @@ static size_t skip_phis(const struct neph_spirv_module *module,
     return at;
 }
 
-/* A conditional branch that leaves the loop or its turn needs no OpSelectionMerge; another one has
- * to stay at the OpLoopMerge. */
+/* Whether a header can be split. Its terminator moves to another block than OpLoopMerge: possible
+ * for an OpBranch, and for a conditional branch that exits or continues the loop, since it needs no
+ * OpSelectionMerge. */
 static bool can_divide(const struct neph_spirv_module *module, const struct neph_spirv_block *block)
 {
     if (!block->merge || neph_spirv_operation(module, block->merge) != OP_LOOP_MERGE ||
@@ -58,7 +59,7 @@ static void plan(struct splitter *splitter)
     }
 }
 
-/* --- writing ---------------------------------------------------------------------------------- */
+/* --- output ----------------------------------------------------------------------------------- */
 
 static void put(struct splitter *splitter, uint32_t word)
 {
@@ -78,7 +79,7 @@ static void copy(struct splitter *splitter, size_t at, size_t end)
     splitter->count += end - at;
 }
 
-/* The block from which a branch to `block` comes that came from `parent`. */
+/* The new predecessor of `block` for a branch that came from `parent`. */
 static uint32_t parent_of(const struct splitter *splitter, int block, uint32_t parent)
 {
     const int from = splitter->module.ids[parent].block;
@@ -100,8 +101,8 @@ static void copy_phis(struct splitter *splitter, int block, size_t at, size_t en
     }
 }
 
-/* Copy the OpLoopMerge or the branch of a block, whose operands 1 .. last may be labels: the label
- * of the block itself becomes that of its new last block. */
+/* Copy the OpLoopMerge or the branch of a block, whose operands 1 .. last may be labels. The label
+ * of the block itself is replaced by the label of its new last block. */
 static void copy_redirected(struct splitter *splitter, int block, size_t at, size_t last)
 {
     const struct neph_spirv_module *module = &splitter->module;

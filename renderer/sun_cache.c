@@ -10,14 +10,14 @@ static const uint32_t sun_cache_code[] = {
 #include "shaders/sun_cache.comp.inc"
 };
 
-/* --- making --------------------------------------------------------------------------------- */
+/* --- creation ------------------------------------------------------------------------------- */
 
 static uint64_t node_count(const struct neph_sun_cache *cache)
 {
     return (uint64_t)cache->size[0] * cache->size[1] * cache->size[2];
 }
 
-/* A node's ray is that of one step of a march. */
+/* A node needs the work of one step of a march. */
 static enum neph_status plan(struct neph_sun_cache *cache, const struct neph_scene *scene,
                              const struct neph_gpu_scene *gpu,
                              const struct neph_march_params *params, struct neph_diag *diag)

@@ -35,7 +35,7 @@ void neph_sun_fill_destroy(struct neph_sun_fill *fill)
 
 /* --- filling -------------------------------------------------------------------------------- */
 
-/* A fill in work. */
+/* The work of a filling. */
 struct work {
     struct neph_sun_fill *fill;
     const struct neph_kernel *kernel;
@@ -85,7 +85,7 @@ static void begin_count(struct neph_sun_fill *fill, struct neph_sun_fill_cost *c
     cost->counters[fill->shader.table] = fill->counters.mapped;
 }
 
-/* Entries from one up to another. */
+/* Fill the entries entries[0] .. entries[1] - 1. */
 static enum neph_status run(struct neph_sun_fill *fill, const uint64_t entries[2],
                             const struct neph_gpu_scene *gpu, const struct neph_skip_cells *skip,
                             const struct neph_buffer *table, struct neph_sun_fill_cost *cost,
@@ -103,9 +103,10 @@ static enum neph_status run(struct neph_sun_fill *fill, const uint64_t entries[2
     return status ? status : neph_march_cut_run(&cut, send_run, &work, diag);
 }
 
-/* --- what is stale --------------------------------------------------------------------------- */
+/* --- stale parts ----------------------------------------------------------------------------- */
 
-/* Sun or media have moved since the newest filling: all parts are stale, from the next on. */
+/* Mark all parts as stale, starting with the next, if sun or media have changed since the last
+ * filling. */
 static void find_stale(struct neph_sun_fill *fill, const struct neph_scene *scene)
 {
     struct neph_gpu_medium media[NEPH_GPU_MEDIA_MAX];
@@ -118,7 +119,7 @@ static void find_stale(struct neph_sun_fill *fill, const struct neph_scene *scen
     fill->stale_parts = fill->part_count;
 }
 
-/* The entries to fill for this picture: all of them at first. */
+/* Choose the entries to fill in this frame: the next part; all entries in the first filling. */
 static void take_part(struct neph_sun_fill *fill, uint64_t entries[2])
 {
     const uint64_t all = fill->cut.ray_count, parts = (uint64_t)fill->part_count;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new format: this file then needs a change. */
 _Static_assert(NEPH_TEXEL_FORMAT_COUNT == 3, "a new kind");
 
 static const struct {
@@ -23,7 +23,7 @@ static const struct {
     [NEPH_TEXEL_R8] = {VK_FORMAT_R8_UNORM, 1},
 };
 
-/* --- what a device has -------------------------------------------------------------------- */
+/* --- device support ----------------------------------------------------------------------- */
 
 bool neph_texture_filters(const struct neph_vulkan *vulkan, enum neph_texel_format format)
 {
@@ -56,7 +56,7 @@ static enum neph_status check(const struct neph_vulkan *vulkan,
     return NEPH_OK;
 }
 
-/* --- making ------------------------------------------------------------------------------- */
+/* --- creation ----------------------------------------------------------------------------- */
 
 static VkResult create_image(const struct neph_vulkan *vulkan,
                              const struct neph_texture_params *params, struct neph_texture *texture)
@@ -157,13 +157,13 @@ static void change_layout(const struct neph_vulkan *vulkan, const struct neph_la
         0, NULL, 1, &barrier);
 }
 
-/* Slabs of a texture that travel together. */
+/* A group of slabs that is copied together. */
 struct slabs {
     const struct neph_texture_params *params;
-    size_t count_each; /* numbers of a slab */
+    size_t count_each; /* values of a slab */
     int first, count;
-    float *values;               /* of slab `first` on; owned */
-    struct neph_buffer *staging; /* the same as texels */
+    float *values;               /* beginning with slab `first`; owned */
+    struct neph_buffer *staging; /* the values converted to texels */
 };
 
 static void fill_slab(int i, void *context)
@@ -200,8 +200,8 @@ static VkResult copy_slabs(const struct neph_vulkan *vulkan, const struct slabs 
     return result == VK_SUCCESS ? neph_lanes_wait(vulkan, vulkan->lanes->sent) : result;
 }
 
-/* A few megabytes of slabs after the other: no second copy of the lattice in memory, and no wait
- * for the device after each slab. */
+/* Copy a few megabytes of slabs at a time: this avoids a second copy of the whole grid in memory,
+ * and a wait for the device after each slab. */
 static enum neph_status fill(const struct neph_vulkan *vulkan,
                              const struct neph_texture_params *params,
                              const struct neph_texture *texture, struct neph_diag *diag)

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new lighting: this file then needs a change. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
 static const uint32_t walk_code[] = {
@@ -21,8 +21,8 @@ static const uint32_t smooth_code[] = {
 
 enum { local_size = 64 };
 
-/* Turns of a path in a round. One through a thick cloud takes several times as many: it goes on in
- * the next, and a round is as long for all. */
+/* Loop iterations of a path in a round. A path through a thick cloud needs several times as many
+ * and continues in the next round, so all rounds take equally long. */
 static const uint32_t turns = 64;
 
 /* --- buffers --------------------------------------------------------------------------------- */
@@ -67,7 +67,7 @@ static enum neph_status create_sized(struct neph_traced_light *light, struct nep
     return neph_buffers_create(light->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
-/* Buffers for pictures of another size, if it is another; then nothing is known of the past. */
+/* Recreate the buffers if the size of the frame has changed; the history is then invalid. */
 static enum neph_status fit(struct neph_traced_light *light, const uint32_t size_px[2],
                             struct neph_diag *diag)
 {
@@ -80,7 +80,7 @@ static enum neph_status fit(struct neph_traced_light *light, const uint32_t size
     return create_sized(light, diag);
 }
 
-/* --- making ---------------------------------------------------------------------------------- */
+/* --- creation -------------------------------------------------------------------------------- */
 
 enum neph_status neph_traced_light_create(struct neph_vulkan *vulkan,
                                           const struct neph_scene *scene,
@@ -111,7 +111,7 @@ void neph_traced_light_destroy(struct neph_traced_light *light)
 
 /* --- rounds ---------------------------------------------------------------------------------- */
 
-/* A picture in work. */
+/* The work of a frame. */
 struct work {
     struct neph_traced_light *light;
     const struct neph_dispatch *bound;
@@ -125,8 +125,8 @@ static uint32_t groups_of(uint32_t threads)
     return (threads + local_size - 1) / local_size;
 }
 
-/* Empty cells are no majorants, which the walk has in their place; and paths are physics: no
- * texture rounds what they meet. */
+/* The kernel of the paths. Its binding for empty cells has the majorants. It does not use grids as
+ * textures: paths must not be affected by the rounding of filtering. */
 static enum neph_status get_walk(struct neph_traced_light *light, const struct neph_gpu_scene *gpu,
                                  const struct neph_kernel **kernel, struct neph_diag *diag)
 {
@@ -234,9 +234,9 @@ static enum neph_status run_round(struct work *work, bool is_last, double *gpu_s
     return neph_batch_send(&batch, "traced light", diag);
 }
 
-/* --- a picture ------------------------------------------------------------------------------- */
+/* --- a frame --------------------------------------------------------------------------------- */
 
-/* How far what drifts with the wind has gone past the camera. */
+/* Displacement relative to the camera of a point that moves with the wind. */
 static struct neph_vec3 shift_of(const struct neph_light_moment *from,
                                  const struct neph_light_moment *to)
 {
@@ -264,12 +264,13 @@ static void set_fade(const struct neph_traced_light *light, const struct neph_li
     neph_gpu_direction(fade->position_m, shift_of(before, view));
 }
 
-/* Rounds before the first picture of a row. */
+/* Warm-up rounds before the first frame of a sequence. */
 static const int unseen_at_start = 8;
 
-/* Rounds that do not count, before the first that do: what the last paths will not bring home in
- * time, paths that are under way when counting begins do in their place. None where paths count
- * ahead what they will bring home. */
+/* Number of warm-up rounds, whose results are discarded. Paths that are unfinished after the last
+ * round are lost; in a steady state they are compensated by paths already in progress when counting
+ * begins. Without that state the result would be too dark. Not needed when unfinished paths are
+ * estimated. */
 static int unseen_rounds(const struct neph_traced_light *light, bool continues)
 {
     if (continues || light->params.light.looks_ahead)

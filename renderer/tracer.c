@@ -24,7 +24,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
@@ -55,13 +55,13 @@ static const uint32_t sum_code[] = {
 
 enum {
     depths_bytes = 4 * NEPH_GPU_MEDIA_MAX * NEPH_GPU_LAYERS_MAX,
-    track_steps = 8,       /* of a turn, through majorant cells */
-    pixel_local_size = 64, /* of tracer_view.comp and tracer_sum.comp */
+    track_steps = 8,       /* steps through majorant cells in one loop iteration */
+    pixel_local_size = 64, /* work group size of tracer_view.comp and tracer_sum.comp */
     round_batches_max = 8,
     window_queues_max = 1 << 12,
 };
 
-/* --- what can be rendered ----------------------------------------------------------------- */
+/* --- supported scenes --------------------------------------------------------------------- */
 
 static bool is_positive(struct neph_rgb rgb)
 {
@@ -73,7 +73,7 @@ static bool lights(const struct neph_scene *scene)
     return scene->environment_light && is_positive(scene->background_w_per_m2_sr);
 }
 
-/* Some medium's optical depth has no closed form: the view ray is tracked too. */
+/* Whether the optical depth of some medium has no closed form: the view ray is then tracked too. */
 static bool is_open(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -82,14 +82,14 @@ static bool is_open(const struct neph_scene *scene)
     return false;
 }
 
-/* More than light that was scattered once where all optical depths are known. */
+/* Whether more is needed than single scattering with known optical depths. */
 static bool needs_paths(const struct neph_scene *scene)
 {
     return scene->scattering == NEPH_SCATTERING_MULTIPLE || lights(scene) || is_open(scene);
 }
 
-/* All sunlight is scattered once: first collisions are drawn by that light, or by a guess of it
- * unless there are lights, too. */
+/* Whether all sunlight is scattered once: first collisions are then sampled in proportion to that
+ * light, or to a guess of it (without point and spot lights). */
 static bool is_lit_once(const struct neph_scene *scene)
 {
     if (is_open(scene) && scene->light_count > 0)
@@ -98,15 +98,15 @@ static bool is_lit_once(const struct neph_scene *scene)
            is_positive(scene->sun.irradiance_w_per_m2) && scene->medium_count > 0;
 }
 
-/* First collisions are drawn by the light that comes from there: also where media differ in
- * brightness, so that each has some of its own. */
+/* Whether first collisions are sampled in proportion to the light that arrives there. Also with
+ * media of different emission, each of which is sampled by its own. */
 static bool draws_by_light(const struct neph_scene *scene)
 {
     return is_lit_once(scene) || neph_scene_sources_differ(scene);
 }
 
-/* Tables of the light of a pixel: one per medium, or two where a fog may have two layers; one of
- * all where it is guessed. */
+/* Number of light tables of a pixel: one per medium, or two if a fog may have two layers; a single
+ * one for all media if the light is guessed. */
 static size_t lit_tables(const struct neph_scene *scene)
 {
     int layers = 1;
@@ -118,7 +118,8 @@ static size_t lit_tables(const struct neph_scene *scene)
     return is_open(scene) ? 1 : (size_t)scene->medium_count * (size_t)layers;
 }
 
-/* Ways of a pixel through media (shaders/tracer_way.glsl): one for each, where some are grids. */
+/* Number of ray segments through media of a pixel (shaders/tracer_way.glsl): one per medium if some
+ * are grids. */
 static size_t ways(const struct neph_scene *scene, const struct neph_gpu_frame *frame)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -181,7 +182,7 @@ static enum neph_status check(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
-/* All that decides the value of a sum. */
+/* Everything on which the sums depend. */
 static char *identity_of(const struct neph_scene *scene, const struct neph_tracer_params *params,
                          const struct neph_vulkan *vulkan)
 {
@@ -211,12 +212,12 @@ enum binding {
     BINDING_COUNT,
 };
 
-/* What a device is given at once. More items are better used: a work group that has many of them
- * keeps all its threads busy for longer. They cost memory, 100 bytes each, and 64 more with a table
- * of sunlight. */
+/* Work for the device at a time. More items improve utilisation: the threads of a work group with
+ * many items are busy for longer. They cost memory, 100 bytes an item, and 64 more with a table of
+ * sunlight. */
 struct sizes {
-    uint32_t chunk_items;               /* pixels of a chunk times samples of a round, at most */
-    uint32_t queue_items, least_queues; /* of a work group, about; and at least so many of these */
+    uint32_t chunk_items;               /* limit of pixels of a chunk times samples of a round */
+    uint32_t queue_items, least_queues; /* per work group, about; minimum number of queues */
     uint32_t first_window;
 };
 
@@ -229,31 +230,33 @@ struct render {
     double start_s;
     const struct neph_kernel *path, *view, *lit, *first, *sun, *check, *sum; /* NULL: not needed */
     struct neph_gpu_scene scene;
-    struct neph_buffer buffers[BINDING_COUNT], progress_readback; /* but for BINDING_PIXELS */
+    struct neph_buffer buffers[BINDING_COUNT], progress_readback; /* all except BINDING_PIXELS */
     struct neph_tracer_parts parts;
     struct sizes sizes;
     uint32_t local_size; /* of the path kernel */
     bool needs_paths, is_open, has_sun_table;
-    size_t lit_tables; /* of a pixel; 0: none are needed */
-    size_t ways;       /* of a pixel, through media; 0: none are needed */
-    bool is_lit;       /* media may scatter light at all */
-    uint32_t turns;    /* of one dispatch, at most */
-    uint32_t window;   /* queues in one dispatch; follows the device's speed */
+    size_t lit_tables; /* per pixel; 0: not needed */
+    size_t ways;       /* per pixel; 0: not needed */
+    bool is_lit;       /* some medium may scatter light */
+    uint32_t turns;    /* limit of loop iterations in one dispatch */
+    uint32_t window;   /* queues in one dispatch; adapted to the device's speed */
     size_t pixel_count, chunk_pixels;
-    size_t viewed_first; /* first pixel of the chunk that the device holds; SIZE_MAX: none */
-    int round_batches;   /* of the next round; follows the device's speed */
-    int most_batches;    /* of a round */
-    double round_max_s;  /* where a round may take more than a batch */
+    size_t viewed_first; /* first pixel of the chunk on the device; SIZE_MAX: none */
+    int round_batches;   /* of the next round; adapted to the device's speed */
+    int most_batches;    /* limit of a round */
+    double round_max_s;  /* limit of the time of a round with several batches */
     struct neph_gpu_progress progress;
-    struct neph_tracer_sums sums;      /* of whole rounds; its pixels (owned) were read back last */
-    double round_head[NEPH_SUMS_HEAD]; /* of the round in work */
+    struct neph_tracer_sums sums;      /* of complete rounds; its pixels (owned) are from the last
+                                          read-back */
+    double round_head[NEPH_SUMS_HEAD]; /* counters of the current round */
     char *identity;
     struct neph_tracer_stats stats;
 };
 
-/* Upper bound of the loop turns (compute.h) in one turn of the path kernel's main loop: three loops
- * over the solids, two over fog, tracking, each of whose steps may choose a node in a loop, and one
- * over empty items. With lights six more over these, two over media and two over solids. */
+/* Upper bound of loop iterations (compute.h) in one iteration of the path kernel's main loop: three
+ * loops over the solids, two over fog layers, tracking (each step may choose a node in a loop), and
+ * one over finished items. With lights, six more over the lights, two over media and two over
+ * solids. */
 static uint32_t turns_within(const struct neph_scene *scene)
 {
     uint32_t fog = 1;
@@ -286,11 +289,11 @@ static bool reflects(const struct neph_scene *scene)
     return false;
 }
 
-/* The media that are tracked, for the constants 7 and 8 of shaders/tracer.glsl: the coloured ones
- * last, so that less of what the channels are weighed by lies beyond a collision that is found
- * later. What lies there does no harm: it is part of the chance, and each channel's density of it
- * integrates to 1. Only a coloured fog would: how far it lets others be tracked depends on the
- * channel, and weigh_fog() leaves that out. */
+/* The order of tracked media, for the constants 7 and 8 of shaders/tracer.glsl. Coloured ones come
+ * last, so that weights of the channels depend less on media behind a collision that is found
+ * later. Such media do not bias the result: they are part of the sampling probability, and each
+ * channel's density integrates to 1. Only a coloured fog would bias it: the distance to which it
+ * lets other media be tracked depends on the channel, which weigh_fog() omits. */
 static uint32_t tracked_media(const struct neph_gpu_frame *frame, uint32_t *order)
 {
     uint32_t count = 0;
@@ -331,7 +334,7 @@ static enum neph_status get_kernels(struct render *render, const struct neph_sce
         const char *name;
         const uint32_t *code;
         size_t code_bytes;
-        bool is_needed; /* the compiler's time is most of a short render */
+        bool is_needed; /* compilation is most of the time of a short render */
     } wanted[] = {
         {&render->view, "tracer_view", view_code, sizeof(view_code), true},
         {&render->lit, "tracer_lit", lit_code, sizeof(lit_code), is_lit && !is_open},
@@ -362,7 +365,7 @@ static size_t sun_nodes(const struct render *render)
 
 static enum neph_status create_buffers(struct render *render, struct neph_diag *diag)
 {
-    const size_t queues = render->chunk_pixels; /* at most */
+    const size_t queues = render->chunk_pixels; /* upper limit */
     const size_t items = render->chunk_pixels * (size_t)render->most_batches *
                          NEPH_TRACER_BATCH_SAMPLES;
     const size_t threads = (queues < window_queues_max ? queues : window_queues_max) *
@@ -408,7 +411,7 @@ static enum neph_status create_buffers(struct render *render, struct neph_diag *
                   : neph_buffers_create(render->vulkan, rows, sizeof(rows) / sizeof(rows[0]), diag);
 }
 
-/* Go on from a checkpoint. */
+/* Resume from the checkpoint, if there is one. */
 static enum neph_status resume(struct render *render, struct neph_diag *diag)
 {
     const char *checkpoint = render->params->checkpoint;
@@ -439,7 +442,8 @@ static enum neph_status create_sums(struct render *render, const struct neph_sce
     return render->sums.pixels && render->identity ? resume(render, diag) : neph_fail_memory(diag);
 }
 
-/* A pixel's samples, or the edges of its tables, are a dispatch's threads. */
+/* Choose the size of a chunk. The threads of a dispatch are the samples of its pixels, or the edges
+ * of their tables. */
 static size_t choose_chunk(const struct render *render)
 {
     const size_t samples = (size_t)render->most_batches * NEPH_TRACER_BATCH_SAMPLES;
@@ -457,7 +461,8 @@ static size_t choose_chunk(const struct render *render)
     return pixels;
 }
 
-/* A round that nothing may end before its time is as long as it can be; else it begins short. */
+/* Choose the sizes of rounds. Without an early stop they have the maximum size; otherwise the first
+ * is short. */
 static void choose_sizes(struct render *render)
 {
     const struct neph_tracer_params *params = render->params;
@@ -480,7 +485,7 @@ static void scatter_nothing(struct neph_gpu_frame *frame)
 
 /* --- the table of sunlight ------------------------------------------------------------------- */
 
-/* As many cubes as that allows. */
+/* The largest grid of cubic cells with at most `nodes` nodes. */
 static void sun_table_size(const struct neph_bounds *box, int nodes, uint32_t size[3])
 {
     int fits = 2, beyond = nodes;
@@ -496,7 +501,7 @@ static void sun_table_size(const struct neph_bounds *box, int nodes, uint32_t si
     neph_lattice_nodes(box, fits, size);
 }
 
-/* From node to node, in the densest medium. */
+/* The largest optical depth between two nodes, in the densest medium. */
 static double depth_between_nodes(const struct neph_scene *scene, const struct neph_bounds *box,
                                   const uint32_t size[3])
 {
@@ -510,11 +515,11 @@ static double depth_between_nodes(const struct neph_scene *scene, const struct n
     return largest_per_m * spacing_m;
 }
 
-/* Light that goes on, from a sun, through shapes whose optical depth is known, alike in all
- * channels: only there is a table worth its while, and what it is wrong by known. */
+/* Place the sunlight table. Used only for multiple scattering of sunlight in grey bounded media
+ * with closed-form optical depths: only there it saves time, and its error can be estimated. */
 static bool place_sun_table(const struct render *render, const struct neph_scene *scene)
 {
-    const double coarsest = 8.0; /* beyond, its noise takes more than its speed has given */
+    const double coarsest = 8.0; /* with coarser cells its noise costs more than its speed gains */
     struct neph_bounds box;
     uint32_t size[3];
     if (render->params->sun_nodes == 0 || render->is_open || !scene->sun.present ||
@@ -530,10 +535,11 @@ static bool place_sun_table(const struct render *render, const struct neph_scene
     return true;
 }
 
-/* --- making ---------------------------------------------------------------------------------- */
+/* --- creation -------------------------------------------------------------------------------- */
 
-/* The kernel of first collisions walks through the grids thrice, the one of paths not at all. Each
- * edge of a way may cost a walk a turn of its own, and the walk's end. */
+/* Refuse scenes that exceed the limit of loop iterations. The kernel of first collisions passes the
+ * grids three times, the kernel of paths never. Each edge of a segment may cost one extra
+ * iteration, and so may the end of the walk. */
 static enum neph_status check_turns(const struct render *render, struct neph_diag *diag)
 {
     const uint64_t turns = 3 * render->scene.optical_depth_turns +
@@ -640,7 +646,7 @@ static uint32_t pixel_groups(uint32_t pixel_count)
     return (pixel_count + pixel_local_size - 1) / pixel_local_size;
 }
 
-/* Make a chunk the one that the device holds. */
+/* Compute the view data of a chunk, unless the device has them already. */
 static enum neph_status view_chunk(struct render *render, const struct neph_gpu_tracer_run *run,
                                    struct neph_diag *diag)
 {
@@ -656,11 +662,11 @@ static enum neph_status view_chunk(struct render *render, const struct neph_gpu_
     if (status)
         return status;
     render->viewed_first = run->first_pixel;
-    render->progress = (struct neph_gpu_progress){0}; /* the kernel has set it to 0 */
+    render->progress = (struct neph_gpu_progress){0}; /* tracer_view.comp resets it */
     return NEPH_OK;
 }
 
-/* One dispatch of the path kernel; `*items_done` grows by what it finished. */
+/* Run one dispatch of the path kernel and add the finished items to `*items_done`. */
 static enum neph_status run_window(struct render *render, const struct neph_gpu_tracer_run *run,
                                    uint32_t queue_count, uint32_t *items_done,
                                    struct neph_diag *diag)
@@ -669,7 +675,7 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
                                                &render->progress_readback, diag);
     if (status)
         return status;
-    /* Counters only grow, modulo 2^32. */
+    /* Counters increase modulo 2^32. */
     const struct neph_gpu_progress *now = render->progress_readback.mapped;
     double *head = render->round_head;
     *items_done += now->items_done - render->progress.items_done;
@@ -680,7 +686,7 @@ static enum neph_status run_window(struct render *render, const struct neph_gpu_
     return NEPH_OK;
 }
 
-/* Long enough to pay for itself, short enough for Ctrl-C. */
+/* Adapt the dispatch: long enough to amortise its overhead, short enough for Ctrl-C. */
 static void adapt_window(struct render *render, double dispatch_s)
 {
     if (dispatch_s < 0.08 && render->window < window_queues_max)
@@ -689,7 +695,7 @@ static void adapt_window(struct render *render, double dispatch_s)
         render->window /= 2;
 }
 
-/* All paths of a round for the queues of the chunk. */
+/* Trace all paths of a round for the queues of the chunk. */
 static enum neph_status trace_paths(struct render *render, struct neph_gpu_tracer_run run,
                                     struct neph_diag *diag)
 {
@@ -732,7 +738,7 @@ static enum neph_status trace_chunk(struct render *render, const struct neph_gpu
     return status;
 }
 
-/* Fewer, where a small frame would leave the device without work groups. */
+/* Pixels of a queue; fewer when a small frame would otherwise have too few work groups. */
 static uint32_t queue_pixels(const struct render *render, uint32_t samples)
 {
     const uint32_t wanted = render->sizes.queue_items / samples;
@@ -761,7 +767,7 @@ static enum neph_status read_back(struct render *render, struct neph_diag *diag)
     return neph_tracer_parts_download(render->vulkan, &render->parts, render->sums.pixels, diag);
 }
 
-/* For a checkpoint that holds all samples already. */
+/* For a checkpoint that already has all samples. */
 static enum neph_status view_all(struct render *render, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -772,7 +778,7 @@ static enum neph_status view_all(struct render *render, struct neph_diag *diag)
     return status;
 }
 
-/* The sums are read back when somebody may ask for them before the end. */
+/* Trace a round. The sums are read back only if a checkpoint or an early stop may need them. */
 static enum neph_status trace_round(struct render *render, int batches, struct neph_diag *diag)
 {
     const struct neph_tracer_params *params = render->params;
@@ -794,7 +800,7 @@ static enum neph_status trace_round(struct render *render, int batches, struct n
 
 /* --- progress ----------------------------------------------------------------------------- */
 
-/* The rounds that are whole: of one that was interrupted nothing has been read back. */
+/* Save the complete rounds: sums of an interrupted round have not been read back. */
 static enum neph_status save(const struct render *render, struct neph_diag *diag)
 {
     if (!render->params->checkpoint)
@@ -810,7 +816,7 @@ static enum neph_status save(const struct render *render, struct neph_diag *diag
     return status;
 }
 
-/* Fewer paths per pixel say nothing of their own scatter. */
+/* With fewer paths per pixel their variance cannot be estimated. */
 static const double samples_min = 16.0;
 
 static bool is_done(struct render *render, double batch_s)
@@ -827,7 +833,7 @@ static bool is_done(struct render *render, double batch_s)
     return neph_wall_s() - render->start_s + batch_s > params->time_limit_s;
 }
 
-/* By the clock: twice as many as last time, or half. */
+/* By the measured time: twice the last number, half of it, or equal. */
 static int batches_in_time(const struct render *render, double batch_s)
 {
     const int last = render->round_batches;
@@ -836,15 +842,15 @@ static int batches_in_time(const struct render *render, double batch_s)
     return last > 1 && last * batch_s > render->round_max_s ? last / 2 : last;
 }
 
-/* Where the error decides when to stop, by the samples so far: what is asked once more must stop at
- * the same sample. */
+/* With a target error, by the number of samples so far: a repeated render must stop at the same
+ * sample. */
 static int batches_on_target(const struct render *render)
 {
     const double batches = render->sums.head[NEPH_SUMS_SAMPLES] / NEPH_TRACER_BATCH_SAMPLES;
     return (int)fmax(1.0, fmin(batches / 4.0, render->most_batches));
 }
 
-/* None beyond the limit of time. */
+/* Choose the batches of the next round, within the time limit. */
 static int choose_batches(struct render *render, double batch_s)
 {
     const struct neph_tracer_params *params = render->params;
@@ -903,7 +909,7 @@ static enum neph_status trace(struct render *render, struct neph_diag *diag)
     return status;
 }
 
-/* --- all of it ---------------------------------------------------------------------------- */
+/* --- entry point -------------------------------------------------------------------------- */
 
 static void count(struct render *render)
 {

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Sums of a pixel. */
+/* The sums of a pixel. */
 enum { ORDER1, HIGHER, SURFACE, SPREAD, SUM_COUNT };
 
 enum { floats_per_pixel = 2 * 4 * SUM_COUNT };
@@ -48,9 +48,9 @@ static double sum_of(const struct neph_gpu_tracer_pixel *pixel, int sum, int com
     return (double)pixel->sums[sum][component] - (double)pixel->excess[sum][component];
 }
 
-/* The variance of the mean of all light: each pair's squared difference / 4 estimates that of the
- * pair's mean, and the mean is that of `pairs` of them. Of two sequences it is the squared
- * difference of their means / 4. */
+/* The variance of the mean of all light: a pair's squared difference / 4 estimates the variance of
+ * the pair's mean, and the mean has `pairs` of them. With two sequences, the squared difference of
+ * their means / 4. */
 static double variance_of(const struct neph_tracer_sums *sums, size_t pixel, int channel)
 {
     const double pairs = 0.5 * sums->head[NEPH_SUMS_SAMPLES];
@@ -71,7 +71,7 @@ double neph_tracer_sums_error(const struct neph_tracer_sums *sums, bool is_lit)
         }
     if (radiance > 0.0)
         return sqrt(variance / radiance);
-    return is_lit ? INFINITY : 0.0; /* nothing has been seen yet, or there is nothing */
+    return is_lit ? INFINITY : 0.0; /* no light sampled yet, or no light at all */
 }
 
 static const char *const rgb_layers[] = {NULL, "volume", "order1", "transmittance", "variance"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The one translation unit that holds volk's implementation.
+ * The translation unit with volk's implementation.
  */
 #define VOLK_IMPLEMENTATION
 #include <volk.h>

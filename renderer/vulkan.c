@@ -37,8 +37,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE;
 }
 
-/* What the loader says of other people's drivers (type GENERAL) is not about us. With checks in
- * shaders the layer warns of features that it enables for itself: only errors count there. */
+/* Filter of messages. Messages of the loader about other drivers (type GENERAL) are ignored. With
+ * checks in shaders the layer warns about features that it enables itself, so only errors count. */
 static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct neph_vulkan *vulkan,
                                                          enum neph_vulkan_validation validation)
 {
@@ -109,7 +109,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
         return NEPH_ERR_UNAVAILABLE;
     }
 
-    /* The layer warns of core checks beside checks in shaders. */
+    /* The layer warns when core checks and checks in shaders are both enabled. */
     const VkValidationFeatureDisableEXT no_checks[] = {
         VK_VALIDATION_FEATURE_DISABLE_CORE_CHECKS_EXT};
     const VkValidationFeatureEnableEXT checks[] = {
@@ -119,7 +119,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
     const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(vulkan, validation);
     const VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-        .pNext = &messenger, /* hears the creation and the destruction of the instance too */
+        .pNext = &messenger, /* also for creation and destruction of the instance */
         .enabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 3 : 1,
         .pEnabledValidationFeatures = checks,
         .disabledValidationFeatureCount = validation == NEPH_VALIDATION_SHADERS ? 1 : 0,
@@ -154,7 +154,7 @@ static enum neph_status create_instance(struct neph_vulkan *vulkan,
 
 #define DEVICES_MAX 16
 
-/* The first queue family that computes; UINT32_MAX when there is none. */
+/* The first queue family with compute support; UINT32_MAX: none. */
 static uint32_t find_queue_family(VkPhysicalDevice device, uint32_t *timestamp_bits)
 {
     VkQueueFamilyProperties families[32];
@@ -285,7 +285,7 @@ static enum neph_status create_lanes(struct neph_vulkan *vulkan, uint32_t timest
                                 : neph_vulkan_fail(result, "create the command buffers", diag);
 }
 
-/* dl_iterate_phdr's callback: hold the library open for as long as the process lives. */
+/* Callback of dl_iterate_phdr(): keep the library loaded for the lifetime of the process. */
 static int hold_library(struct dl_phdr_info *info, size_t size, void *context)
 {
     (void)size;
@@ -295,15 +295,16 @@ static int hold_library(struct dl_phdr_info *info, size_t size, void *context)
     return 0;
 }
 
-/* The loader unloads a driver with the last instance. NVIDIA's takes static thread-local storage
- * each time it is loaded and never gives it back: the 16th device of a process would find none. */
+/* Keep all drivers loaded. The loader unloads a driver with the last instance. NVIDIA's driver
+ * allocates static thread-local storage at each load and never frees it: the 16th device of a
+ * process would fail. */
 static void hold_drivers(void)
 {
     dl_iterate_phdr(hold_library, NULL);
 }
 
-/* A CPU's driver compiles what it is sent on one thread, which all others wait for: it gets a
- * core. */
+/* The number of threads that compile kernels. A CPU driver compiles on one thread of its own, for
+ * which all others wait: it gets a core. */
 static int maker_count(const struct neph_vulkan *vulkan)
 {
     const int processors = neph_processor_count();

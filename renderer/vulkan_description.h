@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Descriptions of a Vulkan device for reports, without a dependency on Vulkan's headers.
+ */
 #ifndef NEPH_RENDERER_VULKAN_DESCRIPTION_H
 #define NEPH_RENDERER_VULKAN_DESCRIPTION_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* What the numbers were made on; goes into job keys and reports. */
+/* The device and driver of a measurement; part of job keys and reports. */
 struct neph_vulkan_description {
     char device[256];
     char driver[640];     /* name, version and build of the driver */
@@ -14,11 +17,11 @@ struct neph_vulkan_description {
     bool is_cpu;
 };
 
-/* One row of the table of what a device must have (requirements.h), and what this one has. */
+/* One row of the table of requirements (requirements.h) with the device's value. */
 struct neph_vulkan_requirement {
-    const char *name;    /* as Vulkan calls it */
-    const char *purpose; /* after "for" */
-    const char *without; /* what is done where an optional one is missing; else NULL */
+    const char *name;    /* Vulkan's name */
+    const char *purpose; /* continues "for ..." */
+    const char *without; /* the fallback when an optional row is not met; else NULL */
     char needed[32], value[32];
     bool is_required, is_met;
 };

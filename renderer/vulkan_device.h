@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * An open Vulkan device, as vulkan.c makes it and compute.c uses it. Not for other folders.
+ * An open Vulkan device: created by vulkan.c, used by compute.c. Not for other folders.
  */
 #ifndef NEPH_RENDERER_VULKAN_DEVICE_H
 #define NEPH_RENDERER_VULKAN_DEVICE_H
@@ -23,30 +23,30 @@ struct neph_vulkan {
     VkInstance instance;
     VkPhysicalDevice physical_device;
     VkDevice device;
-    struct VolkDeviceTable api; /* every call on the device goes through this */
+    struct VolkDeviceTable api; /* every call on the device uses this table */
     VkQueue queue;
     uint32_t queue_family;
-    struct neph_lanes *lanes; /* owned; they change where the device itself is const */
+    struct neph_lanes *lanes; /* owned; mutable also through a const device */
     double timestamp_period_s;
-    uint64_t timestamp_mask; /* the bits that are valid; 0: no clock */
+    uint64_t timestamp_mask; /* valid bits; 0: no clock */
     VkPhysicalDeviceMemoryProperties memory;
     VkPhysicalDeviceLimits limits;
     struct neph_pipeline_cache *pipelines; /* owned; NULL: nothing is kept on disk */
     struct neph_shader_cache *shaders;     /* owned; NULL: nothing is kept on disk */
-    struct neph_kernel_sets *sets;         /* owned; they grow where the device itself is const */
-    struct neph_kernel *kernels;           /* owned; all that were ever asked for */
-    struct neph_workers *makers;           /* owned; of the kernels */
-    atomic_bool is_ending;                 /* kernels in the queue need not be made */
-    pthread_mutex_t pipeline_lock;         /* of a CPU's driver, while a pipeline is made */
+    struct neph_kernel_sets *sets;         /* owned; grow also through a const device */
+    struct neph_kernel *kernels;           /* owned; all kernels requested so far */
+    struct neph_workers *makers;           /* owned; threads that compile kernels */
+    atomic_bool is_ending;                 /* queued kernels need not be compiled */
+    pthread_mutex_t pipeline_lock;         /* serialises pipeline creation by a CPU driver */
     struct neph_vulkan_description description;
 
-    /* Validation. The functions are kept here because volk's globals belong to the instance that
+    /* Validation. The functions are stored here because volk's globals belong to the instance that
      * was loaded last. */
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
     PFN_vkSetDebugUtilsObjectNameEXT set_object_name; /* NULL without validation */
     VkDebugUtilsMessengerEXT messenger;
     bool checks_shaders;
-    atomic_int message_count; /* kernels are made on several threads */
+    atomic_int message_count; /* kernels are compiled on several threads */
     char first_message[900];
 };
 

@@ -10,18 +10,18 @@
 
 #include <math.h>
 
-/* As in truth/transport.c: media with kinks inside of pieces. */
+/* For media with kinks inside of pieces, as in truth/transport.c. */
 static const double rough_tolerance = 1e-11;
 
-/* Where on the ray, seen from the foot of the light's perpendicular: by the angle theta within h of
- * it, beyond by psi = atan(h / s) / h, which is 1 / s for a ray that passes close. d(theta) / h and
- * d(psi) are dt / d^2, both. */
+/* Parametrisation of the ray around the foot of the light's perpendicular: within h of the foot by
+ * the angle theta, beyond by psi = atan(h / s) / h, which is 1 / s for a ray that passes close.
+ * Both dtheta / h and dpsi equal dt / d^2. */
 enum zone { BEFORE, NEAR, BEHIND, ZONE_COUNT };
 
 struct airlight {
     const struct neph_pieces *pieces;
     const struct neph_light *light;
-    double foot_m, height_m; /* of the light along the ray and above it */
+    double foot_m, height_m; /* light's position along the ray, and distance from the ray */
     enum zone zone;
 };
 
@@ -66,10 +66,10 @@ static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct
 static double through(double source, double depth)
 {
     const double light = exp(-depth);
-    return light > 0.0 ? source * light : 0.0; /* 0 * inf: opaque, however dense */
+    return light > 0.0 ? source * light : 0.0; /* avoids 0 * inf in opaque media */
 }
 
-/* Radiance of the lit zone, per unit of its variable of integration. */
+/* Integrand: radiance per unit of the zone's variable of integration. */
 static void source(double x, void *context, double value[3])
 {
     const struct airlight *a = context;
@@ -94,7 +94,7 @@ static void source(double x, void *context, double value[3])
     value[2] = through(scattered.b, depth.b);
 }
 
-/* The pieces within a zone, in its variable of integration. */
+/* The pieces of the ray in a zone, in its variable of integration. */
 static int pieces_of_zone(const struct airlight *a, struct neph_interval *places)
 {
     const double low_m[ZONE_COUNT] = {-INFINITY, a->foot_m - a->height_m, a->foot_m + a->height_m};
@@ -139,7 +139,7 @@ double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                      struct neph_rgb *radiance)
 {
     double error = 0.0;
-    struct neph_pieces pieces; /* not initialised as a whole: it is large */
+    struct neph_pieces pieces; /* not zero-initialised: it is large */
     pieces.scene = scene;
     pieces.origin_m = origin_m;
     pieces.direction = direction;

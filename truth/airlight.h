@@ -2,26 +2,28 @@
  *
  * The airlight of point lights: light that media scatter once into a ray,
  *   L = integral of sum_m sigma_s,m(t) p_m(cos) I(direction) / d^2 e^(-tau_view - tau_light) V dt,
- * d being the distance from the light. The peak of 1 / d^2, as sharp as the ray passes close to the
- * light, is taken out by the substitution t = foot + h tan(theta) (B. Sun, R. Ramamoorthi, S. G.
- * Narasimhan, S. K. Nayar, "A Practical Analytic Single Scattering Model for Real Time Rendering",
- * SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, draw distances by it): dt / d^2 = dtheta / h. The
- * new integrand is smooth between the edges of shadows, cones and media, which are cut at exactly.
+ * with d the distance from the light. The peak of 1 / d^2, which is sharp if the ray passes close
+ * to the light, is removed by the substitution t = foot + h tan(theta), dt / d^2 = dtheta / h (B.
+ * Sun, R. Ramamoorthi, S. G. Narasimhan, S. K. Nayar, "A Practical Analytic Single Scattering Model
+ * for Real Time Rendering", SIGGRAPH 2005; C. Kulla, M. Fajardo, EGSR 2012, sample distances by
+ * it). The new integrand is smooth between the edges of shadows, cones and media, where the ray is
+ * cut exactly.
  */
 #ifndef NEPH_TRUTH_AIRLIGHT_H
 #define NEPH_TRUTH_AIRLIGHT_H
 
 #include "scenes/scene.h"
 
-/* The light of all lights along origin + t direction (unit), t in [t0_m, t1_m], both finite, added
- * to `radiance`. All media have closed forms. Adaptive quadrature as in truth/transport.h; the
- * relative accuracy is better than 1e-10. Returns the estimated absolute error. A ray straight
- * through a light has no bound, and its radiance is infinite. */
+/* Add to `radiance` the airlight of all lights along origin + t direction (unit), t in [t0_m,
+ * t1_m], both finite. All media must have closed forms. Adaptive quadrature as in
+ * truth/transport.h, with a relative accuracy better than 1e-10. Returns the estimated absolute
+ * error. The radiance of a ray straight through a light is infinite. */
 double neph_airlight(const struct neph_scene *scene, struct neph_vec3 origin_m,
                      struct neph_vec3 direction, double t0_m, double t1_m,
                      struct neph_rgb *radiance);
 
-/* Light of all lights that a Lambertian surface of albedo 1 reflects at a point outside of it. */
+/* Radiance of all lights reflected by a Lambertian surface of albedo 1, at a point just outside of
+ * it. */
 struct neph_rgb neph_lamplight_reflected(const struct neph_scene *scene, struct neph_vec3 point_m,
                                          struct neph_vec3 normal);
 

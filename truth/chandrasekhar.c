@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The H function of isotropic scattering. From its integral
+ * The H function of isotropic scattering. In its integral
  *   ln H(mu) = -(mu / pi) int_0^{pi/2} ln(1 - w x cot x) / (cos^2 x + mu^2 sin^2 x) dx,
- * tan x = tan(a) / mu takes the peak of small mu away:
+ * the substitution tan x = tan(a) / mu removes the peak at small mu:
  *   ln H(mu) = -(1 / pi) int_0^{pi/2} ln(1 - w x cot x) da.
- * The new integrand has a logarithm at a = 0 when w = 1; the double exponential rule (Takahasi and
- * Mori 1974) takes no notice of it.
+ * For w = 1 the new integrand has a logarithmic singularity at a = 0; the double exponential rule
+ * (Takahasi and Mori 1974) is not affected by it.
  */
 #include "truth/slab.h"
 

@@ -24,16 +24,16 @@ static void cut_faces(struct neph_cuts *cuts, const struct neph_bounds *bounds)
     }
 }
 
-/* Where the sun ray from o + t d changes the face by which it enters or leaves the bounds: the
- * distances to the faces are affine in t, and the kinks lie where two of them cross, or one
- * crosses zero. */
+/* Cut at the kinks of the optical depth towards the sun: where the sun ray from o + t d changes the
+ * face by which it enters or leaves the bounds. The distances to the faces are affine in t; the
+ * kinks are where two of them are equal, or one is zero. */
 static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds)
 {
     const struct neph_vec3 s = cuts->scene->sun.direction, o = cuts->origin_m, d = cuts->direction;
     const double face_m[6] = {bounds->min_m.x, bounds->max_m.x, bounds->min_m.y,
                               bounds->max_m.y, bounds->min_m.z, bounds->max_m.z};
     const double sun[3] = {s.x, s.y, s.z}, origin[3] = {o.x, o.y, o.z}, view[3] = {d.x, d.y, d.z};
-    double constant[7] = {0.0}, slope[7] = {0.0}; /* the first is the start of the sun ray */
+    double constant[7] = {0.0}, slope[7] = {0.0}; /* the first entry is the start of the sun ray */
     int count = 1;
     for (int face = 0; face < 6; face++) {
         const int axis = face / 2;
@@ -48,8 +48,8 @@ static void cut_sun_kinks(struct neph_cuts *cuts, const struct neph_bounds *boun
                 neph_cut(cuts, (constant[j] - constant[i]) / (slope[i] - slope[j]));
 }
 
-/* Kinks of a light: its rays change their face of the bounds where one of them meets an edge,
- * which is where the view ray crosses the plane through the light and the edge. */
+/* Cut at the kinks of a light: its rays change their face of the bounds at an edge, which is where
+ * the view ray crosses the plane through the light and the edge. */
 static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bounds,
                             struct neph_vec3 light_m)
 {
@@ -67,8 +67,8 @@ static void cut_light_kinks(struct neph_cuts *cuts, const struct neph_bounds *bo
     }
 }
 
-/* Where the cosine of the angle from a spot's axis is a given one; of the cone on its other side,
- * too, which does no harm. */
+/* Cut where the angle from a spot's axis has a given cosine. Also cuts at the mirrored cone, which
+ * is harmless. */
 static void cut_cone(struct neph_cuts *cuts, const struct neph_light *light, double cosine)
 {
     const struct neph_vec3 w = neph_vec3_sub(cuts->origin_m, light->position_m);
@@ -96,8 +96,8 @@ static void cut_light(struct neph_cuts *cuts, const struct neph_light *light)
 
 /* ---- all ---- */
 
-/* The shadows of all solids on the range of the cuts, by ascending start: of the sun, or of a light
- * in its place. */
+/* The shadows of all solids in the range of the cuts, by ascending start; light NULL: of the
+ * sun. */
 static int shadows_on_ray(const struct neph_cuts *cuts, const struct neph_light *light,
                           struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX])
 {
@@ -112,7 +112,7 @@ static int shadows_on_ray(const struct neph_cuts *cuts, const struct neph_light 
                                            cuts->direction, cuts->t0_m, cuts->t1_m, &shadow->low,
                                            &shadow->high);
     }
-    /* compare_doubles sees the first member, low. */
+    /* compare_doubles reads the first member, low. */
     qsort(shadows, (size_t)count, sizeof(shadows[0]), compare_doubles);
     return count;
 }
@@ -150,7 +150,7 @@ static void start_cuts(struct neph_cuts *cuts, const struct neph_scene *scene,
     cuts->count = 0;
 }
 
-/* The pieces between cuts that no shadow covers. */
+/* The pieces between cuts outside of all shadows. */
 static int lit_pieces(const struct neph_cuts *cuts, const struct neph_interval *shadows,
                       int shadow_count, struct neph_interval *pieces)
 {
@@ -172,7 +172,7 @@ int neph_lit_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_interval *pieces)
 {
     struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
-    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    struct neph_cuts cuts; /* not zero-initialised: it is large */
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
     const int shadow_count = shadows_on_ray(&cuts, NULL, shadows);
     make_cuts(&cuts, shadows, shadow_count, scales);
@@ -184,7 +184,7 @@ int neph_lamplit_pieces(const struct neph_scene *scene, const struct neph_light 
                         double t1_m, struct neph_interval *pieces)
 {
     struct neph_interval shadows[NEPH_SCENE_SOLIDS_MAX];
-    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    struct neph_cuts cuts; /* not zero-initialised: it is large */
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
     const int shadow_count = shadows_on_ray(&cuts, light, shadows);
     cut_light(&cuts, light);
@@ -196,7 +196,7 @@ int neph_ray_pieces(const struct neph_scene *scene, struct neph_vec3 origin_m,
                     struct neph_vec3 direction, double t0_m, double t1_m,
                     struct neph_interval *pieces)
 {
-    struct neph_cuts cuts; /* not initialised as a whole: it is large */
+    struct neph_cuts cuts; /* not zero-initialised: it is large */
     start_cuts(&cuts, scene, origin_m, direction, t0_m, t1_m);
     make_cuts(&cuts, NULL, 0, true);
     int count = 0;

@@ -12,8 +12,8 @@ void neph_basis(struct neph_vec3 n, struct neph_vec3 *a, struct neph_vec3 *b)
     *b = (struct neph_vec3){t, sign + n.y * n.y * s, -n.y};
 }
 
-/* axis * along + sine * (a direction across it at a random azimuth), made unit again: a path of
- * thousands of turns would drift. */
+/* axis * along + sine * (a perpendicular direction at a random azimuth), normalised: errors of
+ * thousands of turns would add up. */
 static struct neph_vec3 around(struct neph_vec3 axis, double along, double sine,
                                struct neph_random *random)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Random directions: phase functions by exact inversion, and the cosine law of Lambert.
+ * Random directions: exact inversion of phase functions, and Lambert's cosine law.
  */
 #ifndef NEPH_TRUTH_DIRECTIONS_H
 #define NEPH_TRUTH_DIRECTIONS_H
@@ -8,14 +8,15 @@
 #include "scenes/scene.h"
 #include "truth/random.h"
 
-/* A direction of travel after scattering: density neph_phase_per_sr() of the cosine. Unit. */
+/* Sample a direction after scattering: density neph_phase_per_sr() of the cosine. Unit. */
 struct neph_vec3 neph_phase_sample(const struct neph_phase *phase, struct neph_vec3 direction,
                                    struct neph_random *random);
 
-/* A direction off a Lambertian surface: density cos / pi over the side of the unit normal. Unit. */
+/* Sample a reflected direction of a Lambertian surface: density cos / pi on the side of the unit
+ * normal. Unit. */
 struct neph_vec3 neph_cosine_sample(struct neph_vec3 normal, struct neph_random *random);
 
-/* Two unit vectors across a unit vector (T. Duff et al., "Building an Orthonormal Basis,
+/* Two unit vectors perpendicular to a unit vector (T. Duff et al., "Building an Orthonormal Basis,
  * Revisited", JCGT 6(1), 2017). */
 void neph_basis(struct neph_vec3 n, struct neph_vec3 *a, struct neph_vec3 *b);
 

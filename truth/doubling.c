@@ -3,14 +3,14 @@
  * At quadrature nodes the transfer equation of one mode is linear with constant coefficients:
  *   d up / d tau = G up - B down,  d down / d tau = B up - G down,
  *   G = (1 - albedo/2 P_same W) / mu,  B = albedo/2 P_other W / mu.
- * A thin layer's reflection and transmission come from the exponential of that matrix. With s = up
- * + down, d = up - down it falls into s' = X d, d' = Y s, X = G + B, Y = G - B, and its exponential
- * into power series of X Y and Y X. The thick layer is doubled from the thin one (van de Hulst
- * 1963; Hansen 1971; de Haan, Bosma, Hovenier 1987, section 4).
+ * Reflection and transmission of a thin layer follow from the exponential of that matrix. With s =
+ * up + down, d = up - down the system becomes s' = X d, d' = Y s, X = G + B, Y = G - B, and the
+ * exponential becomes power series of X Y and Y X. The thick layer is doubled from the thin one
+ * (van de Hulst 1963; Hansen 1971; de Haan, Bosma, Hovenier 1987, section 4).
  *
- * Why an exponential and not one order of scattering in an extremely thin layer: each doubling
- * doubles the rounding of the thinner layer's direct light, 1e-16. A layer as thick as half the
- * smallest cosine needs few doublings.
+ * Why an exponential and not single scattering in an extremely thin layer: each doubling doubles
+ * the rounding error of the thinner layer's direct light, 1e-16. A layer with half the smallest
+ * cosine as its depth needs few doublings.
  */
 #include "truth/doubling.h"
 
@@ -26,7 +26,7 @@ static const double thin_per_cosine = 0.5;
 
 enum { POWER_COUNT = 10 };
 
-/* Places for operators; some are used again when they are free. */
+/* Storage of operators; some are reused. */
 enum {
     X,
     Y,
@@ -48,9 +48,9 @@ enum {
     NEXT = ODD,
 };
 
-/* out_i = diagonal_i in_i + sum_j kernel_ij w_j in_j: light that goes straight and light that is
- * turned. Apart, because directions of weight 0 have no column in a matrix with weights inside.
- * The diagonal is kept twice, for the directions of rows and of columns. */
+/* out_i = diagonal_i in_i + sum_j kernel_ij w_j in_j: direct light, and scattered light. They are
+ * separate, because directions of weight 0 have no column in a matrix that includes the weights.
+ * The diagonal is stored twice, for the directions of rows and of columns. */
 struct transfer {
     double *row_diagonal, *column_diagonal, *kernel;
 };
@@ -58,10 +58,10 @@ struct transfer {
 struct solver {
     const struct neph_doubling *layer;
     size_t nodes, rows, columns;
-    double *memory;                            /* owned; all of the following */
+    double *memory;                            /* owned; contains all of the following */
     double *row_legendre, *column_legendre;    /* [direction][l - mode]; rows times (2l+1) moment */
     double *matrix;                            /* nodes * nodes, for solve() */
-    struct transfer operators[OPERATOR_COUNT]; /* consecutive diagonals and kernel each */
+    struct transfer operators[OPERATOR_COUNT]; /* each: consecutive diagonals and kernel */
 };
 
 static size_t operator_size(const struct solver *solver)
@@ -94,7 +94,7 @@ static enum neph_status solver_init(struct solver *solver, const struct neph_dou
 
 /* ---- the algebra ---- */
 
-/* out = a W b: of kernels alone. */
+/* out = a W b, of kernels only. */
 static void fold(const struct solver *solver, const double *a, const double *b, double *out)
 {
     const size_t columns = solver->columns;
@@ -210,8 +210,8 @@ static void solve(double *matrix, double *right, size_t n, size_t m)
     }
 }
 
-/* Divide from the left: (diagonal + kernel W) out = right, where `right` and `out` are kernels
- * without a diagonal; the rows of the views follow from those of the nodes. */
+/* Divide from the left: solve (diagonal + kernel W) out = right, with kernels `right` and `out`
+ * without a diagonal. The rows of the views follow from the rows of the nodes. */
 static void divide(const struct solver *solver, const struct transfer *divisor, double *right)
 {
     const size_t nodes = solver->nodes, columns = solver->columns;
@@ -264,8 +264,8 @@ static void make_legendre(const struct solver *solver, int mode)
                  solver->column_legendre + k * count);
 }
 
-/* The phase function's terms of even and of odd l - m, apart: within a hemisphere it is their sum,
- * between the hemispheres their difference. */
+/* The terms of the phase function with even and with odd l - m. Within a hemisphere the phase
+ * function is their sum, between the hemispheres their difference. */
 static void phase_parts(const struct solver *solver, int mode, size_t row, size_t column,
                         double *even, double *odd)
 {
@@ -279,7 +279,7 @@ static void phase_parts(const struct solver *solver, int mode, size_t row, size_
     *odd = sum[1];
 }
 
-/* X and Y of the head of this file. */
+/* X and Y of this file's first comment. */
 static void make_generator(const struct solver *solver, int mode, struct transfer *x,
                            struct transfer *y)
 {
@@ -311,9 +311,9 @@ static void combine(struct solver *solver, double cosh_xy, double cosh_yx, doubl
     accumulate(solver, sinh_yx, &solver->operators[SINH_YX], out);
 }
 
-/* With nothing from below, s(0) = R + 1, d(0) = R - 1, s(t) = T = -d(t):
+/* Without light from below, s(0) = R + 1, d(0) = R - 1, s(t) = T = -d(t):
  *   (C + D + S + S') R = D + S - C - S',   T = (C - S) + (C + S) R,
- * C = cosh of X Y, D of Y X, S = sinh / sqrt of X Y, times X; S' = that of Y X, times Y. */
+ * C = cosh of X Y, D of Y X, S = sinh / sqrt of X Y, times X; S' is the same of Y X, times Y. */
 static void thin_layer(struct solver *solver, int mode, double t)
 {
     struct transfer *o = solver->operators;
@@ -339,7 +339,7 @@ static void thin_layer(struct solver *solver, int mode, double t)
 
 /* ---- doubling ---- */
 
-/* Light that goes straight through an optical depth t, exact: the diagonal of the transmission. */
+/* Set the exact direct transmission of an optical depth t: the diagonal of the transmission. */
 static void set_direct(struct solver *solver, double t)
 {
     const struct transfer *transmission = &solver->operators[TRANSMISSION];
@@ -355,8 +355,8 @@ static void negate(const struct solver *solver, const double *kernel, double *ou
         out[at] = -kernel[at];
 }
 
-/* Two equal layers: DOWN falls on the lower one, after any number of reflections between the two;
- * UP is its reflection there. With AGAIN = (1 - R R)^-1,
+/* Two equal layers: DOWN is the light onto the lower one, after any number of reflections between
+ * them; UP is its reflection there. With AGAIN = (1 - R R)^-1,
  *   DOWN = AGAIN T,  UP = R DOWN,  R' = R + T UP,  T' = T DOWN. */
 static void double_layer(struct solver *solver)
 {
@@ -396,7 +396,7 @@ double neph_once_up(double optical_depth, double view_cosine, double sun_cosine)
 
 double neph_once_down(double optical_depth, double view_cosine, double sun_cosine)
 {
-    /* The larger exponential outside, so that phi stays in (0, 1]. */
+    /* The larger exponential is factored out, so that phi stays in (0, 1]. */
     const double difference = optical_depth * fabs(1.0 / view_cosine - 1.0 / sun_cosine);
     return optical_depth / view_cosine * exp(-optical_depth / fmax(view_cosine, sun_cosine)) *
            neph_phi(difference);

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * One azimuthal Fourier mode of a homogeneous plane-parallel layer by doubling. Private to truth/.
+ * The doubling method for one azimuthal Fourier mode of a homogeneous plane-parallel layer. Private
+ * to truth/.
  */
 #ifndef NEPH_TRUTH_DOUBLING_H
 #define NEPH_TRUTH_DOUBLING_H
 
 #include "base/status.h"
 
-/* Light leaves in rows: the nodes, which carry the quadrature, then the views, which are only
- * looked at (weight 0: exact, no interpolation). It comes in along columns: the nodes, the sun. */
+/* Rows are directions of leaving light: the nodes, which have the quadrature weights, then the
+ * views (weight 0: exact, without interpolation). Columns are directions of incoming light: the
+ * nodes, then the sun. */
 struct neph_doubling {
     double optical_depth; /* > 0 */
     double albedo;        /* 0..1 */
@@ -21,20 +23,20 @@ struct neph_doubling {
     const double *column_cosines; /* nodes, sun: node_count + 1, > 0 */
 };
 
-/* Light of one mode from the sun, one k_m per row; the caller's arrays. Diffuse radiance / E =
+/* The light of one mode from the sun, one k_m per row; arrays of the caller. Diffuse radiance / E =
  * sum over m of (2 - delta_0m) k_m cos(m azimuth) / (2 pi). */
 struct neph_doubling_light {
     double *up, *down;           /* all orders of scattering */
-    double *once_up, *once_down; /* the part that was scattered once */
+    double *once_up, *once_down; /* the singly scattered part */
 };
 
-/* NEPH_ERR_MEMORY. */
+/* Solve one mode. NEPH_ERR_MEMORY. */
 enum neph_status neph_doubling_mode(const struct neph_doubling *layer, int mode,
                                     const struct neph_doubling_light *light,
                                     struct neph_diag *diag);
 
-/* Light scattered once, over albedo and phase function [1]: the integral over the layer of
- * e^-(way down) e^-(way to the side it leaves by) d tau / view_cosine. */
+/* Singly scattered light divided by albedo and phase function [1]: the integral over the layer of
+ * e^-(depth down) e^-(depth to the side of exit) d tau / view_cosine. */
 double neph_once_up(double optical_depth, double view_cosine, double sun_cosine);
 double neph_once_down(double optical_depth, double view_cosine, double sun_cosine);
 

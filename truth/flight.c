@@ -7,16 +7,16 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Optical depths at which a fog layer gets an edge. */
+/* Optical depths at which a fog layer gets a table edge. */
 static const double ladder[NEPH_FLIGHT_LADDER] = {0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0, 6.0, 12.0};
 
-/* A collision is placed to this part of an interval's optical depth. */
+/* Accuracy of a collision's place, relative to an interval's optical depth. */
 static const double placement = 1e-12;
 
-/* Whether all media have the closed forms that a table takes. */
+/* Whether all media have closed forms, which a table needs. */
 static bool is_possible(const struct neph_scene *scene)
 {
     for (int m = 0; m < scene->medium_count; m++)
@@ -27,7 +27,7 @@ static bool is_possible(const struct neph_scene *scene)
 
 /* ---- the table ---- */
 
-/* Insert an edge inside the ray, in order. */
+/* Insert an edge inside the ray, in ascending order. */
 static void add_edge(struct neph_flight *flight, double t_m)
 {
     if (!(t_m > 0.0 && t_m < flight->ray.end_m))
@@ -97,7 +97,7 @@ static double extinction_sum_per_m(const struct neph_flight *flight, int channel
     return sum;
 }
 
-/* The last edge before a depth. */
+/* The index of the last edge before a depth. */
 static int find_interval(const double *depth, int count, double target)
 {
     int low = 0, high = count - 1;
@@ -111,7 +111,7 @@ static int find_interval(const double *depth, int count, double target)
     return low;
 }
 
-/* A finite distance beyond t0 before which the depth from t0 reaches the target. */
+/* A finite distance beyond t0 at which the depth from t0 has reached the target. */
 static double finite_end_m(const struct neph_flight *flight, int channel, double t0_m,
                            double target)
 {
@@ -124,8 +124,8 @@ static double finite_end_m(const struct neph_flight *flight, int channel, double
     return t0_m + step_m;
 }
 
-/* Where the depth from t0 reaches the target, within an interval of that whole depth: Newton's
- * method, halving the bracket when it leaves that. */
+/* The distance at which the depth from t0 reaches the target, in an interval of depth `whole`:
+ * Newton's method, with bisection when it leaves the bracket. */
 static double place_m(const struct neph_flight *flight, int channel, double t0_m, double t1_m,
                       double target, double whole)
 {
@@ -147,7 +147,7 @@ static double place_m(const struct neph_flight *flight, int channel, double t0_m
     return t_m;
 }
 
-/* Where the depth from the camera reaches `target`, in interval i. */
+/* The distance at which the depth from the camera reaches `target`, in interval i. */
 static double interval_place_m(const struct neph_flight *flight, int channel, int i, double target)
 {
     const double *depth = flight->depth[channel];
@@ -155,7 +155,7 @@ static double interval_place_m(const struct neph_flight *flight, int channel, in
                    depth[i + 1] - depth[i]);
 }
 
-/* Which medium it is that collides, by its share of the extinction. */
+/* Choose the colliding medium by its share of the extinction. */
 static int pick_medium(const struct neph_flight *flight, int channel, double t_m,
                        struct neph_random *random)
 {
@@ -178,7 +178,7 @@ static int pick_medium(const struct neph_flight *flight, int channel, double t_m
 
 /* ---- sunlight along the ray ---- */
 
-/* The part of the light that a channel has, whatever the depth, for it is only to be shared out. */
+/* The share of light in a channel, whatever the depth: it only distributes samples. */
 static double channel_part(const struct neph_flight *flight, int channel)
 {
     const double own = flight->depth[channel][flight->count - 1];
@@ -187,7 +187,8 @@ static double channel_part(const struct neph_flight *flight, int channel)
     return depth_part * channel_of(flight->scene->sun.irradiance_w_per_m2, channel);
 }
 
-/* The logarithm of the sunlight that arrives by way of a depth, solids apart. */
+/* The logarithm of the sunlight that is scattered at a depth and reaches the camera, without
+ * solids. */
 static double log_light_at(const struct neph_flight *flight, double target)
 {
     const int i = find_interval(flight->depth[NEPH_FLIGHT_MEAN], flight->count, target);
@@ -213,7 +214,7 @@ static void init_lit(struct neph_flight *flight)
     if (scene->scattering != NEPH_SCATTERING_SINGLE || !scene->sun.present || !(end > 0.0))
         return;
     neph_lit_flight_edges(&flight->lit, end);
-    for (int i = 0; i <= NEPH_LIT_CELLS; i++) /* inside: the end may be infinitely far */
+    for (int i = 0; i <= NEPH_LIT_CELLS; i++) /* just inside: the end may be infinitely far */
         flight->lit.log_light[i] = log_light_at(flight, fmin(flight->lit.s[i], end * (1.0 - 1e-9)));
     neph_lit_flight_complete(&flight->lit, scene->environment_light || neph_scene_emits(scene));
 }

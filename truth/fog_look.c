@@ -4,10 +4,10 @@
 #include "scenes/fog_translation.h"
 #include "scenes/media.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
-/* No depth is infinite: times 0 it would be no number. */
+/* Limit of the optical depth: an infinite one times 0 would be NaN. */
 static const double opaque = 1e300;
 
 static const double ln2 = 0.693147180559945309417232121458;
@@ -46,9 +46,9 @@ double neph_fog_lobe(double cosine, double exponent)
     return cosine > 0.0 ? pow(fmin(cosine, 1.0), exponent) : 0.0;
 }
 
-/* --- a way ------------------------------------------------------------------------------------ */
+/* --- a ray segment ---------------------------------------------------------------------------- */
 
-/* From the observer, whom a look may have elsewhere than the camera. */
+/* The segment from the observer, which a fog model may place elsewhere than the camera. */
 struct way {
     double y_m, k_y, length_m;
     struct neph_vec3 direction;
@@ -70,7 +70,7 @@ static struct way way_of(const struct neph_fog_look *look, struct neph_vec3 orig
     return way;
 }
 
-/* L(rate length) length, also of a way without end, where L is 1 / (rate length). */
+/* L(rate length) length; for an infinite length L is 1 / (rate length). */
 static double unreal_mean_length_m(double rate_per_m, double length_m)
 {
     if (!isinf(length_m))
@@ -84,7 +84,7 @@ static double lost(double depth, double log_base)
     return -expm1(-log_base * fmax(depth, 0.0));
 }
 
-/* The optical depth and its effect on light; `begun` is the part of it that glows. */
+/* Light of an optical depth; `begun` is its part that has directional light. */
 static struct neph_fog_look_light light_of(const struct neph_scene *scene,
                                            const struct neph_fog_look *look, const struct way *way,
                                            double depth, double begun, double log_base)
@@ -106,7 +106,7 @@ static struct neph_fog_look_light light_of(const struct neph_scene *scene,
     };
 }
 
-/* The part of a length that is left behind a start. */
+/* The part of a length beyond a start distance. */
 static double part_behind(double start_m, double length_m)
 {
     return isinf(length_m) ? 1.0 : fmax(0.0, 1.0 - start_m / length_m);
@@ -116,7 +116,8 @@ static struct neph_fog_look_light unreal(const struct neph_scene *scene,
                                          const struct neph_fog_look *look, const struct way *way)
 {
     const double start_m = fmax(look->start_distance_m, look->volumetric_fog_distance_m);
-    const double across = hypot(way->direction.x, way->direction.z); /* per metre of the way */
+    const double across = hypot(way->direction.x, way->direction.z); /* horizontal distance per
+                                                                      * metre of the segment */
     const double end_m = look->end_distance_m > 0.0 ? look->end_distance_m / across : INFINITY;
     const double length_m = fmin(way->length_m, end_m) - start_m;
     double depth = 0.0;
@@ -143,13 +144,13 @@ static struct neph_fog_look_light filament(const struct neph_scene *scene,
     if (way->length_m <= start_m)
         return (struct neph_fog_look_light){.transmittance = 1.0};
     const double whole = fmin(neph_filament_depth(layer, way->y_m, way->k_y, way->length_m),
-                              opaque); /* of the way from the camera */
+                              opaque); /* of the whole segment from the camera */
     const double part = part_behind(start_m, way->length_m);
     const double glowing = part_behind(look->directional_start_m, way->length_m);
     return light_of(scene, look, way, whole * part, part > 0.0 ? glowing / part : 0.0, 1.0);
 }
 
-/* A control that a model does not have is off. */
+/* Switch off controls that a model does not have. */
 static struct neph_fog_look known_of(const struct neph_fog_look *look, enum neph_fog_model model)
 {
     unsigned known = 0;

@@ -6,13 +6,13 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* On a way through a medium. */
+/* Points per segment through a medium. */
 enum { WAY_PLACES = 12 };
 
-/* Mean square over square of the mean, of the light of free flights. */
+/* Limit of the light of free flights: mean square over squared mean. */
 static const double spread_max = 4.0;
 
 static double mean_of(struct neph_rgb color)
@@ -20,7 +20,7 @@ static double mean_of(struct neph_rgb color)
     return (color.r + color.g + color.b) / 3.0;
 }
 
-/* Mean of the channels. */
+/* Extinction of a medium, mean of the channels. */
 static double extinction_per_m(const struct neph_medium *medium, struct neph_vec3 at_m)
 {
     return mean_of(medium->extinction_color) * neph_medium_extinction_per_m(medium, at_m);
@@ -34,7 +34,7 @@ static double total_per_m(const struct neph_scene *scene, struct neph_vec3 at_m)
     return sum_per_m;
 }
 
-/* The hull of all media on the ray; false when there is none, or no end. */
+/* The hull of all media on the ray; false: there is none, or it is unbounded. */
 static bool find_hull(const struct neph_scene *scene, const struct neph_ray *ray, double *low_m,
                       double *high_m)
 {
@@ -81,7 +81,7 @@ struct neph_rgb neph_guess_depth(const struct neph_scene *scene, struct neph_vec
     return sum;
 }
 
-/* Mean of the channels. */
+/* Guessed optical depth to the sun, mean of the channels. */
 static double sun_depth(const struct neph_scene *scene, struct neph_vec3 at_m)
 {
     double sum = 0.0;
@@ -97,7 +97,8 @@ static struct neph_vec3 place_m(const struct neph_guess *guess, double stretches
                            guess->t0_m + stretches * guess->stretch_m);
 }
 
-/* Never 0: the places may have missed some light, so a little is assumed everywhere. */
+/* Guess the depths. They are never 0: the points may have missed some medium, so a little is
+ * assumed everywhere. */
 static void guess_depths(struct neph_guess *guess, const struct neph_scene *scene)
 {
     double own[NEPH_GUESS_STRETCHES], sum = 0.0;
@@ -114,7 +115,7 @@ static void guess_depths(struct neph_guess *guess, const struct neph_scene *scen
     guess->lit.end = guess->lit.s[NEPH_LIT_CELLS];
 }
 
-/* As spread_max has it, by the trapezoidal rule. */
+/* The ratio for spread_max, by the trapezoidal rule. */
 static double spread_of_free_flights(const struct neph_guess *guess)
 {
     const struct neph_lit_flight *lit = &guess->lit;
@@ -148,7 +149,7 @@ void neph_guess_init(struct neph_guess *guess, const struct neph_scene *scene,
         neph_lit_flight_complete(&guess->lit, scene->environment_light || neph_scene_emits(scene));
 }
 
-/* By its share of the extinction; -1: there is none. */
+/* Choose a medium by its share of the extinction; -1: there is none. */
 static int pick_medium(const struct neph_scene *scene, struct neph_vec3 at_m, double total,
                        struct neph_random *random)
 {

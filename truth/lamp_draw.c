@@ -8,17 +8,17 @@
 
 #include <math.h>
 
-/* Nearer than this part of its distance a ray cannot be told from one through the light: its
- * rounding in double. A bound for divisions; the density stays exact. */
+/* Relative distance below which a ray counts as passing through the light: rounding in double
+ * precision. It only limits divisions; the density stays exact. */
 static const double nearest = 1e-15;
 static const double nearest_m = 1e-150;
 
-/* The part of a segment that lies in a medium's bounds. */
+/* The part of a segment in a medium's bounds. */
 struct stretch {
     double t0_m, t1_m; /* may be +inf */
 };
 
-/* A light as the segment passes it, s being the distance along the ray from the foot of the light's
+/* A light relative to the segment; s is the distance along the ray from the foot of the light's
  * perpendicular. */
 struct pass {
     double foot_m, height_m;
@@ -29,7 +29,7 @@ struct pass {
     double octaves_sum;
 };
 
-/* All that one draw needs: stretches, lights, and the sums that normalise both densities. */
+/* Everything for one sample: parts in media, lights, and the sums that normalise both densities. */
 struct segment {
     const struct neph_scene *scene;
     struct neph_vec3 origin_m, direction;
@@ -40,10 +40,10 @@ struct segment {
     double even_weights[NEPH_SCENE_LIGHTS_MAX], even_sum;
 };
 
-/* ---- integrals over a stretch ---- */
+/* ---- integrals over a part ------------------------------------------------------------------- */
 
-/* The angle between the ends of a stretch, seen from the light, over the height: the integral of
- * 1 / d^2. Without cancellation, and 1 / s0 - 1 / s1 at a height of 0. */
+/* The integral of 1 / d^2: the angle between the ends of a part, as seen from the light, divided by
+ * the height. Without cancellation; 1 / s0 - 1 / s1 at height 0. */
 static double squares_between(double height_m, double s0_m, double s1_m)
 {
     if (isinf(s1_m))
@@ -51,8 +51,8 @@ static double squares_between(double height_m, double s0_m, double s1_m)
     return atan2(height_m * (s1_m - s0_m), height_m * height_m + s0_m * s1_m) / height_m;
 }
 
-/* 1 / d has no bound on a stretch without end: it ends so many times the distance of its start
- * from the light behind the foot. Places beyond are drawn by 1 / d^2 only. */
+/* Finite end for 1 / d, whose integral over an infinite part diverges: this many times the distance
+ * of its start from the light. Points beyond are sampled only by 1 / d^2. */
 static double octaves_end_m(double height_m, double s0_m, double s1_m)
 {
     return isinf(s1_m) ? 1e12 * fmax(height_m, fabs(s0_m)) : s1_m;
@@ -127,7 +127,8 @@ static void init_segment(struct segment *segment, const struct neph_scene *scene
     }
 }
 
-/* Each stretch that has the place in it adds the same: 1 / d^2 and 1 / d, normalised over all. */
+/* Density of a point: each part that contains it adds the same 1 / d^2 and 1 / d, normalised over
+ * all. */
 static double place_per_m(const struct segment *segment, int l, double s_m)
 {
     const struct pass *pass = &segment->passes[l];
@@ -148,10 +149,10 @@ static double place_per_m(const struct segment *segment, int l, double s_m)
     return per_m;
 }
 
-/* ---- drawing ---- */
+/* ---- sampling -------------------------------------------------------------------------------- */
 
-/* Where the part u of the integral of 1 / d^2 lies: an angle between those of the ends, both of
- * which are measured from the side of the ray on which they are small. */
+/* The point at the part u of the integral of 1 / d^2: an angle between the angles of the ends,
+ * measured from the side of the ray on which they are small. */
 static double draw_by_squares_m(double height_m, double s0_m, double s1_m, double u)
 {
     if (s0_m + s1_m < 0.0)
@@ -160,7 +161,7 @@ static double draw_by_squares_m(double height_m, double s0_m, double s1_m, doubl
     return height_m / tan((1.0 - u) * rad0 + u * rad1);
 }
 
-/* Where the part u of the integral of 1 / d lies. */
+/* The point at the part u of the integral of 1 / d. */
 static double draw_by_octaves_m(double height_m, double s0_m, double s1_m, double u)
 {
     if (s1_m <= 0.0)
@@ -172,8 +173,8 @@ static double draw_by_octaves_m(double height_m, double s0_m, double s1_m, doubl
     return 0.5 * (far_m * exp(more) - height_m * height_m / far_m * exp(-more));
 }
 
-/* One of several by their weights, with their sum `total`; -1: none weighs anything. `u` is uniform
- * in 0..1 before and after. */
+/* Choose one of several by their weights; `sum` is their total; -1: all weights are 0. `u` is
+ * uniform in 0..1 before and after. */
 static int pick(const double *weights, int count, double sum, double *u)
 {
     int picked = -1;
@@ -194,7 +195,7 @@ struct neph_lamp_place neph_lamp_place_draw(const struct neph_scene *scene,
                                             struct neph_vec3 origin_m, struct neph_vec3 direction,
                                             double end_m, struct neph_random *random)
 {
-    struct segment segment; /* not initialised as a whole: it is large */
+    struct segment segment; /* not zero-initialised: it is large */
     struct neph_lamp_place place = {.light = NULL};
     init_segment(&segment, scene, origin_m, direction, end_m);
     double choice = neph_random_uniform(random);

@@ -8,18 +8,19 @@
 #include <float.h>
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Roundings of a place on a ray, of positions and of the direction, in units of the last place. */
+/* Rounding errors of a point on a ray, in units of the last place: positions and direction. */
 static const double roundings = 16.0;
 
-/* Whether media scatter, next to the light on one side of it, its rays into the view ray. */
+/* Whether media next to the light, on one side of it, scatter its light into the view ray. */
 static bool scatters_beside(const struct neph_scene *scene, const struct neph_light *light,
                             struct neph_vec3 direction, double beside_m)
 {
     const double side = beside_m > 0.0 ? 1.0
-                                       : -1.0; /* +1: behind the light, which is lit from it */
+                                       : -1.0; /* +1: behind the light, where it shines along the
+                                                * ray */
     const struct neph_vec3 point_m = neph_vec3_along(light->position_m, direction, beside_m);
     if (neph_light_falloff(light, neph_vec3_scale(direction, side)) == 0.0)
         return false;

@@ -5,16 +5,17 @@
 
 #include <math.h>
 
-/* Deeper in, light from the camera's side is gone, and from the other side none comes to a ray that
- * has no end. */
+/* Limit of the optical depth: no light from the near side gets deeper, and on an infinite ray none
+ * comes from the far side. */
 static const double dark_depth = 60.0;
 
-/* e^-this of the brightest edge is as good as dark; free flight takes care of the rest. */
+/* Darker than e^-this relative to the brightest edge counts as dark; free flight covers the
+ * difference. */
 static const double log_light_range = 200.0;
 
 /* ---- the table ---- */
 
-/* Place in 0..1 of edge number i: two exponential ladders, back to back. */
+/* Position in 0..1 of edge number i: two exponential series, back to back. */
 static double ladder(int i, double stretch)
 {
     const double x = (double)i / NEPH_LIT_CELLS;
@@ -25,7 +26,7 @@ static double ladder(int i, double stretch)
 
 void neph_lit_flight_edges(struct neph_lit_flight *lit, double end)
 {
-    /* Up to here even cells are no deeper than 1/2; then the first and last stay below 1. */
+    /* Up to here cells are even and at most 1/2 deep; beyond, the first and last stay below 1. */
     const double even = 8.0;
     lit->end = end;
     const double last = isinf(end) ? dark_depth : end;
@@ -60,9 +61,9 @@ void neph_lit_flight_complete(struct neph_lit_flight *lit, bool also_ambient)
     lit->is_known = true;
 }
 
-/* ---- drawing ---- */
+/* ---- sampling -------------------------------------------------------------------------------- */
 
-/* The last edge at or before a value; not the last of all. */
+/* The index of the last edge at or before a value, except the very last edge. */
 static int find_cell(const double edges[NEPH_LIT_CELLS + 1], double value)
 {
     int low = 0, high = NEPH_LIT_CELLS;
@@ -76,12 +77,12 @@ static int find_cell(const double edges[NEPH_LIT_CELLS + 1], double value)
     return low;
 }
 
-/* Where in 0..1 the integral of e^(slope x) reaches the part u of the whole. */
+/* The position in 0..1 at which the integral of e^(slope x) reaches the part u of the whole. */
 static double exponential_quantile(double slope, double u)
 {
     if (fabs(slope) < 1e-9)
         return u;
-    if (slope > 0.0) /* the same from the other end: nothing overflows */
+    if (slope > 0.0) /* the same from the other end, to avoid overflow */
         return 1.0 - exponential_quantile(-slope, 1.0 - u);
     return log1p(u * expm1(slope)) / slope;
 }
@@ -103,7 +104,7 @@ double neph_lit_flight_draw(const struct neph_lit_flight *lit, struct neph_rando
         s = draw_lit(lit, u);
     else if (share < lit->lit_share + lit->free_share)
         s = -log1p(u * expm1(-lit->end));
-    return fmin(s, lit->end * (1.0 - 1e-12)); /* never at the end, which may be infinitely far */
+    return fmin(s, lit->end * (1.0 - 1e-12)); /* just before the end, which may be infinitely far */
 }
 
 double neph_lit_flight_density(const struct neph_lit_flight *lit, double s)

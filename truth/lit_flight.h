@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where on a camera's ray sunlight is scattered that still has a way to go: the distribution from
- * which first collisions are drawn when light is scattered once. Free flights alone end near the
- * camera, and against the light, where as much comes from the far side, they would meet it once in
- * e^(optical depth) paths: the mean would be right, but no sample of usual size would know it.
+ * The distribution of first collisions on a camera ray for singly scattered sunlight. Free flights
+ * alone would end near the camera. Against the light, where as much comes from the far side, they
+ * would find it once in e^(optical depth) paths: unbiased, but useless at usual sample counts.
  *
  * Distances are optical depths s from the camera (mean over the channels; the ray's table in
- * truth/flight.h turns them into metres). The density is a mixture of three:
- *   - the light itself, e^-(way), of the whole way sun - collision - camera: known at the edges of
- *     cells, log-linear between them, which is exact where the way is linear in s (P. Kutz et al.
- *     and others draw distances by such products; solids are left out: they only make light less);
- *   - free flight, so that no collision weighs more than ten times what it would there;
- *   - even in s, so that light which comes in between two edges is found.
- * All are known in closed form, so that the estimate stays unbiased whatever the table misses.
+ * truth/flight.h converts them to metres). The density is a mixture of three:
+ *   - the light itself, e^-(depth), of the whole path sun - collision - camera: known at the edges
+ *     of cells, log-linear between them, which is exact if the depth is linear in s (P. Kutz et al.
+ *     and others sample distances by such products; solids are ignored: they only reduce the
+ *     light);
+ *   - free flight, so that no collision has more than ten times its free-flight weight;
+ *   - uniform in s, to find light that enters between two edges.
+ * All have closed forms, so the estimate is unbiased for any table.
  */
 #ifndef NEPH_TRUTH_LIT_FLIGHT_H
 #define NEPH_TRUTH_LIT_FLIGHT_H
@@ -25,26 +25,28 @@
 
 struct neph_lit_flight {
     bool is_known;
-    double end;                           /* of the ray, in s; may be +inf */
-    double lit_share, free_share;         /* of the mixture; the rest is even */
+    double end;                           /* end of the ray in s; may be +inf */
+    double lit_share, free_share;         /* shares of the mixture; the remainder is uniform */
     double s[NEPH_LIT_CELLS + 1];         /* edges; the last at `end`, or where it is dark */
-    double log_light[NEPH_LIT_CELLS + 1]; /* at the edges, over the brightest's */
-    double below[NEPH_LIT_CELLS + 1];     /* part of the light before each edge; the last is 1 */
-    double log_whole;                     /* the logarithm of all the light; -inf: it is dark */
+    double log_light[NEPH_LIT_CELLS + 1]; /* at the edges, relative to the brightest */
+    double below[NEPH_LIT_CELLS + 1];     /* part of the light before each edge; the last one is
+                                           * 1 */
+    double log_whole;                     /* logarithm of the total light; -inf: dark */
 };
 
-/* The edges of a ray of whole depth `end` > 0: even, but finer at both ends when it is deep. */
+/* Set the edges of a ray with total depth `end` > 0: even, but finer at both ends if it is deep. */
 void neph_lit_flight_edges(struct neph_lit_flight *lit, double end);
 
-/* Complete it when `log_light` holds the logarithms of the light at the edges, in any unit; -inf is
- * darkness. `also_ambient`: light comes from all around, too, which only free flights are good for.
+/* Complete the table after `log_light` is set to the logarithms of the light at the edges, in any
+ * unit (-inf: dark). `also_ambient`: there is also light from all directions, which only free
+ * flights sample well.
  */
 void neph_lit_flight_complete(struct neph_lit_flight *lit, bool also_ambient);
 
-/* Draw a depth s. */
+/* Sample a depth s. */
 double neph_lit_flight_draw(const struct neph_lit_flight *lit, struct neph_random *random);
 
-/* Its probability density, per unit of s. */
+/* The probability density per unit of s. */
 double neph_lit_flight_density(const struct neph_lit_flight *lit, double s);
 
 #endif

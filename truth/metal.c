@@ -3,16 +3,16 @@
 
 #include "truth/directions.h"
 
-/* The distribution of Trowbridge and Reitz; Walter et al. 2007, equation 33. */
+/* The Trowbridge-Reitz (GGX) distribution; Walter et al. 2007, equation 33. */
 static double facets_per_sr(double alpha, double cosine)
 {
     const double squared = alpha * alpha;
-    /* (cos^2 (alpha^2 - 1) + 1), which cancels at the peak of a smooth metal. */
+    /* cos^2 (alpha^2 - 1) + 1, without its cancellation at the peak of a smooth metal. */
     const double spread = (1.0 - cosine) * (1.0 + cosine) + squared * cosine * cosine;
     return squared / (M_PI * spread * spread);
 }
 
-/* The part of facets that are seen from a direction; equation 34. */
+/* Smith's masking G1, the visible part of the facets from a direction; equation 34. */
 static double seen(double alpha, double cosine)
 {
     const double tangent_squared = (1.0 - cosine) * (1.0 + cosine) / (cosine * cosine);
@@ -37,8 +37,8 @@ struct neph_vec3 neph_mirrored(struct neph_vec3 direction, struct neph_vec3 norm
                            2.0 * neph_vec3_dot(direction, normal));
 }
 
-/* A facet that is seen from a direction, both in the frame with the normal as z (Heitz 2018,
- * listing 1: a point of the half disc that the stretched hemisphere shows). */
+/* Sample a visible facet, in the frame with the normal as z (Heitz 2018, listing 1: a point of the
+ * half disc that is the projection of the stretched hemisphere). */
 static struct neph_vec3 draw_facet(double alpha, struct neph_vec3 from, struct neph_random *random)
 {
     const struct neph_vec3 v = neph_vec3_normalize(

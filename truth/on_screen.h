@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The part of a scene that a frame shows: a screen-space method finds light and occluders nowhere
- * else.
+ * The part of a scene that a frame shows: the only light and occluders of screen-space methods.
  */
 #ifndef NEPH_TRUTH_ON_SCREEN_H
 #define NEPH_TRUTH_ON_SCREEN_H
@@ -13,8 +12,8 @@ struct neph_screen {
     double aspect; /* width / height */
 };
 
-/* Whether a point just outside a surface is seen: within the picture, before the camera, and no
- * solid in between. */
+/* Whether a point just outside a surface is visible: inside the frame, in front of the camera, and
+ * not occluded by a solid. */
 bool neph_on_screen(const struct neph_scene *scene, const struct neph_screen *screen,
                     struct neph_vec3 point_m);
 

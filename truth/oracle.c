@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Paths are added up in rounds, row by row, each pixel's samples in their order: the sums do not
- * depend on the threads, nor on where a render was interrupted.
+ * Adds up paths in rounds, row by row, with each pixel's samples in order: the sums depend neither
+ * on the threads nor on where a render was interrupted.
  */
 #include "truth/oracle.h"
 
@@ -20,22 +20,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Raise it when the same scene and params give other bits. */
+/* Raise it if the same scene and params give other bits. */
 static const int estimator_version = 4;
 
 enum {
-    ROUND_SAMPLES = 64,  /* the rays of a row's pixels are set up again in every round */
-    TARGET_SAMPLES = 16, /* fewer cannot tell their own error */
+    ROUND_SAMPLES = 64,  /* every round sets up the rays of a row's pixels again */
+    TARGET_SAMPLES = 16, /* fewer samples cannot estimate their error */
     SAMPLES_MAX = 1 << 30,
     ROW_NUMBERS = 3, /* per row in a checkpoint: samples, collisions, lookups */
 };
 
 static const double checkpoint_interval_s = 10.0;
 
-/* Sums over the samples of a pixel; nothing but doubles, for the checkpoint. */
+/* Sums over the samples of a pixel; only doubles, for the checkpoint. */
 struct sums {
     double light[3];   /* volume and surface */
-    double squares[3]; /* of that, per sample */
+    double squares[3]; /* of `light`, per sample */
     double volume[3];
     double order1[3];
 };
@@ -53,11 +53,11 @@ struct render {
     struct neph_tracker *tracker; /* owned */
     double *numbers;              /* owned: the checkpoint, ROW_NUMBERS per row, then the sums */
     char *identity;               /* owned: the identity of the checkpoint's job */
-    bool has_flights;             /* first collisions are drawn from tables */
-    /* Owned: the views of all pixels where optical depths are slow, known when `is_known`; NULL:
-     * made anew for every round. */
+    bool has_flights;             /* first collisions are sampled from tables */
+    /* Owned: the views of all pixels if optical depths are slow, valid if `is_known`; NULL:
+     * recomputed in every round. */
     struct kept_view *views;
-    int round_end; /* samples that every pixel has when the present round is done */
+    int round_end; /* samples of every pixel after the current round */
     double start_s, saved_s;
 };
 
@@ -160,7 +160,7 @@ static void init_flight(const struct render *render, const struct neph_view *vie
     neph_flight_init(flight, render->scene, &ray);
 }
 
-/* Bring a row up to the round's end. */
+/* Render a row up to the round's end. */
 static void render_row(int row, void *context)
 {
     struct render *render = context;
@@ -189,8 +189,8 @@ static void render_row(int row, void *context)
     numbers[2] += (double)cost.lookups;
 }
 
-/* Short rounds first, so that a time limit is met. Always the same ends, whatever was resumed: a
- * target is met at the same one. */
+/* Short rounds first, to meet a time limit. The ends do not depend on interruptions, so a target is
+ * met at the same one. */
 static int next_round_end(int done, int samples)
 {
     int end = 2;
@@ -199,7 +199,7 @@ static int next_round_end(int done, int samples)
     return end < samples ? end : samples;
 }
 
-/* Rows may differ after an interruption. */
+/* The samples of a row; rows may differ after an interruption. */
 static int row_samples(const struct render *render, int row)
 {
     return (int)row_numbers(render, row)[0];
@@ -214,14 +214,14 @@ static int samples_done(const struct render *render)
     return least;
 }
 
-/* The square of the standard error of the mean of n samples. */
+/* The squared standard error of the mean of n samples. */
 static double variance_of_mean(double sum, double squares, int n)
 {
     const double mean = sum / n;
     return fmax(0.0, squares / n - mean * mean) / (n - 1);
 }
 
-/* As params.target_error. */
+/* The reached error, as params.target_error. */
 static double relative_error(const struct render *render)
 {
     const size_t columns = (size_t)render->params->width_px;
@@ -235,7 +235,7 @@ static double relative_error(const struct render *render)
         }
     }
     if (variance == 0.0 && power == 0.0 && render->has_flights)
-        return INFINITY; /* nothing has been seen yet */
+        return INFINITY; /* no light was sampled yet */
     if (variance == 0.0)
         return 0.0;
     return sqrt(variance / power);
@@ -268,9 +268,9 @@ static enum neph_status leave_checkpoint(struct render *render, struct neph_diag
                                  number_count(render->params), diag);
 }
 
-/* ---- the whole ---- */
+/* ---- the render ------------------------------------------------------------------------------ */
 
-/* Whether another round is wanted; `round_s` is the time of the last sample of all pixels. */
+/* Whether to render another round; `sample_s` is the time of the last sample of all pixels. */
 static bool goes_on(const struct render *render, int done, double sample_s)
 {
     const struct neph_oracle_params *params = render->params;
@@ -393,7 +393,7 @@ static bool has_slow_media(const struct neph_scene *scene)
     return false;
 }
 
-/* All that `render` owns. */
+/* Allocate everything that `render` owns. */
 static enum neph_status prepare(struct render *render, struct neph_diag *diag)
 {
     render->identity = make_identity(render->scene, render->params);

@@ -1,31 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * The oracle: an unbiased path tracer of participating media in double precision on the CPU. No
- * clamp, no limit on bounces, roulette only at low throughput. It is the reference of every scene
- * without a closed form, and is tested against closed forms (truth/transport.h, truth/slab.h).
+ * The oracle: an unbiased path tracer for participating media in double precision on the CPU. No
+ * clamp, no limit on bounces, Russian roulette only at low throughput. It is the reference of every
+ * scene without a closed form, and is tested against closed forms (truth/transport.h,
+ * truth/slab.h).
  *
- * Estimator. Per pixel: the unscattered light (background or surface seen through the media) is
- * exact, by closed-form transmittance; in-scattered light is sampled. The first collision is drawn
- * from the exact distribution along the pixel's ray (truth/flight.h), later ones per medium, by
- * delta tracking through its majorants (E. R. Woodcock et al. 1965) or by inverting the closed form
- * (fog); the nearest collision of all media counts (superposition of Poisson processes). At each
- * collision the sun is sampled with exact transmittance; where a medium has no closed form
- * (Horizon), by ratio tracking (J. Novak et al. 2014). Colour: one path serves all channels; a
- * channel is chosen for tracking and the probabilities of the path in every channel are carried
- * along (spectral MIS of B. Miller, I. Georgiev, W. Jarosz, "A null-scattering path integral
- * formulation of light transport", SIGGRAPH 2019).
+ * Estimator. For each pixel, the unscattered light (background or surface behind the media) is
+ * exact, by closed-form transmittance; in-scattered light is sampled. The first collision is
+ * sampled from the exact distribution along the pixel's ray (truth/flight.h). Later collisions are
+ * sampled per medium, by delta tracking with its majorants (E. R. Woodcock et al. 1965) or by
+ * inverting the closed form (fog); the nearest collision of all media counts (superposition of
+ * Poisson processes). At each collision the sun is sampled with exact transmittance, or, if a
+ * medium has no closed form (Horizon), by ratio tracking (J. Novak et al. 2014). Colour: one path
+ * serves all channels. One channel is chosen for tracking, and the probabilities of the path in
+ * every channel are carried along (spectral MIS of B. Miller, I. Georgiev, W. Jarosz, "A
+ * null-scattering path integral formulation of light transport", SIGGRAPH 2019).
  *
- * Where light is scattered once, the first collision is drawn by the sunlight that comes from there
- * (truth/lit_flight.h; where a medium has no closed form by a guess at it, truth/guess.h), for
- * against the light free flights end far from where it is.
+ * With single scattering, the first collision is sampled by its sunlight (truth/lit_flight.h; if a
+ * medium has no closed form, by a guess of it, truth/guess.h), because against the light, free
+ * flights end far from the bright part.
  *
- * The scene's switches: `none` and `single` know one event, the surface in view or (in `single`) a
- * medium; the sun, and with environment light the background, reach it unscattered. `multiple`
- * knows all. Emission of media (scenes/emission.h) is added at every collision, so that in `none`
- * and `single` it is seen and lights nothing.
+ * The scene's scattering: `none` and `single` have one event, at the visible surface or (in
+ * `single`) in a medium; sunlight, and with environment light the background, reach it unscattered.
+ * `multiple` has all events. Emission of media (scenes/emission.h) is added at every collision, so
+ * in `none` and `single` it is visible but lights nothing.
  *
- * Samples are independent, so that the variance of a pixel is unbiased: the sum of squared
- * deviations over n (n - 1).
+ * Samples are independent, so the variance of a pixel is unbiased: the sum of squared deviations
+ * over n (n - 1).
  */
 #ifndef NEPH_TRUTH_ORACLE_H
 #define NEPH_TRUTH_ORACLE_H
@@ -39,33 +40,33 @@ struct neph_oracle_params {
     int width_px, height_px;
     double frame;
     uint64_t seed;
-    int samples;         /* paths per pixel, >= 2; the most when there is a target */
-    double target_error; /* stop when the rms over pixels of the standard error of the mean divided
-                            by the rms radiance of volume light is below this; 0: all samples */
-    double time_limit_s; /* stop in time, with the samples done; +inf: none */
-    const char *checkpoint; /* file to resume from, when it is there, and to leave the sums in;
-                               NULL: none. More samples than asked for are all used. */
+    int samples;         /* paths per pixel, >= 2; the maximum if there is a target */
+    double target_error; /* stop when the rms over pixels of the standard error of the mean, divided
+                          * by the rms radiance of volume light, is below this; 0: all samples */
+    double time_limit_s; /* stop in time, with the samples so far; +inf: no limit */
+    const char *checkpoint; /* file to resume from, if it exists, and to leave the sums in; NULL:
+                             * none. If it has more samples than requested, all are used. */
 };
 
 struct neph_oracle_stats {
-    int samples;  /* taken of every pixel */
-    double error; /* as target_error, reached */
+    int samples;  /* samples of every pixel */
+    double error; /* the reached error, as target_error */
     double wall_s;
     uint64_t collisions, lookups;
 };
 
-/* False, with the reason in words, for scenes that the estimator cannot do: metal, and all orders
- * of scattering without absorption in a fog that has no end, where paths have an infinite mean
- * length. */
+/* False, with the reason as text, for unsupported scenes: metal; and multiple scattering without
+ * absorption in an unbounded fog, where paths have an infinite mean length. */
 bool neph_oracle_can_render(const struct neph_scene *scene, char *reason, size_t reason_size);
 
-/* Render: R G B, volume.*, order1.* (light of the sun or the surroundings scattered exactly once by
- * a medium, before any surface), transmittance.*, Z, variance.* (of the mean of R G B: the square
- * of its standard error), in base/image.h's names. Same params and scene: same bits, on any number
- * of threads, with or without rests at a checkpoint (a time limit apart). `*frame` is the caller's;
- * `stats` may be NULL. NEPH_ERR_USAGE: a parameter is out of range. NEPH_ERR_UNSUPPORTED:
- * neph_oracle_can_render() says no. NEPH_ERR_INPUT: the checkpoint is damaged or of another render.
- * NEPH_ERR_INTERRUPTED: leaves the checkpoint, if there is one, with all that was done. */
+/* Render R G B, volume.*, order1.* (light of the sun or the environment, scattered exactly once by
+ * a medium before any surface), transmittance.*, Z, variance.* (of the mean of R G B: its squared
+ * standard error), with the names of base/image.h. The same params and scene give the same bits, on
+ * any number of threads, with or without interruptions at a checkpoint (except with a time limit).
+ * `*frame` is owned by the caller; `stats` may be NULL. NEPH_ERR_USAGE: a parameter is out of
+ * range. NEPH_ERR_UNSUPPORTED: see neph_oracle_can_render(). NEPH_ERR_INPUT: the checkpoint is
+ * damaged or of another render. NEPH_ERR_INTERRUPTED: a checkpoint, if requested, contains all
+ * finished work. */
 enum neph_status neph_oracle_render(const struct neph_scene *scene,
                                     const struct neph_oracle_params *params,
                                     struct neph_image **frame, struct neph_oracle_stats *stats,

@@ -5,22 +5,22 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* The part of the samples that is shared out evenly: no medium's light is overlooked because a
- * table is wrong, or because it is all the light that one channel has. */
+/* The share of the samples that is divided equally among the media: no medium is missed because a
+ * table is wrong, or because its light is in one channel only. */
 static const double even_share = 0.5;
 
-/* Where a medium has no closed form, free flights that know its density are better than guesses
- * when so many of them, weighed by brightness, collide: of 256, the usual number, none does once in
- * e^8 pixels. */
+/* If a medium has no closed form, free flights, which use its true density, are better than guesses
+ * if at least this part of them, weighted by brightness, collides: of 256, the usual number, none
+ * collides once in e^8 pixels. */
 static const double flights_suffice = 1.0 / 32.0;
 
-/* Collisions are placed to this part of a medium's optical depth. */
+/* Accuracy of a collision's place, relative to a medium's optical depth. */
 static const double placement = 1e-12;
 
-/* At the far end a table is evaluated a little before it, for it may be infinitely far. */
+/* Tables are evaluated just before the far end, which may be infinitely far. */
 static const double before_end = 1.0 - 1e-9;
 
 static double mean_of(struct neph_rgb color)
@@ -48,9 +48,9 @@ static double extinction_per_m(const struct neph_own_flight *flight,
            neph_medium_extinction_per_m(medium, point_m(flight, t_m));
 }
 
-/* ---- from optical depths of one medium to distances ---- */
+/* ---- from optical depths of one medium to distances ------------------------------------------ */
 
-/* s up to a distance, of a medium with a closed form. */
+/* The optical depth s up to a distance, for a medium with a closed form. */
 static double depth_at(const struct neph_own_flight *flight, const struct neph_own_part *part,
                        double t_m)
 {
@@ -59,7 +59,7 @@ static double depth_at(const struct neph_own_flight *flight, const struct neph_o
            neph_medium_optical_depth(medium, flight->ray.origin_m, flight->ray.direction, 0.0, t_m);
 }
 
-/* A distance beyond `low_m` before which s reaches the target. */
+/* A distance beyond `low_m` at which s has reached the target. */
 static double finite_end_m(const struct neph_own_flight *flight, const struct neph_own_part *part,
                            double low_m, double target)
 {
@@ -69,7 +69,8 @@ static double finite_end_m(const struct neph_own_flight *flight, const struct ne
     return low_m + step_m;
 }
 
-/* Where s reaches the target: Newton's method, halving the bracket when it leaves that. */
+/* The distance at which s reaches the target: Newton's method, with bisection when it leaves the
+ * bracket. */
 static double solve_m(const struct neph_own_flight *flight, const struct neph_own_part *part,
                       double low_m, double high_m, double target)
 {
@@ -92,7 +93,7 @@ static double solve_m(const struct neph_own_flight *flight, const struct neph_ow
     return t_m;
 }
 
-/* In stretches, of a guessed s. */
+/* The position of a guessed s, in segments. */
 static double guessed_place(const struct neph_own_part *part, double s)
 {
     int i = 0;
@@ -106,7 +107,7 @@ static double stretch_m(const struct neph_own_part *part)
     return (part->t1_m - part->t0_m) / NEPH_GUESS_STRETCHES;
 }
 
-/* The last edge at or before s, not the last of all. */
+/* The index of the last edge at or before s, except the very last edge. */
 static int find_cell(const struct neph_own_part *part, double s)
 {
     int i = 0;
@@ -128,7 +129,7 @@ static double place_m(const struct neph_own_flight *flight, const struct neph_ow
 
 /* ---- the tables ---- */
 
-/* None the same, as in truth/guess.c. */
+/* Guess the depths; none is 0, as in truth/guess.c. */
 static void guess_depths(const struct neph_own_flight *flight, struct neph_own_part *part)
 {
     double own[NEPH_GUESS_STRETCHES], shared[NEPH_GUESS_STRETCHES], sum = 0.0;
@@ -137,7 +138,8 @@ static void guess_depths(const struct neph_own_flight *flight, struct neph_own_p
         own[i] = length_m * extinction_per_m(flight, part, part->t0_m + (i + 0.5) * length_m);
         sum += own[i];
     }
-    for (int i = 0; i < NEPH_GUESS_STRETCHES; i++) { /* it may begin or end anywhere in a stretch */
+    for (int i = 0; i < NEPH_GUESS_STRETCHES; i++) { /* the medium may begin or end anywhere in a
+                                                      * segment */
         const double before = i > 0 ? own[i - 1] : 0.0;
         const double behind = i + 1 < NEPH_GUESS_STRETCHES ? own[i + 1] : 0.0;
         shared[i] = 0.5 * own[i] + 0.25 * (before + behind);
@@ -153,7 +155,7 @@ static void guess_depths(const struct neph_own_flight *flight, struct neph_own_p
     part->lit.end = part->lit.s[NEPH_LIT_CELLS];
 }
 
-/* False when the ray meets none of the medium. */
+/* Set the edges; false: the ray misses the medium. */
 static bool find_edges(const struct neph_own_flight *flight, struct neph_own_part *part)
 {
     const double end = depth_at(flight, part, part->t1_m);
@@ -170,7 +172,8 @@ static bool find_edges(const struct neph_own_flight *flight, struct neph_own_par
     return true;
 }
 
-/* The logarithm of sun e^-depth + ambient; depths beyond the range of e^x stay apart. */
+/* The logarithm of sun e^-depth + ambient; computed in logarithms, for depths beyond the range of
+ * e^x. */
 static double log_sent(double sun, double ambient, double sun_depth)
 {
     if (!(ambient > 0.0))
@@ -178,7 +181,7 @@ static double log_sent(double sun, double ambient, double sun_depth)
     return log(ambient + sun * exp(-sun_depth));
 }
 
-/* The logarithm of the light of an edge that arrives, all channels together. */
+/* The logarithm of the light that arrives from an edge, all channels together. */
 static double log_light_at(const struct neph_own_flight *flight, const struct neph_source *source,
                            struct neph_own_part *part, int edge)
 {
@@ -210,7 +213,7 @@ static bool is_black(struct neph_rgb light)
     return light.r == 0.0 && light.g == 0.0 && light.b == 0.0;
 }
 
-/* False when no light of the medium is to be seen on the ray. */
+/* Set up a medium; false: no light of it arrives on the ray. */
 static bool init_part(const struct neph_own_flight *flight, struct neph_own_part *part, int m)
 {
     const struct neph_medium *medium = &flight->scene->media[m];
@@ -270,7 +273,7 @@ static double brightness(const struct neph_own_flight *flight, const struct neph
     return channel == 0 ? all.r : channel == 1 ? all.g : all.b;
 }
 
-/* Whether free flights meet bright media often enough, in all channels that have light. */
+/* Whether free flights collide with bright media often enough, in all channels with light. */
 static bool do_flights_suffice(const struct neph_own_flight *flight)
 {
     for (int j = 0; j < 3; j++) {
@@ -286,7 +289,7 @@ static bool do_flights_suffice(const struct neph_own_flight *flight)
     return true;
 }
 
-/* Whether guesses are possible: media without closed forms end. */
+/* Whether guesses are possible: media without closed forms are bounded on the ray. */
 static bool is_possible(const struct neph_own_flight *flight)
 {
     for (int m = 0; m < flight->scene->medium_count; m++) {
@@ -319,7 +322,7 @@ void neph_own_flight_init(struct neph_own_flight *flight, const struct neph_scen
     flight->is_known = flight->is_exact || !do_flights_suffice(flight);
 }
 
-/* ---- drawing ---- */
+/* ---- sampling -------------------------------------------------------------------------------- */
 
 static const struct neph_own_part *pick_part(const struct neph_own_flight *flight,
                                              struct neph_random *random)
@@ -340,7 +343,7 @@ static double between_edges(const double at_edges[NEPH_LIT_CELLS + 1],
     return at_edges[i] * (1.0 - x) + at_edges[i + 1] * x;
 }
 
-/* The extinction of the medium over the one that s is drawn by: 1 where s is exact. */
+/* True extinction of the medium over its guessed extinction; 1 if s is exact. */
 static double true_over_guessed(const struct neph_own_flight *flight,
                                 const struct neph_own_part *part, double s, double t_m)
 {

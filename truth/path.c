@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Colour. A path is made as light of one channel, chosen at random, meets the media. Its value in
- * channel j is f_j / mean_k p_k: f_j is the light of the path in channel j, p_k the probability
- * that channel k would have made it (balance heuristic). Both are kept divided by the mean of p, so
- * that neither leaves the range of a double. In a grey scene all p are 1.
+ * Colour. A path is sampled for light of one random channel. Its value in channel j is f_j / mean_k
+ * p_k: f_j is the light of the path in channel j, p_k the probability that channel k would have
+ * sampled it (balance heuristic). Both are stored divided by the mean of p, so that neither leaves
+ * the range of a double. In a grey scene all p are 1.
  */
 #include "truth/path.h"
 
@@ -17,11 +17,11 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* A path that can still bring less than this part of its start may be ended (and is worth more when
- * it is not). */
+/* Russian roulette: a path below this part of its initial value may be ended (otherwise its value
+ * is raised). */
 static const double roulette_below = 0.05;
 
 struct path {
@@ -33,8 +33,9 @@ struct path {
     int channel;
     double value[3];       /* f / mean p */
     double probability[3]; /* p / mean p */
-    double roulette;       /* played below this value */
-    double sun_depth;      /* guessed, where the light from there must be known well; else 0 */
+    double roulette;       /* Russian roulette below this value */
+    double sun_depth;      /* guessed depth to the sun, if the light from this point must have low
+                            * noise; else 0 */
 };
 
 static const struct neph_rgb black = {0, 0, 0};
@@ -49,7 +50,7 @@ static void add(struct neph_rgb *sum, struct neph_rgb light)
     *sum = neph_rgb_add(*sum, light);
 }
 
-/* Both f and p take the factor by which the channels differ in the last flight. */
+/* Multiply both f and p by the ratios of the channels in the last flight. */
 static void weigh(struct path *path, const double ratio[3])
 {
     double mean = 0.0;
@@ -64,7 +65,7 @@ static void weigh(struct path *path, const double ratio[3])
     }
 }
 
-/* False when nothing is left. */
+/* Multiply by an albedo; false: the value is 0. */
 static bool reflect(struct path *path, struct neph_rgb albedo)
 {
     path->value[0] *= albedo.r;
@@ -101,7 +102,7 @@ static struct neph_rgb transmittance(const struct path *path, struct neph_vec3 d
                                       path->cost);
 }
 
-/* Sunlight that the path brings when the point scatters `per_sr` of it towards the camera. */
+/* Sunlight of the path if the point scatters `per_sr` of it towards the camera. */
 static struct neph_rgb sunlight(const struct path *path, double per_sr)
 {
     const struct neph_sun *sun = &path->scene->sun;
@@ -112,13 +113,13 @@ static struct neph_rgb sunlight(const struct path *path, double per_sr)
     return neph_rgb_scale(neph_rgb_mul(path_value(path), light), per_sr);
 }
 
-/* A part of an extinction that may be infinite, far down in a fog without ground. */
+/* A part of an extinction, which may be infinite far down in a fog without ground. */
 static double scaled(double part, double per_m)
 {
     return part > 0.0 ? part * per_m : 0.0; /* 0 * inf */
 }
 
-/* Scattering of media from one direction into another, per metre of the way [1/(m sr)]. */
+/* Scattering coefficient of all media from one direction into another [1/(m sr)]. */
 static struct neph_rgb scattered_per_m_sr(const struct neph_scene *scene, struct neph_vec3 point_m,
                                           double cosine)
 {
@@ -141,8 +142,8 @@ static struct neph_rgb transmittance_between(const struct path *path, struct nep
     return neph_tracker_transmittance(path->tracker, &ray, 0.0, path->random, path->cost);
 }
 
-/* Light times the transmittance of its way, 0 where the way is opaque: a fog without ground grows
- * denser downwards without bound, and 0 * inf is not a number. */
+/* Light times transmittance, 0 if opaque: a fog without ground has unbounded density downwards, and
+ * 0 * inf would be NaN. */
 static struct neph_rgb attenuated(struct neph_rgb light, struct neph_rgb through)
 {
     return (struct neph_rgb){through.r > 0.0 ? light.r * through.r : 0.0,
@@ -150,7 +151,7 @@ static struct neph_rgb attenuated(struct neph_rgb light, struct neph_rgb through
                              through.b > 0.0 ? light.b * through.b : 0.0};
 }
 
-/* Light of a light that media scatter into the segment from here to `end_m`. */
+/* Light of a point light that media scatter into the segment from here to `end_m`. */
 static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
 {
     const struct neph_scene *scene = path->scene;
@@ -176,7 +177,7 @@ static struct neph_rgb segment_lamplight(const struct path *path, double end_m)
     return neph_rgb_mul(path_value(path), attenuated(arriving, through));
 }
 
-/* Light of a light that a surface reflects where the path is. */
+/* Light of a point light that the surface at the path's position reflects. */
 static struct neph_rgb surface_lamplight(const struct path *path, struct neph_vec3 normal)
 {
     double probability;
@@ -197,7 +198,7 @@ static struct neph_rgb surface_lamplight(const struct path *path, struct neph_ve
         cosine / (M_PI * probability));
 }
 
-/* Light of the surroundings along the path's direction, not scattered on its way. */
+/* Environment light along the path's direction, unscattered. */
 static struct neph_rgb surroundings(const struct path *path)
 {
     if (!path->scene->environment_light ||
@@ -210,8 +211,8 @@ static struct neph_rgb surroundings(const struct path *path)
 
 /* ---- events ---- */
 
-/* Turn the path, into a direction of density `per_sr()`: by `own`, or some of them towards lights,
- * where these are. The value takes the rest of the weight of scattering. */
+/* Choose a new direction with the density `per_sr()`: `own`, or, with point lights, sometimes one
+ * towards a light. The value is multiplied by the remaining weight of the scattering. */
 static void turn(struct path *path, struct neph_vec3 own,
                  double (*per_sr)(const void *context, struct neph_vec3 direction),
                  const void *context)
@@ -247,7 +248,7 @@ static double reflected_per_sr(const void *context, struct neph_vec3 direction)
     return fmax(0.0, neph_vec3_dot(*normal, direction)) / M_PI;
 }
 
-/* To a collision; adds the emission there. */
+/* Move to a collision; add the emission there. */
 static void reach_medium(struct path *path, const struct neph_collision *collision,
                          struct neph_rgb *emitted)
 {
@@ -256,7 +257,7 @@ static void reach_medium(struct path *path, const struct neph_collision *collisi
         neph_rgb_mul(path_value(path), neph_medium_glow(&path->scene->media[collision->medium])));
 }
 
-/* Each adds the sunlight that its scattering brings, and turns the path; false when it ends. */
+/* Scatter: add the sunlight, and turn the path; false: it ends. */
 static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
 {
     const struct neph_medium *medium = &path->scene->media[index];
@@ -270,7 +271,7 @@ static bool leave_medium(struct path *path, int index, struct neph_rgb *light)
     return most_of(path) > 0.0;
 }
 
-/* Without the light that sun and lights send to the surface. */
+/* Move to a surface, without its direct light; false: it absorbs everything. */
 static bool reach_surface(struct path *path, const struct neph_hit *hit)
 {
     const struct neph_vec3 point_m = neph_vec3_along(path->at_m, path->direction, hit->t_m);
@@ -298,11 +299,11 @@ static bool meet_surface(struct path *path, const struct neph_hit *hit, struct n
     return most_of(path) > 0.0;
 }
 
-/* From an event to the end of the path. `*direct` receives light from the surroundings without a
+/* Trace from an event to the end of the path. `*direct` receives environment light without a
  * further event, `*light` all other light. */
 static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *light)
 {
-    /* Relative to the value now, which is small after a first collision in something thin. */
+    /* Relative to the current value, which is small after a first collision in a thin medium. */
     path->roulette = roulette_below * most_of(path);
     for (struct neph_rgb *escaped = direct; survives(path); escaped = light) {
         const struct neph_hit hit = neph_scene_hit(path->scene, path->at_m, path->direction);
@@ -325,7 +326,7 @@ static void follow(struct path *path, struct neph_rgb *direct, struct neph_rgb *
     }
 }
 
-/* ---- the two kinds of paths from a camera ---- */
+/* ---- camera paths ---------------------------------------------------------------------------- */
 
 static struct path path_start(const struct neph_scene *scene, const struct neph_tracker *tracker,
                               const struct neph_view *view, struct neph_random *random,
@@ -344,8 +345,8 @@ static struct path path_start(const struct neph_scene *scene, const struct neph_
     return path;
 }
 
-/* The first collision on the view's ray where light is scattered once: a collision is all there is
- * of the path, so that its value is all that need be known. */
+/* Sample the first collision with single scattering: it is the whole path, so only its value is
+ * needed. */
 static bool enter_lit_volume(struct path *path, const struct neph_flight *flight,
                              struct neph_collision *collision)
 {
@@ -354,7 +355,7 @@ static bool enter_lit_volume(struct path *path, const struct neph_flight *flight
     return collision->medium >= 0;
 }
 
-/* The first collision where optical depths are guesses: the transmittance from the camera is an
+/* Sample the first collision with guessed optical depths: the transmittance from the camera is an
  * estimate, too. */
 static bool enter_guessed_volume(struct path *path, const struct neph_guess *guess,
                                  struct neph_collision *collision)
@@ -375,7 +376,7 @@ static bool enter_guessed_volume(struct path *path, const struct neph_guess *gue
     return true;
 }
 
-/* The first collision where media differ in brightness: each has samples of its own. */
+/* Sample the first collision if media differ in brightness: each has its own samples. */
 static bool enter_own_volume(struct path *path, const struct neph_own_flight *flight,
                              struct neph_collision *collision)
 {
@@ -399,7 +400,7 @@ static bool enter_own_volume(struct path *path, const struct neph_own_flight *fl
     return true;
 }
 
-/* The first collision on the view's ray; false when there is none. */
+/* Sample the first collision on the view's ray; false: there is none. */
 static bool enter_volume(struct path *path, const struct neph_view *view,
                          const struct neph_flight *flight, struct neph_collision *collision)
 {
@@ -416,7 +417,7 @@ static bool enter_volume(struct path *path, const struct neph_view *view,
                         : neph_tracker_collide(path->tracker, &ray, path->channel, path->random,
                                                path->cost);
     if (collision->medium < 0)
-        return false; /* unscattered: known already */
+        return false; /* unscattered light is computed exactly */
     if (!neph_tracker_is_grey(path->tracker))
         weigh(path, collision->ratio);
     path->cost->collisions += flight != NULL;
@@ -425,7 +426,8 @@ static bool enter_volume(struct path *path, const struct neph_view *view,
     return true;
 }
 
-/* Whether all light of the media is that of lights, scattered once: it comes from the segment. */
+/* Whether the only light of the media is singly scattered light of point lights, which segments
+ * sample. */
 static bool needs_no_collision(const struct neph_scene *scene)
 {
     return scene->light_count > 0 && scene->scattering == NEPH_SCATTERING_SINGLE &&
@@ -453,7 +455,7 @@ static void trace_volume(struct path *path, const struct neph_view *view,
     add(&light->volume, order1);
 }
 
-/* The surface in view, lit by all but direct light of sun and lights. */
+/* Trace from the visible surface, lit by everything but direct light of sun and lights. */
 static void trace_surface(struct path *path, const struct neph_view *view,
                           struct neph_path_light *light)
 {

@@ -9,7 +9,7 @@
 #include "truth/flight.h"
 #include "truth/tracking.h"
 
-/* The part of a view that needs no random numbers. */
+/* The deterministic part of a view. */
 struct neph_view {
     struct neph_vec3 origin_m, direction;
     struct neph_hit hit;
@@ -18,22 +18,23 @@ struct neph_view {
                                     lights [W m^-2 sr^-1] */
 };
 
-/* The light of one path, over and above the unscattered [W m^-2 sr^-1]; its mean is the truth. */
+/* The light of one path beyond the unscattered light [W m^-2 sr^-1]; an unbiased estimate. */
 struct neph_path_light {
-    struct neph_rgb volume; /* scattered last, before the camera, by a medium, or emitted in view */
-    struct neph_rgb order1; /* of that: of the sun or surroundings, scattered only once */
-    struct neph_rgb surface; /* off the surface in view, beyond the direct light in `unscattered` */
+    struct neph_rgb volume;  /* last scattered by a medium before the camera, or visible emission */
+    struct neph_rgb order1;  /* of `volume`: light of sun or environment, scattered only once */
+    struct neph_rgb surface; /* from the visible surface, without the direct light in
+                              * `unscattered` */
 };
 
-/* Whether light may come from the media that a scene has. */
+/* Whether the scene's media can send light. */
 bool neph_path_has_volume(const struct neph_scene *scene);
 
-/* Everything exact about the view along a ray. */
+/* Compute the exact part of the view along a ray. */
 struct neph_view neph_view_create(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                   struct neph_vec3 direction);
 
 /* Trace one path. `flight` is the table of the view's ray up to the hit, or NULL: then the first
- * collision is looked for like all others, and most paths through thin media bring nothing. */
+ * collision is sampled like all others, and most paths through thin media contribute nothing. */
 struct neph_path_light neph_path_trace(const struct neph_scene *scene,
                                        const struct neph_tracker *tracker,
                                        const struct neph_view *view,

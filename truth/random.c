@@ -9,7 +9,7 @@ static uint64_t mix(uint64_t z)
     return z ^ (z >> 31);
 }
 
-/* Chained, so that the order of the three counts. */
+/* Chained, so that the order of the arguments matters. */
 static uint64_t hash(uint64_t salt, uint64_t seed, uint64_t pixel, uint64_t sample)
 {
     return mix(mix(mix(salt + seed) + pixel) + sample);

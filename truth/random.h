@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Random numbers: xoshiro256++ (D. Blackman, S. Vigna, "Scrambled Linear Pseudorandom Number
- * Generators", ACM TOMS 47, 2021), one stream per (seed, pixel, sample). The start of a stream is a
- * hash of the three, 128 bits wide before it is spread over the 256 of the state, so that no two
- * streams of a render, or of two seeds, meet.
+ * Generators", ACM TOMS 47, 2021), one stream per (seed, pixel, sample). The initial state is a
+ * hash of the three, 128 bits wide before it is expanded to the 256 bits of the state, so that no
+ * two streams of a render, or of two seeds, overlap.
  */
 #ifndef NEPH_TRUTH_RANDOM_H
 #define NEPH_TRUTH_RANDOM_H
@@ -32,8 +32,8 @@ static inline uint64_t neph_random_bits(struct neph_random *random)
     return result;
 }
 
-/* Uniform in (0, 1): the middles of 2^52 equal cells, so that neither a logarithm of it nor of one
- * minus it is infinite. */
+/* Uniform in (0, 1): the midpoints of 2^52 equal cells, so that log(u) and log(1 - u) are
+ * finite. */
 static inline double neph_random_uniform(struct neph_random *random)
 {
     return ((double)(neph_random_bits(random) >> 12) + 0.5) * 0x1p-52;

@@ -9,19 +9,20 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_REFLECTED_PARTS == 8, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* A path whose throughput is below this may be ended (and is worth more when it is not). */
+/* Russian roulette: a path with a throughput below this may be ended (otherwise its value is
+ * raised). */
 static const double roulette_below = 0.05;
 
 static const struct neph_rgb black = {0, 0, 0}, white = {1, 1, 1};
 
-/* Where a path meets a solid. */
+/* A hit of a path on a solid. */
 struct place {
     const struct neph_solid *solid;
-    struct neph_vec3 point_m, normal, from; /* `from`: unit, against the path */
+    struct neph_vec3 point_m, normal, from; /* `from`: unit, opposite to the path */
     struct neph_rgb color;
 };
 
@@ -39,8 +40,8 @@ static struct place place_of(const struct neph_hit *hit, struct neph_vec3 origin
 /* ---- beams: light of sun and lights, which comes from points --------------------------------- */
 
 struct beam {
-    struct neph_vec3 direction;          /* unit, against it */
-    struct neph_rgb irradiance_w_per_m2; /* on a plane across it */
+    struct neph_vec3 direction;          /* unit, opposite to the light */
+    struct neph_rgb irradiance_w_per_m2; /* on a perpendicular plane */
 };
 
 enum { FACES = 6, BEAMS_MAX = (1 + NEPH_SCENE_LIGHTS_MAX) * (1 + FACES) };
@@ -55,7 +56,7 @@ static void add_beam(struct beams *beams, struct neph_vec3 direction, struct nep
     beams->beams[beams->count++] = (struct beam){direction, irradiance};
 }
 
-/* The one that beams may come by; NULL: there is none. */
+/* The mirror that may reflect beams; NULL: none. */
 static const struct neph_solid *find_mirror(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->solid_count; i++)
@@ -87,7 +88,7 @@ static double height_above_m(const struct plane *plane, struct neph_vec3 point_m
     return neph_vec3_dot(neph_vec3_sub(point_m, plane->point_m), plane->normal);
 }
 
-/* The place on the face of a mirror that is seen from a point in a direction. */
+/* Find the point on a mirror's face that is visible from a point in a direction. */
 static bool finds_face(const struct neph_scene *scene, const struct neph_solid *mirror,
                        const struct plane *face, struct neph_vec3 point_m,
                        struct neph_vec3 direction, struct place *place)
@@ -118,7 +119,7 @@ static void add_mirrored_sun(const struct neph_scene *scene, const struct neph_s
         add_beam(beams, direction, mirrored_light(&place, scene->sun.irradiance_w_per_m2));
 }
 
-/* The light at the mirror image of the point, turned back. */
+/* Add the light at the mirrored point, with its direction mirrored back. */
 static void add_mirrored_lamp(const struct neph_scene *scene, const struct neph_light *lamp,
                               const struct neph_solid *mirror, const struct plane *face,
                               struct neph_vec3 point_m, struct beams *beams)
@@ -148,7 +149,7 @@ static void add_mirrored(const struct neph_scene *scene, const struct neph_solid
     }
 }
 
-/* All that arrive at a point just outside a surface. */
+/* Find all beams that arrive at a point just outside a surface. */
 static void find_beams(const struct neph_scene *scene, struct neph_vec3 point_m,
                        struct beams *beams)
 {
@@ -166,8 +167,8 @@ static void find_beams(const struct neph_scene *scene, struct neph_vec3 point_m,
         add_mirrored(scene, mirror, point_m, beams);
 }
 
-/* Radiance of beams off a white Lambertian, and off a white metal, which if it is a mirror shows no
- * point. */
+/* Radiance of beams reflected by a white Lambertian and by a white metal; 0 for a mirror, which
+ * reflects no point sources. */
 static void reflect_beams(const struct neph_scene *scene, const struct place *place,
                           struct neph_rgb *diffuse, struct neph_rgb *glossy)
 {
@@ -208,7 +209,7 @@ static bool survives(struct neph_rgb *value, struct neph_random *random)
     return true;
 }
 
-/* Into one of the two ways that a surface reflects; the weight of that beside its colour. */
+/* Sample one of the two reflections of a surface; returns its weight without the colour. */
 static double leave(const struct place *place, struct neph_random *random,
                     struct neph_vec3 *direction)
 {
@@ -222,7 +223,7 @@ static double leave(const struct place *place, struct neph_random *random,
     return 1.0;
 }
 
-/* Beams that a surface on a path reflects. */
+/* Light of beams that a surface on a path reflects. */
 static struct neph_rgb lit_surface(const struct neph_scene *scene, const struct place *place)
 {
     const double metalness = place->solid->surface.metalness;
@@ -232,7 +233,8 @@ static struct neph_rgb lit_surface(const struct neph_scene *scene, const struct 
                                                    neph_rgb_scale(glossy, metalness)));
 }
 
-/* Light along a direction to a point: straight from the surroundings, or off surfaces. */
+/* Trace the light that arrives from a direction: environment light directly, or light from
+ * surfaces. */
 static void follow(const struct neph_scene *scene, int bounces, struct neph_vec3 point_m,
                    struct neph_vec3 direction, double worth, struct neph_random *random,
                    struct neph_rgb *direct, struct neph_rgb *indirect)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Cells are walked as by J. Amanatides and A. Woo (1987), each face computed from its index and not
- * by adding up, so that errors do not grow.
+ * Grid traversal by J. Amanatides and A. Woo (1987), with each face computed from its index instead
+ * of incrementally, so that errors do not accumulate.
  */
 #include "truth/segments.h"
 
@@ -16,7 +16,7 @@ static double component(struct neph_vec3 v, int axis)
 
 /* ---- grids ---- */
 
-/* Distance to the face by which the ray leaves its cell along an axis. */
+/* Distance to the face through which the ray leaves its cell along an axis. */
 static double face_m(const struct neph_segments *s, int axis)
 {
     const double slope = component(s->direction, axis);
@@ -72,11 +72,11 @@ static bool grid_next(struct neph_segments *s)
 
 /* ---- shells ---- */
 
-/* Above this many scale heights the rest of an atmosphere has no optical depth that a random number
- * of 52 bits could tell from 0. */
+/* Above this many scale heights, an atmosphere's remaining optical depth is too small to be
+ * resolved by a random number of 52 bits. */
 static const double shell_folds = 60.0;
 
-/* Distance along the ray between its lowest point and a radius above that. */
+/* Distance along the ray between its lowest point and a larger radius. */
 static double half_chord_m(const struct neph_segments *s, double radius_m)
 {
     return sqrt(fmax(0.0, (radius_m - s->low_m) * (radius_m + s->low_m)));
@@ -86,11 +86,11 @@ static double shell_bound_per_m(const struct neph_segments *s, double radius_m)
 {
     const struct neph_shell *shell = &s->medium->shell;
     const double height_m = fmax(0.0, radius_m - shell->radius_m);
-    /* A hair more: the density is evaluated from a rounded point. */
+    /* Slightly larger: the density is evaluated at a rounded point. */
     return s->medium->extinction_per_m * exp(-height_m / shell->scale_height_m) * (1.0 + 1e-6);
 }
 
-/* A scale height at a time: the density at the lower end is the bound. */
+/* Choose the next segment, one scale height long: the density at its lower end is the bound. */
 static void shell_stretch(struct neph_segments *s)
 {
     const struct neph_shell *shell = &s->medium->shell;
@@ -98,18 +98,18 @@ static void shell_stretch(struct neph_segments *s)
     const double r_m = hypot(s->low_m, x_m);
     const double ground_m = s->low_m < shell->radius_m ? half_chord_m(s, shell->radius_m) : 0.0;
     double to_m;
-    if (x_m < -ground_m) { /* down, to the ground or the lowest point at the most */
+    if (x_m < -ground_m) { /* downwards: at most to the ground or the lowest point */
         const double lower_m = fmax(r_m - shell->scale_height_m, shell->radius_m);
         to_m = lower_m > s->low_m ? fmin(-half_chord_m(s, lower_m), -ground_m) : 0.0;
         s->majorant_per_m = shell_bound_per_m(s, fmax(lower_m, s->low_m));
-    } else if (x_m < ground_m) { /* below the ground there is nothing */
+    } else if (x_m < ground_m) { /* below the ground there is no medium */
         to_m = ground_m;
         s->majorant_per_m = 0.0;
     } else {
         to_m = half_chord_m(s, fmax(r_m, shell->radius_m) + shell->scale_height_m);
         s->majorant_per_m = shell_bound_per_m(s, r_m);
     }
-    /* A stretch is never empty, whatever rounding says: the walk ends. */
+    /* A segment is never empty, despite rounding, so that the traversal ends. */
     const double least_m = s->t0_m + 1e-15 * (s->t0_m + fabs(s->nearest_m));
     s->t1_m = fmin(s->end_m, fmax(s->nearest_m + to_m, least_m));
 }

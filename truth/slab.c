@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The phase function in Legendre moments, delta-M (W. J. Wiscombe, J. Atmos. Sci. 34, 1977), which
- * is exact in the limit of many nodes and below rounding where radiances are allowed; Fourier modes
- * in azimuth until they add nothing; the first order of scattering exchanged for its closed form.
+ * The solution uses Legendre moments of the phase function with delta-M (W. J. Wiscombe, J. Atmos.
+ * Sci. 34, 1977), which is exact in the limit of many nodes, with an error below rounding where
+ * radiances are allowed. Fourier modes in azimuth are added until they are negligible. The first
+ * order of scattering is replaced by its closed form.
  */
 #include "truth/slab.h"
 
@@ -14,12 +15,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Modes are solved so many at a time, whatever the number of processors: same bits everywhere. */
+/* Modes per batch, independent of the number of processors: same bits everywhere. */
 enum { BATCH = 4, NODES_MIN = 32, NODES_MAX = 512 };
 
-/* The part of the phase function's series beyond the nodes, for radiances. */
+/* Allowed remainder of the phase function's series beyond the nodes, for radiances. */
 static const double series_rest = 1e-9;
-/* Modes below this part of the largest are not there. */
+/* Modes below this part of the largest one are negligible. */
 static const double mode_rest = 1e-11;
 
 struct neph_slab {
@@ -27,12 +28,12 @@ struct neph_slab {
     struct neph_phase phase;
     struct neph_slab_fluxes fluxes;
     int view_count, mode_count;
-    struct neph_arena arena; /* of the next members */
+    struct neph_arena arena; /* owner of the next members */
     double *view_cosines;
-    double *up, *down; /* scattered twice or more; [mode][view] */
+    double *up, *down; /* light scattered at least twice; [mode][view] */
 };
 
-/* All that one solution needs, for the threads. */
+/* The data of one solution, shared by the threads. */
 struct work {
     double *memory; /* owned */
     struct neph_doubling layer;
@@ -72,7 +73,7 @@ static enum neph_status check(const struct neph_slab_params *params, struct neph
     return NEPH_OK;
 }
 
-/* Nodes so that series_rest is reached. */
+/* The number of nodes that reaches series_rest. */
 static int choose_nodes(const struct neph_slab_params *params)
 {
     if (params->node_count > 0)
@@ -120,7 +121,7 @@ void neph_slab_destroy(struct neph_slab *slab)
 
 /* ---- solving ---- */
 
-/* The next `count` numbers of a block. */
+/* Take the next `count` numbers of a block. */
 static double *take(double **block, int count)
 {
     double *taken = *block;
@@ -144,7 +145,7 @@ static enum neph_status work_init(struct work *work, const struct neph_slab_para
     column_cosines[nodes] = params->sun_cosine;
     for (int i = 0; i < params->view_count; i++)
         row_cosines[nodes + i] = params->view_cosines[i];
-    /* Delta-M: the part `peak` of the scattering does not turn at all. */
+    /* Delta-M: the part `peak` of the scattering is not deflected. */
     const double peak = neph_phase_moment(&params->phase, 2 * nodes);
     for (int l = 0; l < 2 * nodes; l++)
         moments[l] = (neph_phase_moment(&params->phase, l) - peak) / (1.0 - peak);
@@ -171,7 +172,7 @@ static void solve_mode(int index, void *context)
                                              &work->light[index], &work->diag[index]);
 }
 
-/* Fluxes are integrals of mode 0 over the nodes. */
+/* Compute the fluxes, which are integrals of mode 0 over the nodes. */
 static void take_fluxes(const struct neph_doubling *layer, const struct neph_doubling_light *light,
                         struct neph_slab *slab)
 {
@@ -180,14 +181,14 @@ static void take_fluxes(const struct neph_doubling *layer, const struct neph_dou
         up += layer->node_weights[i] * layer->row_cosines[i] * light->up[i];
         down += layer->node_weights[i] * layer->row_cosines[i] * light->down[i];
     }
-    /* Light that delta-M left in its direction was scattered all the same. */
+    /* Light that delta-M treats as undeflected was scattered in reality. */
     const double unturned = exp(-layer->optical_depth / slab->sun_cosine);
     slab->fluxes.direct = exp(-slab->optical_depth / slab->sun_cosine);
     slab->fluxes.reflected = up / slab->sun_cosine;
     slab->fluxes.transmitted = down / slab->sun_cosine + (unturned - slab->fluxes.direct);
 }
 
-/* Keep light scattered twice or more; its largest value over the views. */
+/* Store the light scattered at least twice; returns its largest value over the views. */
 static double take_mode(const struct neph_doubling *layer, const struct neph_doubling_light *light,
                         struct neph_slab *slab, int mode)
 {
@@ -202,7 +203,7 @@ static double take_mode(const struct neph_doubling *layer, const struct neph_dou
     return largest;
 }
 
-/* Modes from the lowest until a whole batch adds nothing. */
+/* Solve modes from the lowest on, until a whole batch is negligible. */
 static enum neph_status solve_modes(struct work *work, struct neph_slab *slab, int mode_max,
                                     struct neph_diag *diag)
 {
@@ -231,7 +232,8 @@ static enum neph_status solve_modes(struct work *work, struct neph_slab *slab, i
     return NEPH_OK;
 }
 
-/* Light that is scattered twice has the modes of the phase function's series; fluxes have one. */
+/* Number of modes: doubly scattered light has the modes of the phase function's series; fluxes have
+ * one. */
 static int mode_max(const struct neph_slab_params *params, int moment_count)
 {
     int modes = params->view_count == 0 ? 1 : moment_count;
@@ -280,7 +282,8 @@ static double sum_modes(const struct neph_slab *slab, const double *modes, int v
     return sum / (2.0 * M_PI);
 }
 
-/* Cosine of the turn from the sunlight to a view; `side` is 1 through the slab, -1 back up. */
+/* Cosine of the scattering angle between sunlight and a view; `side`: 1 through the slab, -1 back
+ * up. */
 static double turn_cosine(const struct neph_slab *slab, int view, double azimuth_rad, double side)
 {
     const double mu = slab->view_cosines[view], mu0 = slab->sun_cosine;

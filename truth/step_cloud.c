@@ -9,12 +9,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Below this weight a photon survives with probability 1/2, at twice the weight. */
+/* Russian roulette: below this weight a photon survives with probability 1/2, with doubled
+ * weight. */
 static const double roulette_weight = 0.1;
 
 struct work {
     const struct neph_step_cloud_params *params;
-    /* Sums of each batch: reflected, transmitted, absorbed, then the columns' nadir radiances. */
+    /* Sums of each batch: reflected, transmitted, absorbed, then the nadir radiance of each
+     * column. */
     double *sums; /* [batch][3 + column_count] */
 };
 
@@ -22,7 +24,7 @@ enum { REFLECTED, TRANSMITTED, ABSORBED, FLUX_COUNT };
 
 struct photon {
     int column;
-    double x_m, y_m; /* from the column's left side; from the bottom */
+    double x_m, y_m; /* from the column's left side; from the cloud's bottom */
     struct neph_vec3 direction;
     double weight;
 };
@@ -32,7 +34,7 @@ static double extinction_per_m(const struct neph_step_cloud_params *params, int 
     return params->optical_depths[column] / params->thickness_m;
 }
 
-/* Move on by an optical depth; false when the photon has left by the top or the bottom. */
+/* Move by an optical depth; false: the photon has left through the top or the bottom. */
 static bool fly(const struct neph_step_cloud_params *params, struct photon *photon,
                 double optical_depth)
 {
@@ -59,7 +61,8 @@ static bool fly(const struct neph_step_cloud_params *params, struct photon *phot
     }
 }
 
-/* Light of one scattering straight up to the eye: density over the column's share of the level. */
+/* Light of one scattering vertically up to the camera, as a density over the column's part of the
+ * level. */
 static double nadir_share(const struct neph_step_cloud_params *params, const struct photon *photon)
 {
     const double above = extinction_per_m(params, photon->column) *
@@ -93,7 +96,7 @@ static void trace(const struct neph_step_cloud_params *params, struct neph_rando
     sums[photon.direction.y > 0.0 ? REFLECTED : TRANSMITTED] += photon.weight;
 }
 
-/* How many photons go into a batch: the first ones take the rest. */
+/* Number of photons of a batch; the first batches take the remainder. */
 static int64_t batch_photons(const struct neph_step_cloud_params *params, int batch)
 {
     return params->photons / NEPH_STEP_CLOUD_BATCHES +
@@ -173,7 +176,8 @@ enum neph_status neph_step_cloud_solve(const struct neph_step_cloud_params *para
         *fluxes = (struct neph_step_cloud_fluxes){.reflected = estimate(&work, REFLECTED, 1.0),
                                                   .transmitted = estimate(&work, TRANSMITTED, 1.0),
                                                   .absorbed = estimate(&work, ABSORBED, 1.0)};
-        /* A column has 1 / column_count of the level, on which the irradiance is E sun_cosine. */
+        /* A column is 1 / column_count of the level, and the irradiance on the level is E
+         * sun_cosine. */
         for (int i = 0; nadir_per_sr && i < params->column_count; i++)
             nadir_per_sr[i] = estimate(&work, FLUX_COUNT + i,
                                        params->sun_cosine * params->column_count);

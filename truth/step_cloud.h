@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Clouds of homogeneous columns that repeat for ever, like the step cloud of the Intercomparison of
- * 3D Radiation Codes (R. F. Cahalan et al., "The I3RC: bringing together the most advanced
- * radiative transfer tools for cloudy atmospheres", BAMS 86, 2005): light enters the sides of a
- * column, which no slab can tell. By a Monte Carlo of its own: free paths by exact inversion from
- * column to column, without majorants, and light followed from the sun, so that it shares nothing
- * with the path tracers that it judges but the sampling of phase functions.
+ * Periodic clouds of homogeneous columns, like the step cloud of the Intercomparison of 3D
+ * Radiation Codes (R. F. Cahalan et al., "The I3RC: bringing together the most advanced radiative
+ * transfer tools for cloudy atmospheres", BAMS 86, 2005). Light enters the sides of a column, which
+ * a slab cannot represent. Solved by a separate Monte Carlo: free paths by exact inversion from
+ * column to column, without majorants, and light traced from the sun. It shares only the sampling
+ * of phase functions with the path tracers that it tests.
  */
 #ifndef NEPH_TRUTH_STEP_CLOUD_H
 #define NEPH_TRUTH_STEP_CLOUD_H
@@ -16,7 +16,8 @@
 
 #define NEPH_STEP_CLOUD_COLUMNS_MAX 1024
 
-/* Columns side by side along x, infinite along z, periodic; black below, no light but the sun. */
+/* Columns side by side along x, infinite along z, periodic. Black below; the sun is the only
+ * light. */
 struct neph_step_cloud_params {
     int column_count;             /* 1..NEPH_STEP_CLOUD_COLUMNS_MAX */
     const double *optical_depths; /* vertical, one per column, >= 0, finite */
@@ -28,22 +29,22 @@ struct neph_step_cloud_params {
     int64_t photons; /* >= NEPH_STEP_CLOUD_BATCHES */
 };
 
-/* Photons go in so many batches; the standard error comes from their scatter. */
+/* Number of batches of photons; the standard error comes from their scatter. */
 #define NEPH_STEP_CLOUD_BATCHES 64
 
 struct neph_estimate {
     double mean, standard_error;
 };
 
-/* Means over the period. Fluxes / (sun_cosine * E); transmitted includes light that comes
- * straight through. Absorbed is counted on its own: the sum is 1 but for roulette. */
+/* Means over the period. Fluxes / (sun_cosine * E); transmitted includes direct light. Absorbed
+ * light is counted separately: the sum is 1 except for roulette. */
 struct neph_step_cloud_fluxes {
     struct neph_estimate reflected, transmitted, absorbed;
 };
 
-/* Follow the photons, on all processors; the same bits on any number of them. `nadir_per_sr`, if
- * not NULL, receives for each column the mean radiance / E that leaves its top straight up (every
- * scattering gives its expected share). NEPH_ERR_INPUT: a parameter is out of range. */
+/* Trace the photons, on all processors; the bits do not depend on their number. `nadir_per_sr`, if
+ * not NULL, receives for each column the mean radiance / E leaving its top vertically (every
+ * scattering adds its expected part). NEPH_ERR_INPUT: a parameter is out of range. */
 enum neph_status neph_step_cloud_solve(const struct neph_step_cloud_params *params,
                                        struct neph_step_cloud_fluxes *fluxes,
                                        struct neph_estimate *nadir_per_sr, struct neph_diag *diag);

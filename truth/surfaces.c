@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_REFLECTED_PARTS == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
@@ -18,7 +18,7 @@ static const char *const part_names[NEPH_REFLECTED_PARTS] = {
 static const char *const color_names[2] = {"diffuse_color", "glossy_color"};
 static const char *const normal_names[3] = {"normal.x", "normal.y", "normal.z"};
 
-/* Means and variances of means: those of the parts, then of all. */
+/* Sums for means and their variances: of the parts, then of the total. */
 enum { ALL = NEPH_REFLECTED_PARTS, SUM_COUNT };
 
 struct sums {
@@ -126,7 +126,7 @@ static void render_row(int row, void *context)
     }
 }
 
-/* ---- the picture ----------------------------------------------------------------------------- */
+/* ---- the image ------------------------------------------------------------------------------- */
 
 static enum neph_status add_part(struct neph_image *image, int which, struct layers *layers,
                                  struct neph_diag *diag)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Several media that need candidates are walked side by side, always the one whose candidate is the
- * nearest. So nothing is sampled behind the collision that counts, and the ratios hold only what
- * happened before it.
+ * Samples free flights through several media. Media that need majorants are traversed side by side,
+ * always the one with the nearest candidate. So nothing is sampled behind the accepted collision,
+ * and the ratios include only events before it.
  */
 #include "truth/tracking.h"
 
@@ -15,7 +15,8 @@
 
 struct tracked {
     const struct neph_medium *medium;
-    bool inverted; /* by the inverse of each fog layer, else by candidates of a majorant */
+    bool inverted; /* collisions by the inverse of each fog layer, else by candidates of a
+                    * majorant */
     struct neph_majorants *majorants; /* owned; NULL for shells and fogs */
     double color[3], color_max;       /* extinction_color */
     bool grey;
@@ -48,7 +49,7 @@ static enum neph_status prepare(struct tracked *tracked, const struct neph_mediu
         return NEPH_OK;
     const struct neph_bounds box = neph_medium_support(medium);
     if (!(box.min_m.x < box.max_m.x && box.min_m.y < box.max_m.y && box.min_m.z < box.max_m.z)) {
-        tracked->color_max = 0.0; /* its bounds leave nothing of it */
+        tracked->color_max = 0.0; /* outside of its bounds: no medium */
         return NEPH_OK;
     }
     return neph_majorants_create(medium, &box, facts->majorant_cells, &tracked->majorants, diag);
@@ -89,7 +90,7 @@ bool neph_tracker_is_grey(const struct neph_tracker *tracker)
     return tracker->grey;
 }
 
-/* An optical depth at which light of colour 1 collides. */
+/* Sample the optical depth of a collision for light of colour 1. */
 static double exponential(struct neph_random *random)
 {
     return -log(neph_random_uniform(random));
@@ -97,7 +98,7 @@ static double exponential(struct neph_random *random)
 
 /* ---- fog ---- */
 
-/* The nearest collision with a fog before `collision`. */
+/* Find the nearest collision with a fog before `collision`. */
 static void collide_fog(const struct tracked *tracked, int index, const struct neph_ray *ray,
                         int channel, struct neph_random *random, struct neph_collision *collision)
 {
@@ -125,13 +126,13 @@ static void collide_fog(const struct tracked *tracked, int index, const struct n
 struct walk {
     const struct tracked *tracked;
     int index;
-    double t_m;            /* of the present candidate */
-    double majorant_per_m; /* there, of the channel of the most extinction */
-    double raised;         /* so much higher than it need be */
+    double t_m;            /* of the current candidate */
+    double majorant_per_m; /* at the candidate, for the channel with the largest extinction */
+    double raised;         /* factor above the necessary majorant */
     struct neph_segments segments;
 };
 
-/* To the next candidate; false when there is none before the end. */
+/* Advance to the next candidate; false: none before the end. */
 static bool walk_next(struct walk *walk, struct neph_random *random)
 {
     struct neph_segments *segments = &walk->segments;
@@ -166,7 +167,7 @@ static bool walk_start(struct walk *walk, const struct tracked *tracked, int ind
     return walk_next(walk, random);
 }
 
-/* Extinction / majorant at the candidate, of the channel of the most extinction. */
+/* Extinction / majorant at the candidate, for the channel with the largest extinction. */
 static double walk_density(const struct walk *walk, const struct neph_ray *ray,
                            struct neph_tracking_cost *cost)
 {
@@ -176,7 +177,7 @@ static double walk_density(const struct walk *walk, const struct neph_ray *ray,
            walk->majorant_per_m;
 }
 
-/* Take the candidate, or leave it. */
+/* Accept or reject the candidate. */
 static bool walk_decide(const struct walk *walk, const struct neph_ray *ray, int channel,
                         struct neph_random *random, struct neph_collision *collision,
                         struct neph_tracking_cost *cost)
@@ -227,8 +228,8 @@ static void collide_candidates(const struct neph_tracker *tracker, const struct 
 
 /* ---- all media ---- */
 
-/* What a coloured medium's part in the outcome is worth in the other channels: that of an inverted
- * medium, whose candidates are not seen, and that of the collision itself. */
+/* Multiply the ratios of the other channels for a coloured medium: for an inverted medium, whose
+ * null collisions are not sampled, and for the collision itself. */
 static void weigh_channels(const struct neph_tracker *tracker, const struct neph_ray *ray,
                            int channel, struct neph_collision *collision)
 {
@@ -242,7 +243,7 @@ static void weigh_channels(const struct neph_tracker *tracker, const struct neph
                                  : 0.0;
         for (int j = 0; j < 3; j++) {
             const double excess = tracked->color[j] - tracked->color[channel];
-            if (excess != 0.0 && depth > 0.0) /* 0 * inf */
+            if (excess != 0.0 && depth > 0.0) /* avoids 0 * inf */
                 collision->ratio[j] *= exp(-excess * depth);
             if (m == collision->medium)
                 collision->ratio[j] *= tracked->color[j] / tracked->color[channel];
@@ -266,8 +267,8 @@ struct neph_collision neph_tracker_collide(const struct neph_tracker *tracker,
     return collision;
 }
 
-/* What is all but gone goes for good, or is worth `faint` again: most of the way through a thick
- * cloud the estimate would only become smaller. False when it is gone. */
+/* Russian roulette: a faint estimate ends, or is raised to `faint`; in a thick cloud it would only
+ * become smaller. False: it ends. */
 static bool survives(double transmittance[3], struct neph_random *random)
 {
     const double faint = 0.05;

@@ -2,15 +2,15 @@
  *
  * Single scattering along a ray o + t d:
  *   L = integral of sum_m sigma_s,m(t) p_m(cos) E exp(-tau_view(t) - tau_sun(t)) V(t) dt,
- * with V the sun's visibility, 0 or 1, and all of it per colour channel. V is exact (the shadow of
- * each solid is one interval), so the lit part of the ray is a set of pieces (truth/cuts.h). Where
- * the exponent is affine in the optical depth from the camera (homogeneous media; one height fog
- * without sides) the integral over a piece is a phi, in closed form. Else it is quadrature. Point
- * lights are in truth/airlight.h.
+ * with V the sun's visibility, 0 or 1, per colour channel. V is exact (the shadow of each solid is
+ * one interval), so the lit part of the ray is a set of pieces (truth/cuts.h). If the exponent is
+ * affine in the optical depth from the camera (homogeneous media; one height fog without sides),
+ * the integral over a piece is a phi function, in closed form. Otherwise it is computed by
+ * quadrature. Point lights are in truth/airlight.h.
  *
  * Light that media emit (scenes/emission.h) is
  *   integral of sum_m sigma_t,m(t) glow_m exp(-tau_view(t)) dt,
- * which is glow * (1 - exp(-tau)) where all glow alike, and else quadrature.
+ * which is glow * (1 - exp(-tau)) if all media have the same glow, and else computed by quadrature.
  */
 #include "truth/transport.h"
 
@@ -27,18 +27,20 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Beyond this optical depth less than 1e-19 of the light is left: nothing in double, beside light
- * that has not come as far. */
+/* Beyond this optical depth less than 1e-19 of the light remains: negligible in double precision
+ * beside light from nearer. */
 static const double opaque_optical_depth = 45.0;
 
-/* From behind this optical depth comes nothing in double, however bright it is there. */
+/* No light arrives from behind this optical depth in double precision, however bright it is
+ * there. */
 static const double dark_optical_depth = 760.0;
 
-/* Grids have kinks inside the pieces (where sun rays pass the edges of their cells), shells where
- * sun rays graze the ground: quadrature to this part of the whole per piece. */
+/* Quadrature tolerance, relative to the total, per piece, for media with kinks inside the
+ * pieces: grids, where sun rays pass the edges of their cells, and shells, where sun rays graze
+ * the ground. */
 static const double rough_tolerance = 1e-10;
 
 struct ray {
@@ -71,7 +73,7 @@ static bool is_grey(struct neph_rgb a)
 static struct neph_rgb transmittance(struct neph_rgb optical_depth)
 {
     const double r = exp(-optical_depth.r);
-    if (is_grey(optical_depth)) /* most scenes are */
+    if (is_grey(optical_depth)) /* as in most scenes */
         return (struct neph_rgb){r, r, r};
     return (struct neph_rgb){r, exp(-optical_depth.g), exp(-optical_depth.b)};
 }
@@ -92,7 +94,7 @@ static void start_work(struct work *work, const struct ray *ray)
     work->pieces.direction = ray->direction;
 }
 
-/* Radiance per metre that is scattered towards the camera by sunlight of irradiance 1. */
+/* Radiance per metre scattered towards the camera, for sunlight of irradiance 1. */
 static struct neph_rgb scattered_per_m(const struct ray *ray, struct neph_vec3 point_m)
 {
     struct neph_rgb sum = {0, 0, 0};
@@ -116,10 +118,10 @@ static void source(double t_m, void *context, double value[3])
                                                    scene->sun.irradiance_w_per_m2);
     value[0] = value[1] = value[2] = 0.0;
     if (scattered.r == 0.0 && scattered.g == 0.0 && scattered.b == 0.0)
-        return; /* no need to look for the sun */
+        return; /* the sun is irrelevant */
     const struct neph_rgb light = transmittance(
         neph_rgb_add(neph_pieces_depth_to(&work->pieces, t_m), sun_optical_depth(scene, point_m)));
-    value[0] = light.r > 0.0 ? scattered.r * light.r : 0.0; /* 0 * inf: opaque, however dense */
+    value[0] = light.r > 0.0 ? scattered.r * light.r : 0.0; /* avoids 0 * inf in opaque media */
     value[1] = light.g > 0.0 ? scattered.g * light.g : 0.0;
     value[2] = light.b > 0.0 ? scattered.b * light.b : 0.0;
 }
@@ -136,9 +138,9 @@ static double integrate_pieces(neph_integrand *integrand, struct work *work,
     return error;
 }
 
-/* ---- how far to look ---- */
+/* ---- end of the useful range ----------------------------------------------------------------- */
 
-/* The least over the channels in which anything is scattered or absorbed at all. */
+/* The smallest depth over the channels with any extinction. */
 static double least_depth(const struct ray *ray, struct neph_rgb depth)
 {
     double least = INFINITY;
@@ -164,8 +166,7 @@ static double view_least_depth(const struct ray *ray, double t_m)
 static double distance_at_optical_depth(const struct ray *ray, double target, double t0_m,
                                         double t1_m)
 {
-    /* Nearer than any renderer's surface is at the camera: ends the search in an infinite density.
-     */
+    /* Nearer than any surface to the camera; ends the search in an infinite density. */
     const double nearest_m = 1e-12;
     while (t1_m - t0_m > 1e-7 * t1_m && t1_m > nearest_m) {
         const double middle_m = 0.5 * (t0_m + t1_m);
@@ -177,8 +178,8 @@ static double distance_at_optical_depth(const struct ray *ray, double target, do
     return t1_m;
 }
 
-/* Whether a rest of the ray counts beside the whole, in any channel. An infinite rest is never
- * negligible, not even beside an infinite whole. */
+/* Whether the remainder of the ray is significant beside the whole, in any channel. An infinite
+ * remainder always is, even beside an infinite whole. */
 static bool counts(struct neph_rgb rest, struct neph_rgb whole)
 {
     return rest.r > 1e-16 * fmin(whole.r, 1e300) || rest.g > 1e-16 * fmin(whole.g, 1e300) ||
@@ -195,7 +196,7 @@ static double log_light(const struct ray *ray, double t_m)
                                           sun_optical_depth(ray->scene, point_m)));
 }
 
-/* The most of that at some optical depths between two. */
+/* The maximum of that, at sample points between two optical depths. */
 static double most_log_light(const struct ray *ray, double depth0, double depth1, double end_m)
 {
     enum { POINTS = 16 };
@@ -207,8 +208,8 @@ static double most_log_light(const struct ray *ray, double depth0, double depth1
     return most;
 }
 
-/* Whether sunlight that comes in from behind the opaque part, or only there, counts beside what
- * comes from nearer. Without end, nothing comes from behind. */
+/* Whether sunlight from behind the opaque part is significant beside light from nearer. On an
+ * infinite ray none comes from behind. */
 static bool is_lit_from_behind(const struct ray *ray, double whole, double end_m)
 {
     const double opaque = opaque_optical_depth;
@@ -220,8 +221,8 @@ static bool is_lit_from_behind(const struct ray *ray, double whole, double end_m
     return there > here - opaque;
 }
 
-/* A finite end of the ray behind which no medium is left, or, where there is no such end, behind an
- * optical depth of `opaque`. */
+/* A finite distance behind which there is no medium; for an unbounded medium, behind an optical
+ * depth of `opaque`. */
 static double finite_end_m(const struct ray *ray, struct neph_rgb whole, double opaque)
 {
     const bool is_endless = isinf(least_depth(ray, whole));
@@ -234,7 +235,7 @@ static double finite_end_m(const struct ray *ray, struct neph_rgb whole, double 
     return end_m;
 }
 
-/* A finite end of the ray behind which nothing can be seen: opaque, or no medium left. */
+/* A finite distance behind which nothing is visible: opaque, or no medium. */
 static double useful_end_m(const struct ray *ray)
 {
     const struct neph_rgb whole = view_optical_depth(ray, 0.0, ray->end_m);
@@ -259,8 +260,9 @@ static bool all_homogeneous(const struct neph_scene *scene)
     return true;
 }
 
-/* One height fog of one falloff that sun rays leave by its top or bottom, or never: on a straight
- * ray both optical depths are affine in the density, so the one is affine in the other. */
+/* Whether the only medium is a height fog with one falloff that sun rays leave through its top or
+ * bottom, or never. Then on a straight ray both optical depths are affine in the density, so one is
+ * affine in the other. */
 static bool one_fog_without_sides(const struct neph_scene *scene)
 {
     const struct neph_medium *fog = &scene->media[0];
@@ -273,20 +275,20 @@ static bool one_fog_without_sides(const struct neph_scene *scene)
            isinf(fog->bounds.max_m.z);
 }
 
-/* The optical depth of the whole way of light that is scattered at distance t. */
+/* The total optical depth of the light that is scattered at distance t. */
 static struct neph_rgb way_optical_depth(const struct ray *ray, double t_m)
 {
     return neph_rgb_add(view_optical_depth(ray, 0.0, t_m),
                         sun_optical_depth(ray->scene, ray_point(ray, t_m)));
 }
 
-/* Radiance per optical depth along the ray, before any of it is lost on the way. */
+/* Radiance per optical depth along the ray, before attenuation. */
 static struct neph_rgb scattered_per_depth(const struct ray *ray, double t_m)
 {
     struct neph_rgb scattered = {0, 0, 0}, extinction = {0, 0, 0};
     for (int m = 0; m < ray->scene->medium_count; m++) {
         const struct neph_medium *medium = &ray->scene->media[m];
-        /* One medium is the whole of itself, even where its density underflows. */
+        /* A single medium has the full part, even where its density underflows. */
         const double part_per_m = ray->scene->medium_count == 1
                                       ? 1.0
                                       : neph_medium_extinction_per_m(medium, ray_point(ray, t_m));
@@ -301,15 +303,15 @@ static struct neph_rgb scattered_per_depth(const struct ray *ray, double t_m)
                              extinction.b > 0.0 ? scattered.b / extinction.b * sun.b : 0.0};
 }
 
-/* One channel of a piece on which the depth of the way, from way0 to way1, is affine in the optical
- * depth from the camera: the value at the brighter end, times phi of the difference. */
+/* One channel of a piece on which the total depth (way0 to way1) is affine in the optical depth
+ * from the camera: the value at the brighter end, times phi of the difference. */
 static double closed_channel(double way0, double way1, double depth)
 {
     const double light = exp(-fmin(way0, way1));
     return light == 0.0 || depth == 0.0 ? 0.0 : depth * light * neph_phi(fabs(way1 - way0));
 }
 
-/* The two ends of a line through two points of a piece, a part `inset` of it from its ends. */
+/* Extrapolate a line to both ends of a piece, from two points at a part `inset` from the ends. */
 static void extend(double a, double b, double inset, double *end0, double *end1)
 {
     const double slope = isinf(a) || isinf(b) ? 0.0 : (b - a) / (1.0 - 2.0 * inset);
@@ -325,8 +327,8 @@ static void add_closed_piece(const struct ray *ray, double t0_m, double t1_m, bo
         return;
     struct neph_rgb way0, way1;
     if (homogeneous) {
-        /* A sun ray along a face may be inside the medium or not: look from just inside the piece
-         * and continue linearly. Height fog without sides has no such faces. */
+        /* A sun ray along a face may or may not be inside the medium: evaluate just inside the
+         * piece and extrapolate linearly. Height fog without sides has no such faces. */
         const double inset = 1e-3;
         const struct neph_rgb a = way_optical_depth(ray, t0_m + inset * length_m);
         const struct neph_rgb b = way_optical_depth(ray, t1_m - inset * length_m);
@@ -349,7 +351,7 @@ static void add_closed_piece(const struct ray *ray, double t0_m, double t1_m, bo
 
 /* ---- the ray ---- */
 
-/* The part of [0, end] that lies in any medium at all: nothing else can scatter or emit. */
+/* The range of [0, end] inside media: nothing else scatters or emits. */
 static bool scattering_range(const struct ray *ray, double end_m, double *t0_m, double *t1_m)
 {
     *t0_m = INFINITY;
@@ -365,7 +367,7 @@ static bool scattering_range(const struct ray *ray, double end_m, double *t0_m, 
     return *t0_m < *t1_m;
 }
 
-/* In-scattered radiance of the whole ray; returns the estimated error. */
+/* In-scattered radiance of the ray; returns the estimated error. */
 static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
 {
     double t0_m, t1_m;
@@ -373,7 +375,7 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
         return 0.0;
     const bool homogeneous = all_homogeneous(ray->scene);
     const bool closed = homogeneous || one_fog_without_sides(ray->scene);
-    struct work work; /* not initialised as a whole: it is large */
+    struct work work; /* not zero-initialised: it is large */
     start_work(&work, ray);
     struct neph_pieces *pieces = &work.pieces;
     pieces->count = neph_lit_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, !closed,
@@ -387,7 +389,7 @@ static double integrate_volume(const struct ray *ray, struct neph_rgb *volume)
 
 /* ---- emission ---- */
 
-/* Emitted radiance per metre at distance t that arrives. */
+/* Emitted radiance per metre at distance t, attenuated to the camera. */
 static void emitted(double t_m, void *context, double value[3])
 {
     const struct work *work = context;
@@ -403,12 +405,12 @@ static void emitted(double t_m, void *context, double value[3])
     if (sum.r == 0.0 && sum.g == 0.0 && sum.b == 0.0)
         return;
     const struct neph_rgb light = transmittance(neph_pieces_depth_to(&work->pieces, t_m));
-    value[0] = light.r > 0.0 ? sum.r * light.r : 0.0; /* 0 * inf: opaque, however dense */
+    value[0] = light.r > 0.0 ? sum.r * light.r : 0.0; /* avoids 0 * inf in opaque media */
     value[1] = light.g > 0.0 ? sum.g * light.g : 0.0;
     value[2] = light.b > 0.0 ? sum.b * light.b : 0.0;
 }
 
-/* Whether two media emit as much per optical depth, in all channels that both attenuate. */
+/* Whether two media emit equally per optical depth, in all channels that both attenuate. */
 static bool glow_alike(const struct neph_medium *a, const struct neph_medium *b)
 {
     const struct neph_rgb c = a->extinction_color, d = b->extinction_color;
@@ -417,7 +419,7 @@ static bool glow_alike(const struct neph_medium *a, const struct neph_medium *b)
            (x.b == y.b || c.b == 0.0 || d.b == 0.0);
 }
 
-/* Whether all media do; `*glow` receives it. */
+/* Whether all media emit equally per optical depth; `*glow` receives the value. */
 static bool all_glow_alike(const struct neph_scene *scene, struct neph_rgb *glow)
 {
     *glow = (struct neph_rgb){0, 0, 0};
@@ -445,7 +447,7 @@ static double faint_end_m(const struct ray *ray)
                : end_m;
 }
 
-/* Light that the media emit, of the whole ray; returns the estimated error. */
+/* Radiance emitted by the media along the ray; returns the estimated error. */
 static double integrate_emission(const struct ray *ray, struct neph_rgb depth,
                                  struct neph_rgb *light)
 {
@@ -457,14 +459,14 @@ static double integrate_emission(const struct ray *ray, struct neph_rgb depth,
     }
     if (!scattering_range(ray, faint_end_m(ray), &t0_m, &t1_m))
         return 0.0;
-    struct work work; /* not initialised as a whole: it is large */
+    struct work work; /* not zero-initialised: it is large */
     start_work(&work, ray);
     work.pieces.count = neph_ray_pieces(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m,
                                         work.pieces.at_m);
     return integrate_pieces(emitted, &work, light);
 }
 
-/* Light of the scene's lights, of the whole ray; returns the estimated error. */
+/* In-scattered radiance of the point lights along the ray; returns the estimated error. */
 static double integrate_lamplight(const struct ray *ray, struct neph_rgb *volume)
 {
     double t0_m, t1_m;
@@ -473,7 +475,7 @@ static double integrate_lamplight(const struct ray *ray, struct neph_rgb *volume
     return neph_airlight(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m, volume);
 }
 
-/* ---- all ---- */
+/* ---- complete rays --------------------------------------------------------------------------- */
 
 /* Lambertian, lit by the sun through the media: albedo / pi * E cos(theta) T V; and by lights. */
 static struct neph_rgb sunlit_radiance(const struct neph_scene *scene, const struct neph_hit *hit,
@@ -512,7 +514,7 @@ static bool is_black(struct neph_rgb albedo)
     return albedo.r == 0.0 && albedo.g == 0.0 && albedo.b == 0.0;
 }
 
-/* What it absorbs it gives back, in a surround of this radiance. */
+/* Whether the medium emits what it absorbs, in surroundings of this radiance. */
 static bool is_balanced(const struct neph_medium *medium, struct neph_rgb surround)
 {
     const struct neph_rgb albedo = medium->albedo, emission = medium->emission_w_per_m2_sr;
@@ -521,8 +523,9 @@ static bool is_balanced(const struct neph_medium *medium, struct neph_rgb surrou
            (albedo.b == 1.0 || emission.b == surround.b);
 }
 
-/* Everything reflects or scatters all light, or emits what it absorbs, and all other light comes
- * from the uniform surround: the radiance is the surround's everywhere, whatever the geometry. */
+/* Whether the scene is a furnace: everything reflects or scatters all light, or emits what it
+ * absorbs, and all other light comes from the uniform surroundings. Then the radiance equals that
+ * of the surroundings everywhere. */
 static bool is_furnace(const struct neph_scene *scene)
 {
     if (scene->scattering != NEPH_SCATTERING_MULTIPLE || !scene->environment_light ||
@@ -598,7 +601,7 @@ struct neph_ray_light neph_transport_ray(const struct neph_scene *scene, struct 
     }
     const bool scatters = scene->scattering != NEPH_SCATTERING_NONE && media_scatter(scene);
     if (scene->sun.present && scatters) {
-        /* The turn from (-sun) to (-view) has the cosine of the angle between view and sun. */
+        /* The angle from (-sun) to (-view) is the angle between view and sun. */
         const double cosine = neph_vec3_dot(direction, scene->sun.direction);
         for (int m = 0; m < scene->medium_count; m++)
             ray.phase_per_sr[m] = neph_phase_per_sr(&scene->media[m].phase, cosine);

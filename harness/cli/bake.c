@@ -63,7 +63,7 @@ static const struct neph_cli_syntax syntax = {
 struct result {
     const struct neph_medium *medium;
     struct neph_bake bake;
-    double cut_error; /* in transmittance, of cutting an endless medium to a box */
+    double cut_error; /* in transmittance, from cutting an unbounded medium to a box */
 };
 
 static enum neph_status bake(const struct request *request, const struct neph_scene *scene,
@@ -83,8 +83,8 @@ static enum neph_status bake(const struct request *request, const struct neph_sc
     return neph_medium_bake(result->medium, &box, resolution, &result->bake, diag);
 }
 
-/* The entry of a scene file that makes the written file a medium again, in place and as dense. For
- * free(); NULL: no memory. */
+/* The scene file entry that reads the written file as a medium of the same place and density. For
+ * free(); NULL: memory is short. */
 static char *volume_entry(const char *path, const struct result *result)
 {
     const struct neph_grid *grid = result->bake.grid;
@@ -146,7 +146,7 @@ static void print_result(const char *path, const char *entry, const struct resul
     printf("  in a scene file, with an albedo: %s\n", entry);
 }
 
-/* The file to write to, of the arena. -o FILE was how it was named. */
+/* The file to write to, owned by the arena. The old form is -o FILE. */
 static enum neph_status choose_file(const struct neph_cli_shared *shared,
                                     const struct neph_scene *scene, struct neph_arena *arena,
                                     const char **path, struct neph_diag *diag)

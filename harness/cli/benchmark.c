@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
 
 struct request {
@@ -37,17 +37,17 @@ struct request {
 
 enum { ENGINES_MAX = NEPH_BENCHMARK_ENGINES_MAX + NEPH_BENCHMARK_FRAMES_ENGINES_MAX };
 
-/* An engine that was asked for and cannot render the scene. */
+/* A requested engine that cannot render the scene. */
 struct left_out {
     const char *engine;
     struct neph_diag why;
 };
 
-/* Engines with noise, and those whose pictures can be in flight. */
+/* Two kinds of engines: those with noise, and those with frames in flight. */
 struct both {
     struct neph_benchmark noise;
     struct neph_benchmark_frames frames;
-    struct neph_showing showing; /* of the frames, where there is a chain */
+    struct neph_showing showing; /* the post-processing of the frames, with --chain */
     struct neph_engine_info noise_infos[NEPH_BENCHMARK_ENGINES_MAX + 1];
     struct neph_engine_info frame_infos[NEPH_BENCHMARK_FRAMES_ENGINES_MAX];
     int left_out_count;
@@ -139,7 +139,7 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
         if (status)
             return status;
         const struct neph_medium baked = neph_medium_from_bake(medium, &bake);
-        bake.grid = NULL; /* the scene's now */
+        bake.grid = NULL; /* now owned by the scene */
         neph_bake_finish(&bake);
         neph_medium_finish(medium);
         *medium = baked;
@@ -149,7 +149,7 @@ static enum neph_status to_voxels(struct neph_scene *scene, int resolution, stru
 
 /* --- jobs --------------------------------------------------------------------------------- */
 
-/* The device is of all but first pictures. */
+/* Everything of a job but its preset and settings. */
 static void fill_job(const struct neph_engine *engine, const struct request *request,
                      struct neph_shared_device *device, struct neph_engine_info *info,
                      struct neph_job *job)
@@ -166,7 +166,7 @@ static void fill_job(const struct neph_engine *engine, const struct request *req
                                       .device = device}};
 }
 
-/* The job of an engine in the benchmark of its kind. */
+/* Add an engine to the benchmark of its kind, with its job. */
 static enum neph_status add_engine(const char *name, const struct request *request,
                                    struct neph_shared_device *device, struct neph_diag *diag)
 {
@@ -208,7 +208,8 @@ static enum neph_status apply_setting(struct both *both, const char *text, struc
                      text);
 }
 
-/* Whether an engine goes on; `*status`: why none does. One that cannot render it is noted. */
+/* Whether an engine stays in the benchmark. An engine that cannot render the scene is noted in
+ * `left_out`; any other error ends the benchmark through `*status`. */
 static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_status *status,
                       struct neph_diag *diag)
 {
@@ -230,7 +231,7 @@ static bool can_go_on(const struct neph_job *job, struct both *both, enum neph_s
     return !*status;
 }
 
-/* Those that cannot do not stop the others. */
+/* Remove the engines that cannot render the scene. NEPH_ERR_UNSUPPORTED: none is left. */
 static enum neph_status leave_out(struct both *both, struct neph_diag *diag)
 {
     struct neph_benchmark_engine *noise = both->noise.engines;
@@ -261,7 +262,7 @@ static bool any_has_presets(const struct both *both)
     return any;
 }
 
-/* Frames are as small as the chain that enlarges them wants them. */
+/* Load the chain, and reduce the frames to the size that its upscaling stage expects. */
 static enum neph_status find_chain(const struct request *request, struct neph_diag *diag)
 {
     struct both *both = request->both;
@@ -288,7 +289,7 @@ static enum neph_status find_chain(const struct request *request, struct neph_di
     return status;
 }
 
-/* The tracer, and as many Blenders as there is room for. */
+/* The default engines: the tracer, and as many Blender installations as fit. */
 static int list_default(const char *names[NEPH_ENGINE_COUNT])
 {
     int count, listed = 0;
@@ -329,7 +330,8 @@ static enum neph_status fill_both(const struct request *request, struct neph_sha
 
 /* --- results ------------------------------------------------------------------------------ */
 
-/* "settings: preset ours, steps=8", "settings: defaults": what differs from these. */
+/* Print "settings: preset ours, steps=8" or "settings: defaults": the preset and the differences
+ * from it. */
 static void print_settings(const struct neph_job *job, const char *preset, FILE *out)
 {
     char *changes = neph_settings_changes(job->engine, &job->shot.settings, preset);
@@ -349,8 +351,8 @@ static void print_engine(const struct neph_benchmark_engine *engine, FILE *out)
     }
 }
 
-/* "3 % error in 1.2 s (beyond the ladder, extrapolated)"; of an engine after the first, how many
- * times the first one's time that is. */
+/* Print "3 % error in 1.2 s (beyond the ladder, extrapolated)"; for an engine after the first, also
+ * the ratio of its time to the time of the first engine. */
 static void print_rmse_time(const struct neph_rmse_time *time, const struct neph_rmse_time *first,
                             FILE *out)
 {
@@ -415,7 +417,7 @@ static void print_benchmark(const struct neph_benchmark *benchmark, FILE *out)
     }
 }
 
-/* --- results of pictures in flight --------------------------------------------------------- */
+/* --- results of frames in flight ------------------------------------------------------------ */
 
 static void print_times(const char *name, struct neph_spread s, const char *end, FILE *out)
 {
@@ -461,7 +463,7 @@ static void print_chain(const struct neph_post_params *params,
                     "\n", out);
 }
 
-/* Where pictures of two kinds are in one median, that is said. */
+/* A median may mix frames rendered before and after the scene is known to be static: print that. */
 static void print_steady(const struct neph_benchmark_frames_engine *engine, FILE *out)
 {
     if (engine->steady_from == 0)
@@ -558,7 +560,7 @@ static void set_scratch(struct both *both, const char *path)
         both->frames.engines[e].job.shot.scratch_directory = path;
 }
 
-/* One document for each kind; both in one where there are both. */
+/* One JSON document for each kind; an object of both if there are both. */
 static json_t *json_of(const struct both *both)
 {
     const bool has_noise = both->noise.engine_count > 0, has_frames = both->frames.engine_count > 0;
@@ -580,7 +582,7 @@ static struct neph_rungs_aim aim_of(const struct request *request)
                                                                     : request->rung_s};
 }
 
-/* What was asked for of engines of a kind that is not there. */
+/* Warn about options that apply to no requested engine. */
 static void warn_of_idle(const struct request *request, const struct both *both)
 {
     if (both->noise.engine_count == 0 && !(isnan(request->error) && isnan(request->rung_s)))

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
 static const char scratch_prefix[] = ".neph-scratch-";
@@ -110,7 +110,7 @@ json_t *neph_cli_presets_json(const struct neph_preset *presets)
 
 void neph_cli_print_presets(const struct neph_preset *presets, int indent)
 {
-    enum { COLUMN = 15 }; /* of the texts behind the names */
+    enum { COLUMN = 15 }; /* of the texts to the right of the names */
     for (const struct neph_preset *p = presets; p && p->name; p++)
         printf("%*s%-*s %s\n%*s%s\n", indent, "", COLUMN - 1 - indent, p->name, p->summary, COLUMN,
                "", p->assignments[0] ? p->assignments : "(nothing else)");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The command line: a function and a file for each verb. stdout carries results alone; progress and
- * problems go to stderr.
+ * The command line: one function and one file for each verb. Only results go to stdout; progress
+ * and problems go to stderr.
  */
 #ifndef NEPH_HARNESS_CLI_CLI_H
 #define NEPH_HARNESS_CLI_CLI_H
@@ -35,38 +35,41 @@ neph_verb neph_cli_scenes;
 neph_verb neph_cli_engines;
 neph_verb neph_cli_doctor;
 
-/* Make the folder of an output if need be, and remove what killed runs left of the next there. */
+/* Create the output folder if needed, and remove scratch folders in it that killed runs have
+ * left. */
 enum neph_status neph_cli_open_folder(const char *output, struct neph_diag *diag);
 
-/* The store in that folder. NEPH_ERR_NOT_FOUND: there is none; else as of neph_store_open(). */
+/* Open the store in that folder. NEPH_ERR_NOT_FOUND: there is none; other errors as of
+ * neph_store_open(). */
 enum neph_status neph_cli_open_store(const char *output, struct neph_store **store,
                                      struct neph_diag *diag);
 
-/* A folder for an engine's files inside that folder. End it with neph_cli_end_scratch(). */
+/* Create a scratch folder for an engine's files inside that folder. End it with
+ * neph_cli_end_scratch(). */
 enum neph_status neph_cli_begin_scratch(const char *output, struct neph_scratch **scratch,
                                         struct neph_diag *diag);
 
-/* Remove it; after a failure of the engine, `status`, it stays if it holds logs, and the diag says
- * where. `scratch` may be NULL. */
+/* Remove the scratch folder. After a failure of the engine (`status`), a folder with logs stays and
+ * the diag names it. `scratch` may be NULL. */
 void neph_cli_end_scratch(struct neph_scratch *scratch, enum neph_status status,
                           struct neph_diag *diag);
 
-/* A table of options, for JSON and for people. */
+/* A table of options, as JSON and as text. */
 json_t *neph_cli_options_json(const struct neph_option *options);
 void neph_cli_print_options(const struct neph_option *options);
 
-/* A list of presets (NULL: none), for JSON and for people; lines begin with `indent` blanks. */
+/* A list of presets (NULL: none), as JSON and as text; each line starts with `indent` spaces. */
 json_t *neph_cli_presets_json(const struct neph_preset *presets);
 void neph_cli_print_presets(const struct neph_preset *presets, int indent);
 
-/* The stages of the picture chain. */
+/* The stages of the post-processing chain, as JSON and as text. */
 json_t *neph_cli_post_stages_json(void);
 void neph_cli_post_print_stages(const char *indent);
 
 /* Print on stderr that the results of a verb are in that folder. */
 void neph_cli_say_where(const char *verb, const char *folder);
 
-/* Print JSON on stdout where it is wanted; consumes the reference in any case. */
+/* Print JSON on stdout if `wanted`; always takes the reference over. */
 enum neph_status neph_cli_give_json(json_t *json, bool wanted, struct neph_diag *diag);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph compare REFERENCE TEST`: error of frames, each by itself; and
- * `neph flicker [-r REFERENCE] [BEFORE] TEST`: how a sequence moves where it should not.
+ * `neph compare REFERENCE TEST`: the error of each frame; and `neph flicker [-r REFERENCE] [BEFORE]
+ * TEST`: unwanted change of a sequence over time.
  */
 #include "harness/cli/cli.h"
 
@@ -21,7 +21,7 @@
 
 /* ---- options --------------------------------------------------------------------------------- */
 
-/* The shared settings are of extractors. */
+/* The settings in `shared` belong to extractors. */
 struct request {
     struct neph_cli_shared shared;
     bool temporal; /* `neph flicker` */
@@ -31,7 +31,7 @@ struct request {
     const char *mask, *csv, *junit, *page, *maps, *layer;
     const char *second; /* words of the second reference */
     const char *versus; /* words of the other test */
-    double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: as usual */
+    double frame_rate_hz, pixels_per_degree, exposure_ev, white_cd_per_m2; /* NaN: the default */
     int warm_up_frames;
     bool rings, by_position, frozen_is_fine, negative_is_fine, all;
 };
@@ -158,9 +158,9 @@ static const struct neph_cli_syntax flicker_syntax = {
         "  neph flicker -r ref.png game/ --fps 30 --fail-above a4_p95@all=0.0157",
 };
 
-/* ---- what to measure ------------------------------------------------------------------------- */
+/* ---- the measurement set-up ------------------------------------------------------------------ */
 
-/* What was given, over the defaults. */
+/* The viewing conditions: the defaults, replaced by the given options. */
 static struct neph_viewing viewing_of(const struct request *request)
 {
     struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS;
@@ -178,13 +178,13 @@ static struct neph_viewing viewing_of(const struct request *request)
     return viewing;
 }
 
-/* A name of a mask has neither dot nor slash; the name of a picture has an extension. */
+/* Whether --mask names a file: names of built-in masks have neither dot nor slash. */
 static bool names_mask_file(const struct request *request)
 {
     return request->mask && strpbrk(request->mask, "./");
 }
 
-/* The mask that is wanted; NULL: all masks. */
+/* The name of the only wanted mask; NULL: all masks. */
 static const char *wanted_mask(const struct request *request)
 {
     return names_mask_file(request) ? "file" : request->mask;
@@ -204,7 +204,7 @@ static enum neph_status parse_limit(const struct request *request, int index,
     return neph_limit_parse(word, below, limit, diag);
 }
 
-/* A number that has a limit is measured. */
+/* Choose the extractors of all metrics that have a limit. */
 static enum neph_status choose_limited(struct neph_comparison *comparison,
                                        const struct request *request, struct neph_diag *diag)
 {
@@ -220,7 +220,7 @@ static enum neph_status choose_limited(struct neph_comparison *comparison,
     return status;
 }
 
-/* What was named can be measured without a reference where there is none. */
+/* Without a reference, refuse extractors and options that need one. */
 static enum neph_status check_reference(const struct request *request,
                                         const struct neph_comparison *comparison,
                                         struct neph_diag *diag)
@@ -256,7 +256,7 @@ static enum neph_status choose_extractors(struct neph_comparison *comparison,
     return status ? status : check_reference(request, comparison, diag);
 }
 
-/* Takes the sequences of reference and test over. */
+/* Fill the comparison; it takes over the sequences of reference and test. */
 static enum neph_status prepare(const struct request *request, struct neph_sides *sides,
                                 struct neph_comparison *comparison, struct neph_diag *diag)
 {
@@ -288,7 +288,7 @@ static enum neph_status prepare(const struct request *request, struct neph_sides
                                     diag);
 }
 
-/* ---- which numbers to show ------------------------------------------------------------------- */
+/* ---- the numbers to show --------------------------------------------------------------------- */
 
 static bool is_wanted(const struct neph_measurement *number, const void *context)
 {
@@ -313,14 +313,14 @@ static bool is_wanted(const struct neph_measurement *number, const void *context
     return named;
 }
 
-/* Findings stand on several metrics; those of the wanted mask, and of no mask in particular. */
+/* A finding combines several metrics, so only its mask decides. `half_life` belongs to no mask. */
 static bool is_wanted_finding(const struct request *request, const struct neph_finding *finding)
 {
     const char *mask = wanted_mask(request);
     return !mask || strcmp(mask, finding->mask) == 0 || strcmp(finding->name, "half_life") == 0;
 }
 
-/* Leave only what was asked for. */
+/* Remove the numbers and findings that are not wanted. */
 static void select_wanted(const struct request *request, struct neph_compared *compared)
 {
     struct neph_findings *findings = &compared->findings;
@@ -334,23 +334,23 @@ static void select_wanted(const struct request *request, struct neph_compared *c
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* Whether stdout is for people. */
+/* Whether stdout gets text for people, not JSON or CSV. */
 static bool is_for_people(const struct request *request)
 {
     return !request->shared.json && (!request->csv || strcmp(request->csv, "-") != 0);
 }
 
-/* What is at work between the words and the answer. */
+/* The state of a run, from the parsed options to the answer. */
 struct work {
     const struct request *request;
     const struct neph_sides *sides;
-    struct neph_comparison asked[NEPH_PAGE_SIDES]; /* of the test, and of the other one */
+    struct neph_comparison asked[NEPH_PAGE_SIDES]; /* of the test and of the other test */
     struct neph_compared compared[NEPH_PAGE_SIDES];
     struct neph_cli_page page;
     struct neph_junit *junit;
 };
 
-/* What stands behind the first line. */
+/* The note behind the first line of the answer: the missing or the assumed reference. */
 static const char *find_note(const struct neph_sides *sides, struct neph_arena *arena)
 {
     if (sides->without_reference)
@@ -424,8 +424,9 @@ static enum neph_status print_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* Compares with the other test, too. The numbers are only those that were asked for: p-values are
- * corrected for these. Frozen frames of the other test fail after the comparison. */
+/* Compare the reference with the other test as well. Only the wanted numbers stay, because p-values
+ * are corrected for their count. Frozen frames of the other test make the command fail after its
+ * comparison. */
 static enum neph_status add_versus(struct work *work, struct neph_diag *diag)
 {
     struct neph_comparison *other = &work->asked[NEPH_PAGE_OTHER];
@@ -463,12 +464,12 @@ static bool has_numbers_of(const struct neph_compared *compared,
     return false;
 }
 
-/* What was named and gave nothing is not passed over. */
+/* An explicitly named metric that was not measured is an error. */
 static enum neph_status check_taken(const char *word, const struct neph_compared *compared,
                                     struct neph_diag *diag)
 {
     const struct neph_extractor *extractor = neph_find_extractor(word);
-    if (!extractor || has_numbers_of(compared, extractor)) /* "all" is none */
+    if (!extractor || has_numbers_of(compared, extractor)) /* "all" is no extractor */
         return NEPH_OK;
     const char *because = "the images have nothing that it is taken of";
     for (int i = 0; i < compared->not_taken_count; i++)
@@ -477,7 +478,7 @@ static enum neph_status check_taken(const char *word, const struct neph_compared
     return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s was not measured: %s", word, because);
 }
 
-/* What was named is there, and all limits are kept. */
+/* Check that all named metrics were measured, and that all limits are met. */
 static enum neph_status check_all(const struct request *request,
                                   const struct neph_compared *compared, struct neph_diag *diag)
 {
@@ -514,7 +515,8 @@ static const char *junit_group(const struct request *request, struct neph_junit 
                                                        : "");
 }
 
-/* A test case for each limit: of what was measured, or of nothing, where `why` says why. */
+/* Add a test case for each limit. `measured` NULL: nothing was measured, and `why` is the
+ * reason. */
 static void add_limits(const struct request *request, const struct neph_measurements *measured,
                        const struct neph_diag *why, struct neph_junit *junit)
 {
@@ -525,8 +527,8 @@ static void add_limits(const struct request *request, const struct neph_measurem
     }
 }
 
-/* Also a case for the run where it fails for another reason than a limit, such as frozen frames, or
- * has no limits. */
+/* Add a test case for the run itself if it failed for another reason than a limit, such as frozen
+ * frames, or if there are no limits. */
 static void add_run(const struct request *request, enum neph_status status,
                     const struct neph_diag *why, struct neph_junit *junit)
 {
@@ -535,7 +537,8 @@ static void add_run(const struct request *request, enum neph_status status,
                        status ? NEPH_JUNIT_FAILED : NEPH_JUNIT_PASSED, status ? why->message : "");
 }
 
-/* Limits hold of all numbers, and are spoken of before those that are shown. */
+/* Check the limits, then print. Limits apply to all numbers, so they are checked before the numbers
+ * that are not shown are removed. */
 static enum neph_status tell(struct work *work, enum neph_status status, struct neph_diag *diag)
 {
     const struct request *request = work->request;
@@ -585,13 +588,13 @@ static enum neph_status measure(const struct request *request,
     return status;
 }
 
-/* Nothing is written for a command line that makes no sense. */
+/* Write the JUnit file; none for a wrong command line. */
 static enum neph_status write_junit(const struct request *request, enum neph_status status,
                                     struct neph_junit *junit, struct neph_diag *diag)
 {
     if (!request->junit || status == NEPH_ERR_USAGE)
         return status;
-    if (junit->count == 0) { /* it did not come to measuring */
+    if (junit->count == 0) { /* the run failed before it measured anything */
         add_limits(request, NULL, diag, junit);
         add_run(request, limit_count(request) == 0 ? status : NEPH_OK, diag, junit);
     }

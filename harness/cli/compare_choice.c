@@ -55,7 +55,7 @@ enum neph_status neph_choose_word(struct neph_comparison *comparison, const char
     return NEPH_OK;
 }
 
-/* Settings were written EXTRACTOR.KEY=VALUE. */
+/* Warn about the old form of settings, EXTRACTOR.KEY=VALUE. */
 static void warn_of_dot(const char *extractor, const char *key)
 {
     char was[160], is[160];
@@ -79,7 +79,7 @@ enum neph_status neph_choose_setting(struct neph_comparison *comparison, const c
     if (!extractor)
         return neph_fail(diag, NEPH_ERR_USAGE, "setting '%s': there is no extractor '%s'", text,
                          name);
-    neph_choose(comparison, extractor); /* a setting takes its extractor, too */
+    neph_choose(comparison, extractor); /* a setting also chooses its extractor */
     snprintf(owner, sizeof(owner), "extractor %s", name);
     return neph_options_set(extractor->options, owner, key,
                             &find_choice(comparison, extractor)->settings, diag);

@@ -22,10 +22,11 @@ static enum neph_status find(const struct neph_side_words *words, int count,
     return neph_sequence_find(count, list, words->by_position, sequence, diag);
 }
 
-/* ---- which words ----------------------------------------------------------------------------- */
+/* ---- sequences from words -------------------------------------------------------------------- */
 
-/* The first list is the given words and those operands that belong to them, the second one the
- * other operands: a shell that expands a pattern behind -r leaves only its first file there. */
+/* Find two sequences. The first one consists of the `given` words and of the operands that belong
+ * to them, the second one of the other operands. Needed because a shell that expands `-r PATTERN`
+ * puts only the first file behind -r and the others among the operands. */
 static enum neph_status find_split(const struct neph_side_words *words, int given,
                                    const char *const *first, int operand_count,
                                    const char *const *operands, struct neph_sequence sequences[2],
@@ -51,7 +52,8 @@ static enum neph_status find_split(const struct neph_side_words *words, int give
     return status ? status : find(words, counts[1], lists[1], &sequences[1], diag);
 }
 
-/* Whether both operands are tests of their own. Of flicker two files are two frames of one test. */
+/* Whether there are two operands, each a test of its own. For `neph flicker` two files are two
+ * frames of one test. */
 static bool are_two_tests(const struct neph_side_words *words)
 {
     return words->operand_count == 2 &&
@@ -82,7 +84,8 @@ static enum neph_status find_with_reference(const struct neph_side_words *words,
     return status;
 }
 
-/* Whether files that a shell made of a pattern are of one sequence: the split leaves no test. */
+/* Whether operands that a shell expanded from a pattern form one sequence: no operand is left for a
+ * second one. */
 static bool are_one_test(const struct neph_side_words *words, struct neph_arena *arena)
 {
     const int others = words->operand_count - 1;
@@ -144,8 +147,8 @@ static const char *cleaned(struct neph_arena *arena, const char *text, size_t le
     return kept;
 }
 
-/* The parts of two paths without the folders that both begin with, and without the parts that both
- * end in. */
+/* Name both tests by the part of their paths that differs: without the leading folders and the
+ * trailing parts that both have in common. */
 static void name_both(struct neph_sides *sides)
 {
     const char *a = sides->test.paths[0], *b = sides->other.paths[0];
@@ -198,7 +201,7 @@ static enum neph_status check_both(const struct neph_side_words *words,
                                                             &sides->other, sides->other_name, diag);
 }
 
-/* A still frame in the place of the reference: the first measured one. */
+/* Without a reference: put the first measured frame in its place, as a static frame. */
 static enum neph_status put_still(struct neph_sides *sides, int warm_up_frames,
                                   struct neph_diag *diag)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph conform` and `neph conform A B`.
+ * `neph conform` renders test frames on this device; `neph conform A B` compares two such folders.
  */
 #include "harness/cli/cli.h"
 
@@ -73,7 +73,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* --- render ------------------------------------------------------------------------------- */
 
-/* The scenes that were asked for, or all that there are; of the arena. */
+/* The requested scenes, or else all scenes; owned by the arena. */
 static enum neph_status list_scenes(const struct neph_cli_list *asked, struct neph_arena *arena,
                                     struct neph_conform_params *params, struct neph_diag *diag)
 {

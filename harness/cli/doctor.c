@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph doctor`: what is installed.
+ * `neph doctor`: lists which programs, libraries and devices are installed.
  */
 #include "harness/cli/cli.h"
 
@@ -24,7 +24,7 @@ static const struct neph_cli_option options[] = {
     {.name = NULL},
 };
 
-/* Beside the engines: what the report and the tests need. */
+/* Checks for programs and libraries that the report and the tests need. */
 static bool has_openvdb(const char *program)
 {
     (void)program;
@@ -40,7 +40,8 @@ static bool has_windows(const char *library)
     return neph_window_has_library();
 }
 
-/* User engines are confined in a folder like those that they get. */
+/* User engines may write only in their folder. Tested in the temporary folder, where these folders
+ * are created. */
 static bool has_confinement(const char *name)
 {
     (void)name;
@@ -52,8 +53,8 @@ static const struct {
     const char *program;
     bool (*is_there)(const char *program);
     const char *needed_for;
-    struct neph_packages packages; /* that have it; {NULL}: */
-    const char *otherwise;         /* what else gets it, or what more is to be done */
+    struct neph_packages packages; /* packages that contain it; {NULL}: none */
+    const char *otherwise;         /* another way to get it, or a further step after the package */
 } tools[] = {
     {"neph-vdb",
      has_openvdb,
@@ -80,7 +81,7 @@ static const struct {
      "user engines, which then change files in their folder only",
      {NULL},
      "a Linux kernel of 5.13 or later with Landlock, and user namespaces that users may make; "
-     "docs/command.md says what a user engine can change without"},
+     "docs/engines.md says what a user engine can change without"},
     {"SDL 2",
      has_windows,
      "neph fly",
@@ -128,7 +129,8 @@ static json_t *requirement_json(const struct neph_vulkan_requirement *row)
                      row->without ? row->without : "");
 }
 
-/* What it has of what the engines ask for; nothing where it was refused, as their lines say. */
+/* The device's features and limits beside the requirements of the engines. Empty where the device
+ * was refused; the lines of the engines give the reason. */
 static json_t *check_requirements(const struct neph_shared_device *device, bool prints)
 {
     struct neph_vulkan_requirement rows[NEPH_VULKAN_REQUIREMENTS_MAX];

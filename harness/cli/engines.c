@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph engines`: what there is to render with.
+ * `neph engines`: lists the engines, their settings, presets and passes.
  */
 #include "harness/cli/cli.h"
 

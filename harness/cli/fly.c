@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph fly`: a scene in a window.
+ * `neph fly`: shows a scene in a window, with a camera that the user moves.
  */
 #include "harness/cli/cli.h"
 
@@ -62,7 +62,7 @@ static const struct neph_cli_syntax syntax = {
         "  neph fly fence_backlit --frames 300 --keys \"w*60 d*60\" --json",
 };
 
-/* Nothing, where too few frames were shown for one. */
+/* Print a median time; nothing if too few frames were shown for one. */
 static void print_median(const json_t *result, const char *key, const char *what)
 {
     const json_t *median_s = json_object_get(result, key);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The program `neph`: the table of verbs, its help, and the exit code.
+ */
 #include "harness/cli/cli.h"
 
 #include "base/interrupt.h"
@@ -16,7 +19,7 @@
 
 static const struct {
     const char *name;
-    neph_verb *run; /* or: */
+    neph_verb *run; /* NULL: see `experiment` */
     const struct neph_experiment *experiment;
     const char *help;
 } verbs[] = {
@@ -86,11 +89,13 @@ static void print_diag(const char *verb, enum neph_status status, const struct n
     fputs(diag->more, stderr);
 }
 
-/* What did not arrive is an error, whatever the verb thinks; but one problem is enough. */
+/* Flush stdout. Lost output is an error, whatever the result of the verb; an earlier error keeps
+ * its exit code. */
 static int close_output(int exit_code)
 {
     errno = 0;
-    const bool flushed = fflush(stdout) == 0; /* as late as here, where the buffer was large */
+    const bool flushed = fflush(stdout) == 0; /* the write may fail as late as here if the buffer
+                                               * was large */
     if (flushed && !ferror(stdout))
         return exit_code;
     fprintf(stderr, "neph: the output was cut: cannot write to stdout%s%s\n", errno ? ": " : "",

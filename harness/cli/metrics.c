@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph metrics`: what can be measured, by which definition.
+ * `neph metrics`: lists metrics and masks with their definitions.
  */
 #include "harness/cli/cli.h"
 

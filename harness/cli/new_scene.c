@@ -25,7 +25,7 @@ static enum neph_status check_kind(const struct neph_new_scene *request, struct 
     return NEPH_ERR_USAGE;
 }
 
-/* The scene in the file will be called like it. */
+/* The file name without .yaml becomes the name of the scene, so it may have only these letters. */
 static enum neph_status check_path(const struct neph_new_scene *request, struct neph_diag *diag)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
@@ -60,7 +60,8 @@ static enum neph_status read_template(const char *kind, char **text, size_t *siz
     return status;
 }
 
-/* The .vdb as the scene file calls it: without folders where both are in one, else absolute. */
+/* The path of the .vdb for the scene file: relative if both files are in one folder, else
+ * absolute. */
 static char *written_name(const struct neph_new_scene *request)
 {
     char *folder = strdup(request->path), *beside = NULL;

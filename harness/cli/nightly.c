@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph nightly`.
+ * `neph nightly`: measures a list of suites and compares the numbers with the accepted baseline.
  */
 #include "harness/cli/cli.h"
 
@@ -18,7 +18,7 @@
 
 static const size_t report_limit_bytes = 256 << 20;
 
-/* What the pictures of the page may take; a report is to stay under 60 MB with its numbers. */
+/* Size limit of the page's images: a report with its numbers has to stay under 60 MB. */
 static const size_t pictures_limit_bytes = 50000000;
 
 struct request {
@@ -112,7 +112,7 @@ static bool is_by_slurm(const struct request *request)
     return strcmp(request->executor, "slurm") == 0 && !request->reports;
 }
 
-/* Whether there is such a plan, before anything is made for it; and print it. */
+/* Check, before any work, that the plan exists; print it with `prints`. */
 static enum neph_status look_at_plan(const struct neph_night_plan_params *params, bool prints,
                                      struct neph_diag *diag)
 {
@@ -185,7 +185,7 @@ static enum neph_status print_file(const char *output, const char *name, struct 
     return status;
 }
 
-/* What the job that ended the night has written. */
+/* Read the report that the last job of the nightly run has written. */
 static enum neph_status read_report(const char *output, int64_t night, json_t **report,
                                     struct neph_diag *diag)
 {
@@ -242,7 +242,7 @@ enum neph_status neph_cli_nightly(int argc, char **argv, struct neph_diag *diag)
 {
     struct request request = {0};
     struct neph_arena arena = {NULL};
-    /* Jobs are told them again: parsing sorts argv, and splits lists in it. */
+    /* A copy of the words for the jobs: parsing reorders argv, and splits lists in it. */
     const char **words = neph_arena_zeroed(&arena, (size_t)argc + 1, sizeof(*words));
     for (int i = 1; i < argc && words; i++)
         words[i - 1] = neph_arena_text(&arena, argv[i]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph post`: frames of any renderer through the picture chain.
+ * `neph post`: applies a post-processing chain to frames of any renderer.
  */
 #include "harness/cli/cli.h"
 
@@ -29,8 +29,8 @@ struct request {
     struct neph_cli_words reference;
     const char *preset, *chain, *scene, *layer;
     int repeat;
-    int seed, bits; /* bits: -1: by the encoding */
-    double rate_hz; /* NaN: what the frames say */
+    int seed, bits; /* bits -1: chosen by the encoding */
+    double rate_hz; /* NaN: the rate that the frames state */
     bool list, png, stats;
 };
 
@@ -154,7 +154,7 @@ static json_t *weights_json(const struct neph_post_plan *plan)
     return volumes;
 }
 
-/* The stages of a chain that are on, as it stands in its file. */
+/* List the enabled stages of a chain, in the order of its file. */
 static enum neph_status list_chain(const struct neph_post_plan *plan, bool as_json,
                                    struct neph_diag *diag)
 {
@@ -196,15 +196,15 @@ static enum neph_status list_all(bool as_json, struct neph_diag *diag)
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* A chain and what goes through it. */
+/* A chain, and the frames that it processes. */
 struct work {
     const struct request *request;
     struct neph_showing showing;
     struct neph_scene *scene; /* owned; NULL: none */
     struct neph_vulkan *vulkan;
     struct neph_sequence frames;
-    const char *folder; /* of the pictures */
-    json_t **results;   /* of the caller */
+    const char *folder; /* of the output images */
+    json_t **results;   /* owned by the caller */
 };
 
 static enum neph_status find_chain(struct work *work, struct neph_diag *diag)
@@ -255,7 +255,7 @@ static enum neph_status find_settings(struct work *work, struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
-/* DIR/NAME.ending for FOLDER/NAME.ext. */
+/* DIR/NAME.ending for an input FOLDER/NAME.ext. */
 static const char *path_for(const struct work *work, const char *frame, const char *ending,
                             struct neph_arena *arena)
 {
@@ -270,7 +270,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Two frames of one name, or one that would be written over. */
+/* Refuse two outputs of the same name, and an output that would overwrite its input. */
 static enum neph_status check_names(const struct work *work, struct neph_diag *diag)
 {
     const int count = work->frames.count;
@@ -321,7 +321,7 @@ static void print_time(const struct work *work, const char *frame, const char *n
     printf("\n");
 }
 
-/* One line of the list that --json prints. */
+/* Add one entry to the list that --json prints, and print the times. */
 static void note(struct work *work, const char *frame, const struct neph_image *picture,
                  const struct neph_post_stats *stats, const struct neph_chain_times *times)
 {
@@ -370,7 +370,8 @@ static double frame_rate_hz(const struct work *work, const struct neph_image *fr
     return isnan(said_hz) ? NEPH_VIEWING_DEFAULTS.frame_rate_hz : said_hz;
 }
 
-/* The chain is one of linear Rec.709: its tables of colours and its luminance are. */
+/* The chain works in linear Rec.709: its colour tables and its luminance weights are defined there.
+ * Refuse other colour spaces. */
 static enum neph_status check_radiance(const char *path, const struct neph_image *frame,
                                        struct neph_diag *diag)
 {
@@ -387,8 +388,8 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
     return NEPH_ERR_INPUT;
 }
 
-/* Channels that mean nothing to us (alpha, identifiers, layers of other programs) stay what they
- * are, under the names of the file, in a picture of the frame's size. */
+/* Copy channels that neph does not know (alpha, identifiers, layers of other programs) to the
+ * output, unchanged and with their names, if the output has the frame's size. */
 static enum neph_status keep_strangers(const struct neph_image *frame, struct neph_image *picture,
                                        struct neph_diag *diag)
 {
@@ -467,7 +468,7 @@ static enum neph_status make_pictures(struct work *work, const char *const *word
     return status;
 }
 
-/* Put a sequence through the chain, or list what there is. */
+/* Process a sequence, or list the stages. */
 static enum neph_status work_on(const struct request *request, const char *folder,
                                 const char *const *words, int word_count, json_t **results,
                                 struct neph_diag *diag)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph render` and `neph export`: one scene, one engine.
+ * `neph render` and `neph export`: render or export frames of one scene with one engine.
  */
 #include "base/path.h"
 #include "harness/cli/render_shown.h"
@@ -32,7 +32,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sequence engine goes on beyond the scene's last key. */
+/* Limit of --frames for engines with history, which continue beyond the scene's last key frame. */
 enum { FRAMES_MAX = 100000 };
 
 struct request {
@@ -40,10 +40,10 @@ struct request {
     const char *checkpoint, *preset, *depth, *config, *scattering, *chain;
     int first_frame, frame_count, seed;
     bool noise, scene_layers, stats;
-    struct neph_configuration configuration; /* of --config; its engine is NULL without */
+    struct neph_configuration configuration; /* from --config; without it the engine is NULL */
 };
 
-/* `neph export` has them too; only its engine, where none is named, is another. */
+/* Shared with `neph export`, which has another default engine. */
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 0, NULL,
@@ -141,7 +141,7 @@ static const struct neph_cli_syntax export_syntax = {
            "  neph export fence_backlit --engine cycles -o fence_blend",
 };
 
-/* Whether the scene has these frames; single frames end with it. */
+/* Check that the scene has these frames. Engines without history stop at the scene's last frame. */
 static enum neph_status check_frames(const struct request *request,
                                      const struct neph_engine *engine,
                                      const struct neph_scene *scene, struct neph_diag *diag)
@@ -157,7 +157,7 @@ static enum neph_status check_frames(const struct request *request,
     return status;
 }
 
-/* Options that only some engines have a use for. */
+/* Check options that apply to some engines only. */
 static enum neph_status check_engine(const struct request *request,
                                      const struct neph_engine *engine, struct neph_diag *diag)
 {
@@ -216,17 +216,17 @@ static enum neph_status make_job(const struct request *request, const struct nep
     return status;
 }
 
-/* What the pictures of a run share, beside its job. */
+/* The state that all frames of a run share, beside the job. */
 struct run {
     const struct request *request;
     struct neph_job *job;
-    struct neph_sequence depths; /* of --depth */
+    struct neph_sequence depths; /* files of --depth */
     struct neph_shown shown;
-    int width_px, height_px; /* of the window of the picture at hand */
+    int width_px, height_px; /* window size of the current frame's display image */
     json_t *results;         /* owned */
 };
 
-/* DIR/SCENE_ENGINE_FRAME.exr, which is not to be the very file that --depth is read from. */
+/* The path DIR/SCENE_ENGINE_FRAME.exr. It may not be the file that --depth is read from. */
 static enum neph_status name_frame(const struct request *request, const struct neph_job *job,
                                    const char *depth, struct neph_path *path,
                                    struct neph_diag *diag)
@@ -240,7 +240,8 @@ static enum neph_status name_frame(const struct request *request, const struct n
     return NEPH_ERR_USAGE;
 }
 
-/* By its own variance, or by a second seed when that was asked for; NaN: not known. */
+/* Find the noise from the frame's own variance, or from a second seed with --noise. NaN:
+ * unknown. */
 static enum neph_status find_noise(const struct request *request, const struct neph_job *job,
                                    const struct neph_image *frame, double *noise,
                                    struct neph_diag *diag)
@@ -266,7 +267,7 @@ static enum neph_status find_noise(const struct request *request, const struct n
     return status;
 }
 
-/* What a picture does not show; each NaN where it is not known. */
+/* Errors that are not visible in a frame; NaN where unknown. */
 struct unseen {
     double noise, step_depth, step_bias;
 };
@@ -278,7 +279,8 @@ static void warn(const struct neph_job *job, char *warning)
     free(warning);
 }
 
-/* Once for a sequence whose pictures are fast. */
+/* The step bias costs extra rendering, so it is estimated only once for a sequence of an engine
+ * with history, whose frames are fast. */
 static bool estimates_step_bias(const struct request *request, const struct neph_job *job)
 {
     return !job->engine->remembers || job->shot.frame == request->first_frame;
@@ -300,7 +302,7 @@ static void say(const struct request *request, const struct neph_job *job,
     free(omission);
 }
 
-/* The picture of a frame beside it, and the line of both in the results. */
+/* Write the display image beside the frame, and add the entry of both to the results. */
 static enum neph_status show_and_note(struct run *run, const struct neph_image *frame,
                                       const char *path, const struct neph_cost *cost,
                                       const struct unseen *unseen, struct neph_diag *diag)
@@ -332,7 +334,8 @@ static enum neph_status show_and_note(struct run *run, const struct neph_image *
     return status;
 }
 
-/* A scratch folder inside the output folder; engines keep their logs there when they fail. */
+/* Render and write one frame. The scratch folder is inside the output folder; a failing engine
+ * leaves its logs there. */
 static enum neph_status render_one(struct run *run, const char *depth, struct neph_diag *diag)
 {
     const struct request *request = run->request;
@@ -382,8 +385,8 @@ static enum neph_status find_depths(const struct request *request, struct neph_s
     return status;
 }
 
-/* The i-th frame: with the only file of --depth, the i-th of them, or none. Opens the sequence
- * before the first. */
+/* Render frame `i`, with the only file of --depth, with file `i` of --depth, or without. The first
+ * call opens the sequence. */
 static enum neph_status render_next(struct run *run, int i, struct neph_diag *diag)
 {
     struct neph_job *job = run->job;
@@ -412,7 +415,7 @@ static void print_stats(const json_t *results)
     json_decref(stats);
 }
 
-/* The size that is asked for is that of the window. */
+/* The requested size is the size of the window; the chain may need a smaller frame. */
 static void set_size(struct run *run)
 {
     const struct neph_cli_shared *shared = &run->request->shared;
@@ -464,7 +467,7 @@ static enum neph_status render_frames(const struct request *request, struct neph
     return status ? status : printed;
 }
 
-/* The orders of --scattering, or of --config; `*wanted` tells whether either names some. */
+/* The scattering orders of --scattering or --config; `*wanted`: one of them is given. */
 static enum neph_status find_scattering(const struct request *request, bool *wanted,
                                         enum neph_scattering *scattering, struct neph_diag *diag)
 {
@@ -482,7 +485,8 @@ static enum neph_status find_scattering(const struct request *request, bool *wan
                      "there is no scattering '%.40s'; it is none, single or multiple", word);
 }
 
-/* The scene, or with other orders of scattering `*other`, which borrows from it. */
+/* Load the scene. With other scattering orders, `*other` is a copy with those, which borrows from
+ * the scene. */
 static enum neph_status load(struct request *request, struct neph_scene **scene,
                              struct neph_scene **other, struct neph_diag *diag)
 {
@@ -498,7 +502,8 @@ static enum neph_status load(struct request *request, struct neph_scene **scene,
     return status || !wanted ? status : neph_scene_rescatter(*scene, scattering, other, diag);
 }
 
-/* The files have names such as scene.blend, which a user's own work may have, too. */
+/* An exported folder is marked as owned by neph: its files have names such as scene.blend, which a
+ * user's own files may also have. */
 static const struct neph_owned_kind export_folder = {.name = "export", .version = 1};
 
 static enum neph_status export_files(const struct request *request, struct neph_job *job,

@@ -60,9 +60,9 @@ void neph_shown_frame_size(const struct neph_shown *shown, int *width_px, int *h
                              height_px);
 }
 
-/* ---- a picture ------------------------------------------------------------------------------- */
+/* ---- one frame ------------------------------------------------------------------------------- */
 
-/* "shown_bloom_up_gpu_ms" of a stage. */
+/* Label the image with the times of the stages: "shown_bloom_up_gpu_ms". */
 static enum neph_status label(struct neph_image *picture, const struct neph_post_params *params,
                               const struct neph_post_stats *stats, struct neph_diag *diag)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph scenes`: the catalogue, one scene, or a variant of it.
+ * `neph scenes`: lists the catalogue, shows one scene, or writes a variant of it.
  */
 #include "harness/cli/cli.h"
 
@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 struct request {
@@ -96,7 +96,7 @@ static const struct neph_cli_syntax syntax = {
 
 enum { CELL_SIZE = 80 };
 
-/* ---- height fog: what physics has and a look has not ----------------------------------------- */
+/* ---- height fog: properties that non-physical fog models lack -------------------------------- */
 
 static bool has_ends(const struct neph_medium *fog)
 {
@@ -108,7 +108,8 @@ static bool has_ends(const struct neph_medium *fog)
     return false;
 }
 
-/* What of a scene is lost in all looks; NULL beyond the last. */
+/* The `index`-th property of the physical fog that every non-physical fog model lacks; NULL beyond
+ * the last one. */
 static const char *lost_in_looks(const struct neph_scene *scene, const struct neph_medium *fog,
                                  int index)
 {
@@ -133,7 +134,7 @@ static const char *lost_in_looks(const struct neph_scene *scene, const struct ne
     return NULL;
 }
 
-/* ---- height fog, for people ------------------------------------------------------------------ */
+/* ---- height fog, as text --------------------------------------------------------------------- */
 
 static void print_row(const char *name, const char *physical, const char *unreal,
                       const char *filament)
@@ -176,7 +177,8 @@ static const char *written_values(char cell[CELL_SIZE], const double *values, in
                       : written(cell, "%.6g", values[0]);
 }
 
-/* A look and what comes of physics, in the words of both engines. */
+/* Print the controls of the fog model, with the names of both engines: the values that follow from
+ * the physics beside the values of the scene. */
 static void print_look(const struct neph_scene *scene, const struct neph_fog_look *physics)
 {
     const struct neph_fog_look *look = &scene->fog_look;
@@ -231,7 +233,7 @@ static void print_fog(const struct neph_scene *scene)
         printf("    %s\n", lost_in_looks(scene, fog, i));
 }
 
-/* ---- height fog, for programs ---------------------------------------------------------------- */
+/* ---- height fog, as JSON --------------------------------------------------------------------- */
 
 static json_t *values_json(const double *values, int count)
 {
@@ -400,7 +402,7 @@ static void print_scene(const struct neph_scene *scene)
 
 /* ---- the catalogue --------------------------------------------------------------------------- */
 
-/* One line, or one entry of `list`, per scene of a folder. */
+/* List the scenes of a folder: one line, or one entry of `list`, for each scene. */
 static enum neph_status list_folder(enum neph_data_scenes folder, bool as_json, json_t *list,
                                     struct neph_diag *diag)
 {
@@ -417,7 +419,7 @@ static enum neph_status list_folder(enum neph_data_scenes folder, bool as_json, 
         neph_scene_destroy(scene);
         if (status != NEPH_ERR_NOT_FOUND)
             continue;
-        const struct neph_diag why = *diag; /* its data is not on this machine */
+        const struct neph_diag why = *diag; /* the scene's data is not installed */
         *diag = (struct neph_diag){.line = 0};
         status = NEPH_OK;
         if (as_json)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph store check|gc|export`.
+ * `neph store check|gc|export`: checks, shrinks or exports the store of rendered frames.
  */
 #include "harness/cli/cli.h"
 
@@ -95,7 +95,7 @@ static void tell_fault(const struct neph_store_fault *fault, void *context)
                                     : "; made again");
 }
 
-/* A record as JSON, with one value more. */
+/* Print a record as JSON, with one extra value. */
 static enum neph_status print_record(const struct neph_record_form *form, const void *record,
                                      const char *key, json_t *value, struct neph_diag *diag)
 {
@@ -136,7 +136,7 @@ static enum neph_status run_check(const struct request *request, struct neph_sto
 
 /* ---- gc -------------------------------------------------------------------------------------- */
 
-/* "500M": bytes; NaN when it is no size. */
+/* Parse a size such as "500M" to bytes; NaN: not a size. */
 static double bytes_of(const char *text)
 {
     static const char units[] = "KMGT";

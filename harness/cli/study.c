@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study KIND ...`: each kind of study is a file and a line here.
+ * `neph study KIND ...`: the table of studies. Each kind of study is a file and a line here.
  */
 #include "harness/cli/cli.h"
 

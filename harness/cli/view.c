@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph view A B ...`: a page to look at frames with.
+ * `neph view A B ...`: writes a page with a viewer for the frames.
  */
 #include "harness/cli/cli.h"
 
@@ -107,9 +107,9 @@ static const struct neph_cli_syntax syntax = {
         "  neph view a.exr b.exr --ocio config.ocio --view Filmic",
 };
 
-/* ---- what is asked for ----------------------------------------------------------------------- */
+/* ---- the inputs ------------------------------------------------------------------------------ */
 
-/* The words without the folders that all have in common. */
+/* A label for one of the words: without the leading folders that all words have in common. */
 static const char *label_of(const char *const *words, int count, int which)
 {
     size_t common = 0;
@@ -123,7 +123,8 @@ static const char *label_of(const char *const *words, int count, int which)
     return words[which] + common;
 }
 
-/* The reference, if there is one, which may be of several words; then a set for each operand. */
+/* Find the frame sets: the reference (if given; it may consist of several words), then one set for
+ * each operand. */
 static enum neph_status find_sets(struct request *request, struct neph_diag *diag)
 {
     const struct neph_cli_words *reference = &request->reference;

@@ -8,10 +8,10 @@
 const char *const neph_alone_unknown =
     "no reference: change of the scene itself counts as flicker; bias and lag are not known";
 
-/* Extractors of change from frame to frame. */
+/* Extractors of changes from frame to frame. */
 static const char *const extractors[] = {"flicker", "cycles", "seen"};
 
-/* Their metrics of the reference, and of levels, by how their names begin. */
+/* Prefixes of their metrics that describe the reference, or levels instead of changes. */
 static const char *const levels[] = {"reference_", "age_0_", "age_1_",
                                      "age_2_",     "age_3_", "phase_age_"};
 

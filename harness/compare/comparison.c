@@ -18,35 +18,35 @@
 
 enum { OVERLOOKED_COUNT = 3 };
 
-/* What is at work between the first frame and the last, of one comparison. */
+/* The state of one comparison while its frames are measured. */
 struct work {
     const struct neph_comparison *asked;
     struct neph_viewing viewing;
-    int frame_count; /* to measure */
+    int frame_count; /* frames to measure */
     int done_count;
     bool with_draws;
-    bool is_picture;                                    /* values of a display and not of physics */
-    const struct neph_image *reference, *second, *test; /* of the frame at hand; borrowed */
-    struct neph_mask *masks[NEPH_MASKS_MAX];            /* owned, unless another's */
+    bool is_picture;                                    /* display values, not physical ones */
+    const struct neph_image *reference, *second, *test; /* the current frames; borrowed */
+    struct neph_mask *masks[NEPH_MASKS_MAX];            /* owned unless has_masks_of_another */
     int mask_count;
     bool has_masks_of_another; /* of this pass */
     struct neph_meter *meter;  /* owned */
     struct neph_frozen frozen;
     struct neph_frame_form forms[3];       /* of reference, second reference and test; owned */
-    bool has_overlooked[OVERLOOKED_COUNT]; /* any frame so far */
-    char strangers[400];                   /* names of channels that mean nothing here */
-    char declared_cycles[512];             /* by the first test frame; else empty */
+    bool has_overlooked[OVERLOOKED_COUNT]; /* in any frame so far */
+    char strangers[400];                   /* names of unknown channels */
+    char declared_cycles[512];             /* of the first test frame; or "" */
     struct neph_compared *made;
 };
 
-enum { AT_HAND_MAX = 3 * NEPH_COMPARISONS_MAX }; /* files that one frame can take */
+enum { AT_HAND_MAX = 3 * NEPH_COMPARISONS_MAX }; /* largest number of files for one frame */
 
-/* Comparisons that go through the frames together. */
+/* Comparisons that process the frames together. */
 struct pass {
     struct work *works;
     int work_count;
     struct at_hand {
-        const char *path; /* borrowed; NULL: free */
+        const char *path; /* borrowed; NULL: free slot */
         struct neph_image *image;
     } at_hand[AT_HAND_MAX];
 };
@@ -85,7 +85,7 @@ static enum neph_status check_counts(const struct neph_comparison *asked, struct
     return status;
 }
 
-/* The file of a frame; NULL: there is none. One may stand for all. */
+/* The file of a frame; NULL: none. A single file is used for all frames. */
 static const char *path_of(const struct neph_sequence *sequence, int index)
 {
     return sequence->count == 0 ? NULL : sequence->paths[sequence->count == 1 ? 0 : index];
@@ -96,7 +96,7 @@ static const struct neph_image *test_in_memory(const struct neph_comparison *ask
     return asked->test_images ? asked->test_images[index] : NULL;
 }
 
-/* What has been read of a file; NULL: nothing is at hand. Of NULL, the first free place. */
+/* Find the loaded image of a file; NULL: not loaded. `path` NULL finds a free slot. */
 static struct at_hand *find_at_hand(struct pass *pass, const char *path)
 {
     for (int i = 0; i < AT_HAND_MAX; i++) {
@@ -118,7 +118,7 @@ static bool needs(const struct neph_comparison *asked, const char *path, int ind
     return false;
 }
 
-/* Let go of what a frame does not take, before more is read. */
+/* Free the images that the current frame does not need, before more are read. */
 static void let_go(struct pass *pass, int index)
 {
     for (int i = 0; i < AT_HAND_MAX; i++) {
@@ -133,7 +133,7 @@ static void let_go(struct pass *pass, int index)
     }
 }
 
-/* The frame of a file; a `path` NULL has none. */
+/* The image of a file, read at first use; `path` NULL gives NULL. */
 static enum neph_status take_frame(struct pass *pass, const struct neph_comparison *asked,
                                    const char *path, const struct neph_image **image,
                                    struct neph_diag *diag)
@@ -176,28 +176,27 @@ static enum neph_status check_kinds(const struct work *work, struct neph_diag *d
         return status;
     if (work->second && is_picture(work->second) != is_picture(work->reference))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "of the two references one is a picture for a display, one linear data");
+                         "one of the two references is a display image, the other is linear data");
     if (is_picture(work->reference) != is_picture(work->test))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "%s is a picture for a display, %s is linear data: they have no common "
-                         "scale",
+                         "%s is a display image, %s is linear data: they have no common scale",
                          is_picture(work->test) ? "the test" : "the reference",
                          is_picture(work->test) ? "the reference" : "the test");
     if (is_picture(work->test) && work->viewing.exposure_ev != 0.0)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "an exposure of %g EV for pictures that have one already",
+                         "an exposure of %g EV for display images, which have one already",
                          work->viewing.exposure_ev);
     return NEPH_OK;
 }
 
-/* Append a name to a line as long as there is room. */
+/* Append a name to a line if there is room. */
 static void append(char *line, size_t size, const char *name)
 {
     const size_t used = strlen(line);
     snprintf(line + used, size - used, " %s", name);
 }
 
-/* The channels of an image in one line, the first few of many. */
+/* The channels of an image in one line, at most the first eight. */
 static void list_channels(const struct neph_image *image, char *text, size_t size)
 {
     enum { SHOWN_MAX = 8 };
@@ -213,8 +212,8 @@ static bool has(const struct neph_image *image, const struct neph_quantity *quan
     return neph_quantity_planes(quantity, image, planes);
 }
 
-/* A comparison of nothing would pass every gate, and so would one without radiance where one of the
- * two has it. What else only one of them has is named among what was not taken. */
+/* Refuse a comparison without any common quantity, and one in which only one side has radiance:
+ * both would pass every gate. Other one-sided quantities are listed as not taken. */
 static enum neph_status check_channels(const struct neph_image *reference,
                                        const struct neph_image *test, struct neph_diag *diag)
 {
@@ -228,14 +227,15 @@ static enum neph_status check_channels(const struct neph_image *reference,
     neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
               both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
-    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
-                    "takes NAME.R NAME.G NAME.B for it");
+    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
+                    "NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
 /* ---- masks ----------------------------------------------------------------------------------- */
 
-/* Masks that nothing is asked of; the first stays, for numbers of a whole frame stand under it. */
+/* Destroy the masks without a wanted number. The first mask is kept for numbers of the whole
+ * frame. */
 static void drop_unwanted_masks(struct work *work)
 {
     int kept = 0;
@@ -247,7 +247,7 @@ static void drop_unwanted_masks(struct work *work)
     work->mask_count = kept;
 }
 
-/* Which of many frames it is that does not fit. */
+/* Add the file's name to an error about one of many frames. */
 static enum neph_status name_file(enum neph_status status, const char *path, struct neph_diag *diag)
 {
     if (status == NEPH_ERR_INPUT)
@@ -255,7 +255,7 @@ static enum neph_status name_file(enum neph_status status, const char *path, str
     return status;
 }
 
-/* A sequence is one in all of its frames. */
+/* Check that a frame has the properties of its sequence. */
 static enum neph_status check_form(struct neph_frame_form *form,
                                    const struct neph_sequence *sequence, int index,
                                    const struct neph_image *image, struct neph_diag *diag)
@@ -280,15 +280,15 @@ static enum neph_status unite_masks_of(struct work *work, int index, struct neph
     return status;
 }
 
-/* Masks of the whole window: where any of its reference frames has them, so that a number is taken
- * at the same places in all frames. */
+/* Make masks for the whole sequence: the union over its reference frames, so that a number covers
+ * the same pixels in all frames. */
 static enum neph_status unite_masks(struct work *work, struct neph_diag *diag)
 {
     const struct neph_comparison *asked = work->asked;
     char *const *paths = asked->reference.paths + asked->warm_up_frames;
     enum neph_status status = NEPH_OK;
     for (int i = 1; i < work->frame_count && !status; i++) {
-        if (strcmp(paths[i], paths[i - 1]) != 0) /* of a file twice, the masks are the same */
+        if (strcmp(paths[i], paths[i - 1]) != 0) /* equal consecutive files have equal masks */
             status = unite_masks_of(work, asked->warm_up_frames + i, diag);
         if (!status && neph_interrupted())
             status = neph_fail(diag, NEPH_ERR_INTERRUPTED, "interrupted");
@@ -329,7 +329,7 @@ static enum neph_status make_masks(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* Those of another comparison of the pass, where they are the same. */
+/* Use the masks of another comparison of the pass if they are the same; otherwise make them. */
 static enum neph_status have_masks(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
 {
@@ -347,7 +347,7 @@ static enum neph_status have_masks(const struct pass *pass, struct work *work,
     return make_masks(work, diag);
 }
 
-/* Said at the first frame, and not when all is measured. */
+/* Report a missing mask at the first frame, not after all frames are measured. */
 static enum neph_status check_mask(const struct work *work, struct neph_diag *diag)
 {
     char names[400] = "";
@@ -361,14 +361,14 @@ static enum neph_status check_mask(const struct work *work, struct neph_diag *di
               "nothing to measure over the mask '%s': the reference has no such pixels, or nothing "
               "else, or lacks the layer that it is made from",
               work->asked->mask);
-    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` says what each needs",
+    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` lists the needs of each",
               names);
     return NEPH_ERR_UNSUPPORTED;
 }
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-/* DIR/NAME_QUANTITY[_FRAME].exr and .png, whose names are kept. */
+/* Write DIR/NAME_QUANTITY[_FRAME].exr and .png, and record their names. */
 static enum neph_status write_map_files(struct work *work, const struct neph_map *map,
                                         const struct neph_quantity *quantity, int frame,
                                         const struct neph_image *image, struct neph_diag *diag)
@@ -408,7 +408,7 @@ static enum neph_status give_map(struct work *work, const struct neph_quantity *
     return status;
 }
 
-/* The maps of the frame at hand, or (frame < 0) those of the sequence. */
+/* Output the maps of the current frame, or those of the sequence (frame < 0). */
 static enum neph_status give_maps(struct work *work, int frame, struct neph_diag *diag)
 {
     const bool is_wanted = work->asked->maps_directory || work->asked->take_map;
@@ -433,8 +433,7 @@ static enum neph_status give_maps(struct work *work, int frame, struct neph_diag
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* As fast as the frames were meant to be shown, where the test says it, or else the reference, and
- * nothing else was asked for. */
+/* Take the frame rate that the test states, else the reference's, unless the user set one. */
 static void take_frame_rate(struct work *work)
 {
     double rate_hz = neph_frame_rate_hz(work->test);
@@ -444,12 +443,12 @@ static void take_frame_rate(struct work *work)
         work->viewing.frame_rate_hz = rate_hz;
 }
 
-/* What a frame may have that no metric looks at. */
+/* Parts of a frame that no metric uses. */
 static const struct overlooked {
-    const char *channel, *attribute; /* the one or the other */
+    const char *channel, *attribute; /* one of the two */
     const char *what, *because;
 } overlooked[OVERLOOKED_COUNT] = {
-    {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
+    {"A", NULL, "alpha", "R G B are compared as they are, and no metric reads A"},
     {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
     {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
 };
@@ -469,7 +468,7 @@ static bool is_stranger(const char *channel)
            strncmp(channel, "vector.", strlen("vector.")) != 0;
 }
 
-/* The first few channels of the first test frame that mean nothing here. */
+/* Record the unknown channels of the first test frame, at most six. */
 static void note_strangers(struct work *work, const struct neph_image *image)
 {
     enum { SHOWN_MAX = 6 };
@@ -495,7 +494,7 @@ static enum neph_status check_forms(struct work *work, int index, struct neph_di
     return status;
 }
 
-/* With the first frame. */
+/* Set up a comparison with its first frame. */
 static enum neph_status begin_work(const struct pass *pass, struct work *work,
                                    struct neph_diag *diag)
 {
@@ -542,7 +541,7 @@ static enum neph_status measure_frame(struct pass *pass, struct work *work, int 
         note_overlooked(work, work->reference);
         note_overlooked(work, work->test);
     }
-    if (!status && work == pass->works) /* the tests of all are the same frames */
+    if (!status && work == pass->works) /* all comparisons have the same test frames */
         status = neph_frozen_add(&work->frozen, work->test, NULL, diag);
     work->frozen = pass->works[0].frozen;
     if (!status)
@@ -580,7 +579,7 @@ static enum neph_status measure_all(struct pass *pass, struct neph_diag *diag)
     return status;
 }
 
-/* ---- what comes of it ------------------------------------------------------------------------ */
+/* ---- results --------------------------------------------------------------------------------- */
 
 static void pass_over(struct neph_compared *made, const char *extractor, const char *quantity,
                       const char *because)
@@ -589,7 +588,7 @@ static void pass_over(struct neph_compared *made, const char *extractor, const c
                                                                        because};
 }
 
-/* What one of the images has and the other has not. */
+/* List the quantities that only one of the two images has. */
 static void add_one_sided(const struct work *work)
 {
     for (int q = 0; q < neph_quantity_count() && work->reference && work->test; q++) {
@@ -610,8 +609,7 @@ static void add_overlooked(const struct work *work)
     if (work->strangers[0])
         pass_over(work->made, "everything",
                   neph_arena_format(&work->made->arena, "channels%s", work->strangers),
-                  "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, Z, "
-                  "...");
+                  "they have no meaning here; --layer NAME reads NAME.R, NAME.Z, ... as R, Z, ...");
 }
 
 static enum neph_status list_not_taken(const struct work *work, struct neph_diag *diag)
@@ -636,7 +634,7 @@ static enum neph_status list_not_taken(const struct work *work, struct neph_diag
     return neph_arena_check(&made->arena, diag);
 }
 
-/* Pictures hold values of a display, and so are numbers in their unit. */
+/* Take the numbers from the meter. Those of display images have display values as their unit. */
 static void take_numbers(const struct work *work)
 {
     struct neph_measurements *numbers = &work->made->numbers;
@@ -663,10 +661,11 @@ static enum neph_status judge_frozen(const struct work *work, struct neph_diag *
     return NEPH_ERR_GATE;
 }
 
-/* The numbers of the sequence so far, and what they say. */
+/* Compute the numbers of the frames so far, and their findings. */
 static enum neph_status conclude(struct work *work, bool interrupted, struct neph_diag *diag)
 {
-    struct neph_diag *words = interrupted ? NULL : diag; /* what is said already stays said */
+    struct neph_diag *words = interrupted ? NULL : diag; /* keep the message about the
+                                                            interruption */
     struct neph_compared *made = work->made;
     neph_movement_end(&made->movement);
     const int frozen_count = work->frozen.frozen_count;
@@ -690,8 +689,8 @@ static enum neph_status conclude(struct work *work, bool interrupted, struct nep
     return interrupted ? NEPH_OK : judge_frozen(work, diag);
 }
 
-/* Before anything is read: whether there are frames enough, and a folder for maps, none of which
- * takes the place of a frame. */
+/* Checks before any file is read: enough frames, a folder for maps, and no map that overwrites a
+ * frame. */
 static enum neph_status prepare(const struct neph_comparison *asked, struct work *work,
                                 struct neph_diag *diag)
 {
@@ -719,7 +718,7 @@ static void finish_pass(struct pass *pass)
         neph_image_destroy(pass->at_hand[i].image);
 }
 
-/* What is there after Ctrl-C is told too, if it is anything. */
+/* Finish all comparisons. After Ctrl-C the frames measured so far give a result as well. */
 static enum neph_status conclude_all(struct pass *pass, enum neph_status status,
                                      struct neph_diag *diag)
 {

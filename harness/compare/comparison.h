@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames of any renderer held against reference frames: what `neph compare` and `neph flicker` do.
+ * Comparison of frames of any renderer with reference frames, for `neph compare` and `neph
+ * flicker`.
  */
 #ifndef NEPH_HARNESS_COMPARE_COMPARISON_H
 #define NEPH_HARNESS_COMPARE_COMPARISON_H
@@ -11,110 +12,113 @@
 #include "harness/compare/sequence.h"
 #include "harness/compare/versus.h"
 
-/* Takes a map that an extractor gave of a frame, or (frame < 0) of the sequence, as
- * neph_meter_map() has it; the image is gone after the call. */
+/* A callback that receives a map of a frame, or of the sequence (frame < 0), as neph_meter_map()
+ * returns it. The image is freed after the call. */
 typedef enum neph_status neph_map_taker(void *context, const struct neph_map *map,
                                         const struct neph_quantity *quantity, int frame,
                                         const struct neph_image *image, struct neph_diag *diag);
 
 struct neph_comparison {
-    struct neph_sequence reference; /* one frame for all, or as many as the test has */
-    bool without_reference;         /* `reference` is a frame of a test: it gives masks and a
-                                       constant that no metric of change depends on; only such
-                                       metrics are kept (harness/compare/alone.h) */
-    struct neph_sequence second;    /* the reference by another seed; empty: there is none */
+    struct neph_sequence reference; /* one frame for all, or as many frames as the test */
+    bool without_reference;         /* `reference` is then a frame of a test, a constant that
+                                       provides masks; only metrics that do not depend on it are
+                                       kept (harness/compare/alone.h) */
+    struct neph_sequence second;    /* reference with another seed; empty: none */
     struct neph_sequence test;
-    const struct neph_image *const *test_images; /* those of its frames that are in memory, by their
-                                                    place, as neph_frame_read() gives them, NULL for
-                                                    one to be read; borrowed. NULL: all are read */
+    const struct neph_image *const *test_images; /* test frames in memory by their index, as
+                                                    neph_frame_read() returns them; an element NULL:
+                                                    read the file. NULL: read all; borrowed */
     struct neph_meter_choice choices[NEPH_CHOICES_MAX];
     int choice_count;
     struct neph_viewing viewing;
-    bool own_frame_rate; /* the rate is that of the test's frames, where they tell it */
-    const struct neph_meter_number *wanted; /* the only numbers that are taken, and masks that are
-                                               made beside "all"; ends with a NULL metric,
-                                               borrowed. NULL: all */
-    const char *mask;                       /* the one that has to be there; NULL: any */
-    const char *layer;     /* whose channels are R G B Z ...; NULL: names are as they are */
-    const char *mask_file; /* a picture that is above 0.5 inside a mask of the user's; or NULL */
-    bool detail_masks;     /* also the rings at depth edges */
-    const char *maps_directory; /* for the maps of the extractors; or NULL */
-    neph_map_taker *take_map;   /* gets them, too; or NULL */
+    bool own_frame_rate; /* use the frame rate stated by the test's frames, if any */
+    const struct neph_meter_number *wanted; /* the numbers to take; only their masks and "all" are
+                                               made. Ends with a NULL metric; borrowed. NULL: all */
+    const char *mask;                       /* a mask that must exist; NULL: none */
+    const char *layer;          /* prefix of the channels R G B Z ...; NULL: no prefix */
+    const char *mask_file;      /* image of a user's mask, inside above 0.5; or NULL */
+    bool detail_masks;          /* include the rings at depth edges */
+    const char *maps_directory; /* output folder for the extractors' maps; or NULL */
+    neph_map_taker *take_map;   /* callback for the maps; or NULL */
     void *map_context;
-    int warm_up_frames;      /* at the start of the sequences: read by nobody */
-    size_t negative_allowed; /* values below 0 that a frame may hold */
-    bool by_position;        /* numbers of frames need not agree */
-    bool frozen_is_fine;     /* frames equal to the one before are no reason to fail */
-    bool plain;              /* numbers without intervals, which cost as much again */
-    bool with_movement;      /* also a series of how much each frame moves */
-    bool quiet;              /* no progress */
+    int warm_up_frames;      /* skipped at the start of the sequences */
+    size_t negative_allowed; /* number of negative values allowed in a frame */
+    bool by_position;        /* frame numbers may differ between sequences */
+    bool frozen_is_fine;     /* frozen frames are not an error */
+    bool plain;              /* no confidence intervals, which double the cost */
+    bool with_movement;      /* also measure the movement of each frame */
+    bool quiet;              /* print no progress */
 };
 
-/* What was not measured of what, and why. */
+/* A quantity that an extractor did not measure, and the reason. */
 struct neph_not_taken {
-    const char *extractor; /* "everything": no extractor's fault */
+    const char *extractor; /* "everything": no extractor measures it */
     const char *quantity;
     const char *because;
 };
 
-/* What came of a comparison. Start from {0}; free with neph_compared_finish(). */
+/* The result of a comparison. Start from {0}; free with neph_compared_finish(). */
 struct neph_compared {
-    const struct neph_comparison *asked; /* NULL: nothing came of it */
-    struct neph_arena arena;             /* of the texts below */
+    const struct neph_comparison *asked; /* NULL: there is no result */
+    struct neph_arena arena;             /* for the texts below */
     struct neph_viewing viewing;
-    int frame_count;                  /* how many were measured */
-    int frozen_count;                 /* of them, bit for bit the frame before */
-    bool interrupted;                 /* by Ctrl-C: what is there is of the frames before */
-    struct neph_measurements numbers; /* by frame, and then of all frames; owned */
+    int frame_count;                  /* measured frames */
+    int frozen_count;                 /* of these, equal to the frame before bit for bit */
+    bool interrupted;                 /* by Ctrl-C; the result covers the frames before */
+    struct neph_measurements numbers; /* by frame, followed by numbers of all frames; owned */
     struct neph_findings findings;    /* owned */
-    struct neph_movement movement;    /* empty unless it was asked for; owned */
+    struct neph_movement movement;    /* empty unless requested; owned */
     struct neph_not_taken *not_taken;
     int not_taken_count;
-    const char **maps; /* names of files; owned */
+    const char **maps; /* file names; owned */
     int map_count;
-    bool has_versus;                /* somebody set the next */
-    struct neph_differences versus; /* against another test; owned */
+    bool has_versus;                /* `versus` is set */
+    struct neph_differences versus; /* difference from another test; owned */
 };
 
-/* Measure; `with_draws`: the numbers keep theirs (metrics/metric.h). `compared` has something in it
- * on success, and with NEPH_ERR_INTERRUPTED and NEPH_ERR_GATE (frozen frames) too. Errors:
- * NEPH_ERR_GATE when a frame holds values that are not finite or negative, with the file;
- * NEPH_ERR_INPUT when sizes, counts or kinds (linear data against pictures) differ. */
+/* Run a comparison. `with_draws`: the numbers keep their bootstrap draws (metrics/metric.h).
+ * `compared` has a result after success, NEPH_ERR_INTERRUPTED and NEPH_ERR_GATE (frozen frames).
+ * Errors:
+ *
+ * - NEPH_ERR_GATE: a frame contains values that are NaN, infinite or negative; names the file.
+ * - NEPH_ERR_INPUT: sizes, frame counts or kinds (linear data and display images) differ. */
 enum neph_status neph_comparison_run(const struct neph_comparison *comparison, bool with_draws,
                                      struct neph_compared *compared, struct neph_diag *diag);
 void neph_compared_finish(struct neph_compared *compared);
 
-/* Several at once, at most NEPH_COMPARISONS_MAX: `compared` has one for each, with the same numbers
- * as alone. Of all, tests, warm-up, layer and negative values allowed are the same; a file that
- * several name is read once, and so are the masks of one list of references made. What extractors
- * keep of the frames they keep for all at a time. Errors as of one. */
+/* Run several comparisons at once, at most NEPH_COMPARISONS_MAX. `compared` has a result for each,
+ * with the same numbers as a separate run. Tests, warm-up, layer and allowed negative values must
+ * be equal in all. Each file is read once, and masks of a common list of references are made once.
+ * The memory of the extractors is needed for all comparisons at the same time. Errors as of
+ * neph_comparison_run(). */
 enum { NEPH_COMPARISONS_MAX = 8 };
 enum neph_status neph_comparisons_run(const struct neph_comparison *comparisons, int count,
                                       bool with_draws, struct neph_compared *compared,
                                       struct neph_diag *diag);
 
-/* As an object of
+/* The result as an object of
  *   "version"       of neph
- *   "reference", "test"  {"first": its file (the warm-up included), "count": of all}; the reference
- *                   is null where there is none
+ *   "reference", "test"  {"first": its file (the warm-up included), "count"}; the reference is null
+ *                   when there is none
  *   "warm_up_frames", "frames", "frozen", "interrupted"
  *   "measurements"  array of objects as neph_measurement_json(), with "viewing"
  *   "findings"      verdicts, see harness/compare/findings.h
  *   "not_taken"     array of {"extractor", "quantity", "because"}
  *   "maps"          array of file names
- *   "movement"      only where it was asked for: {"frames", "cycles"} of harness/compare/movement.h
- *   "versus", "versus_movement"  only when there is another test: harness/compare/versus.h */
+ *   "movement"      only if requested: {"frames", "cycles"} of harness/compare/movement.h
+ *   "versus", "versus_movement"  only with another test: harness/compare/versus.h
+ * */
 json_t *neph_compared_json(const struct neph_compared *compared);
 
-/* Print what came of a comparison on stdout. `details`: masks of which there are many too. `all`:
- * every number, else of flicker those that stand for the rest. */
+/* Print the result of a comparison on stdout. `details`: include mask kinds with many members.
+ * `all`: print every number; otherwise only the most important flicker numbers. */
 void neph_comparison_print(const struct neph_compared *compared, bool details, bool all);
 
-/* Write the numbers as CSV (RFC 4180), a line of names first; "-" is stdout. */
+/* Write the numbers as CSV (RFC 4180) with a header line; path "-" is stdout. */
 enum neph_status neph_comparison_write_csv(const char *path, const struct neph_compared *compared,
                                            struct neph_diag *diag);
 
-/* Free the sequences; a zeroed comparison is fine. */
+/* Free the sequences; a zeroed comparison is allowed. */
 void neph_comparison_finish(struct neph_comparison *comparison);
 
 #endif

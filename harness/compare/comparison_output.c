@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
 static void write_bounds(bool is_there, double low, double high, char text[48])
@@ -46,7 +46,7 @@ static bool is_hidden(const char *mask, bool details)
 
 /* ---- against another test -------------------------------------------------------------------- */
 
-/* Each reason once, where it stands first. */
+/* Print each reason once, at its first number. */
 static void print_versus_reasons(const struct neph_differences *versus, bool details)
 {
     for (int i = 0; i < versus->count; i++) {
@@ -71,7 +71,7 @@ static void print_p(double p)
         printf(" %9.2g", p);
 }
 
-/* Movement: harness/compare/movement.h. */
+/* Print the difference of movement: harness/compare/movement.h. */
 static void print_time(const char *what, const struct neph_time_difference *time)
 {
     if (time->count > 0)
@@ -104,7 +104,7 @@ static void print_versus(const struct neph_differences *versus, bool details)
     print_time("cycles", &versus->cycles);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------- */
+/* ---- complete output ------------------------------------------------------------------------- */
 
 static void print_findings(const struct neph_findings *findings, bool details)
 {
@@ -118,7 +118,7 @@ static void print_findings(const struct neph_findings *findings, bool details)
     }
 }
 
-/* The few numbers of a sequence that a first look needs. */
+/* The numbers of a sequence that are printed by default. */
 static const char *const headlines[] = {
     "seen_contrast",
     "seen_share",
@@ -154,7 +154,7 @@ static const char *const headlines[] = {
     "edge_ghost_frames",
 };
 
-/* Numbers of lag and of single frames are all shown. */
+/* True for a number that is printed by default. All numbers of lag and of single frames are. */
 static bool stands_for_others(const struct neph_measurement *number)
 {
     const struct neph_extractor *owner = NULL;
@@ -168,8 +168,8 @@ static bool stands_for_others(const struct neph_measurement *number)
     return false;
 }
 
-/* The table of a sequence holds what is said of all its frames, if there is such a thing. Of a
- * single frame nothing is left out: metrics of sequences say no more than that they have none. */
+/* Print the table of numbers: of a sequence those over all frames, if there are any; of a single
+ * frame all numbers, where metrics of sequences are reported as undefined. */
 static void print_numbers(const struct neph_compared *compared, bool details, bool all)
 {
     const struct neph_measurements *numbers = &compared->numbers;
@@ -212,9 +212,9 @@ void neph_comparison_print(const struct neph_compared *compared, bool details, b
            compared->frozen_count);
 }
 
-/* ---- for spreadsheets ------------------------------------------------------------------------ */
+/* ---- CSV ------------------------------------------------------------------------------------- */
 
-/* A field after others: nothing when it is not there. */
+/* Write a CSV field after another field; empty for a missing number. */
 static void csv_number(FILE *out, bool is_there, double value)
 {
     fputc(',', out);
@@ -234,7 +234,7 @@ static const struct neph_difference *find_difference(const struct neph_differenc
     return NULL;
 }
 
-/* Beside the number of all frames: of the same number of each frame there is none. */
+/* Only numbers of all frames have a difference in the table. */
 static void write_csv_difference(FILE *out, const struct neph_differences *versus,
                                  const struct neph_measurement *number)
 {
@@ -296,16 +296,16 @@ enum neph_status neph_comparison_write_csv(const char *path, const struct neph_c
     char *text = NULL;
     enum neph_status status = neph_written(write_csv, compared, &text, diag);
     if (!status && strcmp(path, "-") == 0)
-        fputs(text, stdout); /* whether it went out is looked at once, at the end */
+        fputs(text, stdout); /* the exit code covers write errors of stdout */
     else if (!status)
         status = neph_file_write(path, text, strlen(text), diag);
     free(text);
     return status;
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
-/* What was compared: the first file and how many there are. */
+/* First file and number of files of a sequence. */
 static json_t *sequence_json(const struct neph_sequence *sequence)
 {
     return json_pack("{s:o, s:i}", "first",

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-/* The metrics that have a direction, by how their names begin. Of the others, such as a gain that
- * should be 1, it is only said which value is higher. */
+/* Directions by the prefix of a metric's name; the first match applies. Metrics without a
+ * direction, such as a gain that should be 1, are only reported as higher or lower. */
 static const struct direction {
     const char *begin;
     enum neph_direction is;

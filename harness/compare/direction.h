@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which values of a metric are better: small ones or large ones.
+ * The direction of a metric: whether smaller or larger values are better.
  */
 #ifndef NEPH_HARNESS_COMPARE_DIRECTION_H
 #define NEPH_HARNESS_COMPARE_DIRECTION_H

@@ -13,18 +13,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_FLICKER_KIND_COUNT == 3, "a new kind");
 
-/* The one who tells: from which numbers, of what at the moment, and where to. */
+/* Context for making findings: the numbers, the current quantity and mask, and the output. */
 struct teller {
     const struct neph_measurements *numbers;
     const struct neph_quantity *quantity;
     const char *mask;
     double frame_rate_hz;
     struct neph_findings *out;
-    struct neph_finding lost; /* stands in where there was no memory for one */
+    struct neph_finding lost; /* replaces a finding when memory is short */
     bool failed;
 };
 
@@ -51,7 +51,7 @@ static bool value_of(const struct teller *teller, const char *metric, double *va
 static struct neph_finding *tell(struct teller *teller, const char *name, const char *verdict,
                                  const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* A finding of the quantity and mask at hand. */
+/* Add a finding for the current quantity and mask. */
 static struct neph_finding *tell(struct teller *teller, const char *name, const char *verdict,
                                  const char *format, ...)
 {
@@ -100,7 +100,7 @@ static void add_flicker(struct teller *teller, bool frozen)
     stand_on(item, "restless_share", restless);
 }
 
-/* What a person sees of it; where and what of the whole picture alone. */
+/* Visible flicker; its frequency and place only for the whole frame. */
 static void add_seen(struct teller *teller)
 {
     double share, less, more, contrast;
@@ -143,7 +143,7 @@ static int stronger_first(const void *a, const void *b)
 
 enum { CYCLES_MAX = NEPH_CYCLE_PERIOD_MAX + NEPH_CYCLE_LONG_COUNT, CYCLES_TOLD = 3 };
 
-/* False when it has none, or it is not known. */
+/* Read a period. False when the mask has none, or it is unknown. */
 static bool find_cycle(const struct teller *teller, int which, struct cycle *cycle)
 {
     const bool is_long = which > NEPH_CYCLE_PERIOD_MAX;
@@ -182,7 +182,7 @@ static void add_cycles(struct teller *teller, const struct neph_cycle_declared *
     }
 }
 
-/* Periods that the frames do not tell from those that were found. */
+/* Report periods that this number of frames cannot distinguish from the periods found. */
 static void add_unseparated(struct teller *teller)
 {
     char periods[160] = "";
@@ -212,15 +212,14 @@ static void add_edge_ratio(struct teller *teller)
     const bool floored = other->value <= 0.0 || ratio < edge->value / other->value;
     struct neph_finding *item = tell(
         teller, "edge_ratio", ratio > 1.0 ? "edges" : "even",
-        edge->value <= 0.0
-            ? "four-frame flicker at depth edges is not above the noise of the frequencies "
-              "beside it, which is taken off (p95 %.3g, %.3g times that of elsewhere, %.3g); "
-              "other periods stand under 'cycle'"
-        : floored ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
-                    "of a step of an 8-bit display; elsewhere it is below "
-                    "that (p95 %.3g)"
-                  : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
-                    "as elsewhere (p95 %.3g)",
+        edge->value <= 0.0 ? "four-frame flicker at depth edges is not above the noise of the "
+                             "adjacent frequencies, which is subtracted (p95 %.3g, %.3g times the "
+                             "value elsewhere, %.3g); for other periods see 'cycle'"
+        : floored          ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
+                             "of a step of an 8-bit display; elsewhere it is below "
+                             "that (p95 %.3g)"
+                           : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
+                             "as elsewhere (p95 %.3g)",
         edge->value, ratio, other->value);
     stand_on(item, "value", ratio);
     const bool bounded = neph_interval_is_bounded(edge->interval) &&
@@ -236,7 +235,7 @@ static void add_reference_limited(struct teller *teller)
     if (value_of(teller, "a4_p95", &test) && value_of(teller, "reference_a4_p95", &reference) &&
         neph_flicker_reference_limited(test, reference))
         tell(teller, "reference_limited", "reference-limited",
-             "a4_p95 is %.3g, that of the reference alone %.3g: the number says more about the "
+             "a4_p95 is %.3g, and %.3g for the reference itself: the number says more about the "
              "reference",
              test, reference);
 }
@@ -253,7 +252,8 @@ static void add_noise_floor(struct teller *teller)
              error, noise);
 }
 
-/* The last number that tells of pixels beyond the bound: those of all frames are the last. */
+/* The last number with pixels beyond the bound; numbers of all frames are at the end of the
+ * list. */
 static const struct neph_measurement *find_clipped(const struct teller *teller,
                                                    enum neph_display_bound bound)
 {
@@ -277,14 +277,14 @@ static void add_clipped(struct teller *teller, enum neph_display_bound bound)
         return;
     tell(teller, "clipped", "clipped",
          "%.3g %% of the pixels of the reference and %.3g %% of the test's are above %s: metrics "
-         "that end there, such as %s, do not see what differs in them; a lower --exposure shows it",
+         "that end there, such as %s, miss the differences in them; a lower --exposure shows them",
          100.0 * number->clipped.reference, 100.0 * number->clipped.test, neph_bound_name(bound),
          number->metric->name)
         ->clipped = number->clipped;
 }
 
-/* How the test follows light that goes up and down. The shortest swing and the latest that still
- * count as following are ours: a tenth of the light, one frame. */
+/* Report how the test follows light that oscillates. Our own thresholds for "follows": at least 0.9
+ * of the amplitude and a lag below one frame. */
 static bool add_follow(struct teller *teller, int which)
 {
     static const char *const parts[] = {"follow_period_%d", "follow_share_%d", "follow_gain_%d_p50",
@@ -305,22 +305,22 @@ static bool add_follow(struct teller *teller, int which)
         snprintf(lost, sizeof(lost), "; %.3g %% of that does not swing above its noise",
                  100.0 * values[LOST]);
     struct neph_finding *item =
-        known[LAG] ? tell(teller, "follow", follows ? "follows" : "late",
-                          "follows the light with a lag of %.3g frames at a period of %.3g, "
-                          "and %.3g of its swing (medians of the %.3g %% of the picture "
-                          "that the light moves%s)",
-                          values[LAG], values[PERIOD], values[GAIN], 100.0 * values[SHARE], lost)
-                   : tell(teller, "follow", "lost",
-                          "does not follow the light at a period of %.3g frames: no pixel "
-                          "swings above its noise",
-                          values[PERIOD]);
+        known[LAG]
+            ? tell(teller, "follow", follows ? "follows" : "late",
+                   "follows the light with a lag of %.3g frames at a period of %.3g, and %.3g of "
+                   "its swing (medians of the %.3g %% of the frame that the light changes%s)",
+                   values[LAG], values[PERIOD], values[GAIN], 100.0 * values[SHARE], lost)
+            : tell(teller, "follow", "lost",
+                   "does not follow the light at a period of %.3g frames: no pixel "
+                   "swings above its noise",
+                   values[PERIOD]);
     stand_on(item, "period", values[PERIOD]);
     stand_on(item, "gain", values[GAIN]);
     stand_on(item, "lag", known[LAG] ? values[LAG] : NAN);
     return true;
 }
 
-/* After a step of the light, or a cut. */
+/* Report residual light after a step of the light, or a cut. */
 static void add_unsettled(struct teller *teller)
 {
     double never, after_4, after_16, end;
@@ -330,9 +330,8 @@ static void add_unsettled(struct teller *teller)
         return;
     struct neph_finding *item = tell(
         teller, "unsettled", never > 0.0 ? "unsettled" : "settles",
-        "%.3g %% of the picture never settles to within a tenth of the step; "
-        "there is more left in %.3g %% of it after 4 frames, in %.3g %% "
-        "after 16, in %.3g %% at the end",
+        "%.3g %% of the frame never settles to within a tenth of the step; more is left in %.3g %% "
+        "of the frame after 4 frames, in %.3g %% after 16, in %.3g %% at the end",
         100.0 * never, 100.0 * after_4, 100.0 * after_16, 100.0 * end);
     stand_on(item, "share", never);
 }
@@ -343,16 +342,15 @@ static void add_edge_ghost(struct teller *teller)
     if (!value_of(teller, "edge_ghost_residual_4", &left) ||
         !value_of(teller, "edge_ghost_frames", &frames))
         return;
-    struct neph_finding *item = tell(
-        teller, "edge_ghost", fabs(left) > 0.1 ? "ghosts" : "clean",
-        "behind moving edges %.3g %% of what was in front is left after 4 "
-        "frames, and more than a tenth for %.3g frames (mean)",
-        100.0 * left, frames);
+    struct neph_finding *item = tell(teller, "edge_ghost", fabs(left) > 0.1 ? "ghosts" : "clean",
+                                     "behind moving edges %.3g %% of the old foreground is left "
+                                     "after 4 frames, and more than a tenth for %.3g frames (mean)",
+                                     100.0 * left, frames);
     stand_on(item, "residual", left);
     stand_on(item, "frames", frames);
 }
 
-/* Flicker is never told without the price at which it may have been bought. */
+/* Report the lag together with flicker, because averaging reduces flicker at the cost of lag. */
 static void add_half_life(struct teller *teller, bool is_followed)
 {
     double a4, frames, unsettled = 0.0;
@@ -374,7 +372,7 @@ static void add_half_life(struct teller *teller, bool is_followed)
              "lag:step_frame=N, or with light of a known period, and -s follow:period_1=N");
 }
 
-/* Whether a mask has been met before the number at `index`. */
+/* True when the mask of the number at `index` occurs before it. */
 static bool is_known_mask(const struct neph_measurements *numbers, int index)
 {
     for (int i = 0; i < index; i++)
@@ -438,7 +436,7 @@ void neph_findings_finish(struct neph_findings *findings)
     *findings = (struct neph_findings){0};
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *finding_json(const struct neph_finding *finding)
 {

@@ -15,7 +15,7 @@
 
 static const struct format {
     const char *name;
-    unsigned char magic[4]; /* the first bytes of every file */
+    unsigned char magic[4]; /* first bytes of every file */
     enum neph_status (*read)(const char *path, struct neph_image **image, struct neph_diag *diag);
 } formats[] = {
     {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, neph_exr_read},
@@ -51,7 +51,8 @@ static enum neph_status check(const char *path, const struct neph_image *image,
 {
     struct neph_validity validity = {0};
     enum neph_status status = neph_validity_count(image, &validity, diag);
-    for (int i = 0; i < validity.channel_count; i++) { /* of strangers no value is looked at */
+    for (int i = 0; i < validity.channel_count; i++) { /* values of unknown channels are not
+                                                          checked */
         struct neph_validity_channel *channel = &validity.channels[i];
         if (neph_validity_knows(channel->name))
             continue;
@@ -70,7 +71,7 @@ static enum neph_status check(const char *path, const struct neph_image *image,
     return status;
 }
 
-/* A channel that is nothing to us may hold anything; what is not even a number goes. */
+/* Remove unknown channels that contain NaN or infinite values. */
 static void drop_strangers(struct neph_image *image)
 {
     const size_t count = neph_image_pixel_count(image);
@@ -92,7 +93,7 @@ static bool has_any(const struct neph_image *image, const char *const *names, in
     return false;
 }
 
-/* Luminance alone is a grey picture, as in OpenEXR's own tools; with chroma (RY, BY) it is not. */
+/* Luminance without chroma (RY, BY) is a grey image, as in OpenEXR's own tools. */
 static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag *diag)
 {
     static const char *const colour[] = {"R", "G", "B", "RY", "BY"};
@@ -106,7 +107,8 @@ static enum neph_status make_grey_rgb(struct neph_image *image, struct neph_diag
     return status;
 }
 
-/* A colour that the layer lacks is lacking: that of the whole picture is another. */
+/* Remove the colours without a layer prefix first, so that they cannot replace a colour that the
+ * layer lacks. */
 static enum neph_status take_layer(const char *path, struct neph_image *image, const char *layer,
                                    struct neph_diag *diag)
 {
@@ -128,12 +130,11 @@ static enum neph_status check_primaries(const char *path, const struct neph_imag
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
               primaries);
-    neph_hint(diag,
-              "convert it to linear Rec.709, white D65: luminance and all pictures are of it");
+    neph_hint(diag, "convert it to linear Rec.709, white D65: luminance and all images assume it");
     return NEPH_ERR_INPUT;
 }
 
-/* X Y Z are one vector or one colour: Z is no depth there, and Y no grey picture. */
+/* X Y Z together are one vector or one colour: then Z is not depth, and Y is not a grey image. */
 static enum neph_status set_vector_aside(const char *path, struct neph_image *image,
                                          struct neph_diag *diag)
 {
@@ -156,10 +157,10 @@ static enum neph_status set_vector_aside(const char *path, struct neph_image *im
     return NEPH_OK;
 }
 
-/* Depths that renderers write where a ray meets nothing, for there is no such thing as a surface at
- * just these: 0 (Mitsuba's aov integrator; nothing visible is at the eye), the largest half and the
- * largest 16-bit integer, to which larger ones were clamped, and 1e9. Blender's sky lies at 1e10;
- * no scene is measured in units of which so many are near. A NaN stays. */
+/* Convert the depths that renderers write for rays without a hit to infinity. No real surface has
+ * exactly one of these depths: 0 (Mitsuba's aov integrator; nothing visible is at the eye), the
+ * largest half and the largest 16-bit integer (clamped larger values), and 1e9. Blender's sky is at
+ * 1e10; no scene uses units that small. NaN is unchanged. */
 static void mark_sky(struct neph_image *image)
 {
     static const float skies[] = {0.0f, 65504.0f, 65535.0f, 1e9f}, far = 1e10f;
@@ -202,7 +203,7 @@ enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
     if (!status)
         status = make_grey_rgb(frame, diag);
     const char *display = status ? NULL : neph_image_attribute(frame, NEPH_DISPLAY_ATTRIBUTE);
-    if (display) /* a frame of ours that a display has the last word on */
+    if (display) /* written by `neph post` for a display */
         status = neph_image_set_attribute(frame, "encoding", diag, "%s", display);
     if (!status)
         status = check(path, frame, negative_allowed, diag);

@@ -1,38 +1,42 @@
 /* SPDX-License-Identifier: MIT
  *
- * A frame of any renderer, from a file.
+ * Reading of a frame of any renderer from an OpenEXR or PNG file.
  */
 #ifndef NEPH_HARNESS_COMPARE_FRAME_H
 #define NEPH_HARNESS_COMPARE_FRAME_H
 
 #include "base/image.h"
 
-/* The attribute of a frame of a sequence: how many of them a second it was made for. */
+/* Attribute of a frame of a sequence: its frame rate in Hz. */
 #define NEPH_FRAME_RATE_ATTRIBUTE "neph.frame_rate_hz"
 
-/* The attribute of a picture for a display (`neph post`): "sRGB", or "PQ" for an HDR display. Its
- * values are the linear light that the display makes of it, 1 being its white, or an HDR display's
- * peak. */
+/* Attribute of an image for a display (`neph post`): "sRGB", or "PQ" for an HDR display. Its values
+ * are the linear light that the display emits; 1 is its white, or an HDR display's peak. */
 #define NEPH_DISPLAY_ATTRIBUTE "neph.display"
 
-/* How many frames a second a frame was made for, as its file says: NEPH_FRAME_RATE_ATTRIBUTE, else
- * OpenEXR's framesPerSecond. NaN: the file does not say it. */
+/* The frame rate that the file of a frame states: NEPH_FRAME_RATE_ATTRIBUTE, else OpenEXR's
+ * framesPerSecond. NaN: the file states none. */
 double neph_frame_rate_hz(const struct neph_image *image);
 
-/* Read an OpenEXR or PNG file, told apart by content, and pass it through gate G0
- * (metrics/validity.h); the diag names the file. A PNG has the attribute "encoding" = "sRGB", and
- * so has a picture for a display. `layer`: its channels "<layer>.R" are R, and so on, and there is
- * no other colour; NULL: the names are as they are. Y alone is a grey picture. X, Y and Z beside R
- * G B are a vector and are called vector.X, ... A depth of 0, 65504, 65535, 1e9, or 1e10 and more
- * is the sky, +inf. Channels that have no meaning for us and hold values that are not finite
- * (identifiers) are left out. `negative_allowed`: values below 0 that are let through, as for
- * neph_validity_gate(). NEPH_ERR_GATE: a value is not finite (depth may be +inf), or too many are
- * negative. NEPH_ERR_INPUT: neither format, or of a kind that is not read, or damaged; colours that
- * are not in Rec.709, or CIE XYZ. NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
+/* Read an OpenEXR or PNG file, recognized by its content, and check it with gate G0
+ * (metrics/validity.h); the diag names the file.
+ *
+ * - Display images have the attribute "encoding": "sRGB" for a PNG, else the value of
+ *   NEPH_DISPLAY_ATTRIBUTE.
+ * - `layer`: its channels "<layer>.R" become R, and so on; other colours are dropped. NULL: names
+ *   are unchanged.
+ * - Y without R G B is a grey image. X, Y and Z beside R G B are a vector and become vector.X, ...
+ * - A depth of 0, 65504, 65535, 1e9, or at least 1e10 is the sky and becomes +inf.
+ * - Unknown channels with NaN or infinite values (identifiers) are removed.
+ * - `negative_allowed`: accepted number of negative values, as for neph_validity_gate().
+ *
+ * NEPH_ERR_GATE: a value is NaN or infinite (depth may be +inf), or too many are negative.
+ * NEPH_ERR_INPUT: another or damaged format, or colours that are not Rec.709 (such as CIE XYZ).
+ * NEPH_ERR_NOT_FOUND, NEPH_ERR_IO. */
 enum neph_status neph_frame_read(const char *path, const char *layer, size_t negative_allowed,
                                  struct neph_image **image, struct neph_diag *diag);
 
-/* The same, but depth is what the file has, and all channels are there. */
+/* As neph_frame_read(), but depth keeps the values of the file, and all channels are kept. */
 enum neph_status neph_frame_read_as_written(const char *path, const char *layer,
                                             size_t negative_allowed, struct neph_image **image,
                                             struct neph_diag *diag);

@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLACE_HINT                                                                                 \
-    "write data windows that are equal to the display window, with what lies outside them, which " \
-    "is 0"
+#define PLACE_HINT "write data windows equal to the display window; the pixels outside are 0"
 #define SPACE_HINT                                                                                 \
     "convert one to the other's space; if both are in one space, write both with the same "        \
     "colorInteropID and oiio:ColorSpace, or with neither"
@@ -17,17 +15,16 @@
 static const struct label {
     const char *attribute; /* of an image, base/exr.h */
     const char *what, *usual, *hint;
-    const char *same;   /* what a pair is not of; NULL: pairs are looked at elsewhere */
-    bool is_of_colours; /* of no account where there are none */
+    const char *same;   /* word for the message about a pair; NULL: pairs are checked elsewhere */
+    bool is_of_colours; /* irrelevant without colours */
 } labels[NEPH_FRAME_LABELS] = {
-    {"crop", "the data window", "the whole picture", PLACE_HINT, "place", false},
+    {"crop", "the data window", "the whole image", PLACE_HINT, "place", false},
     {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels", "place",
      false},
     {"colour_space", "the colour space", NEPH_COLOUR_SPACE_DEFAULT, SPACE_HINT, "light", true},
     {"white_luminance", "the luminance of white (whiteLuminance)", "not said",
      "write both with the same whiteLuminance, or with none", "light", true},
-    {"encoding", "the encoding", "linear", "give pictures for a display, or linear data", NULL,
-     false},
+    {"encoding", "the encoding", "linear", "give display images, or linear data", NULL, false},
 };
 
 static const char *value_of(const struct label *label, const struct neph_image *image)
@@ -47,8 +44,7 @@ enum neph_status neph_frame_check_pair(const struct neph_image *reference,
         if (!label->same || strcmp(first, second) == 0)
             continue;
         neph_fail(diag, NEPH_ERR_INPUT,
-                  "the images are not of the same %s: %s of the reference is %s, that of the other "
-                  "image %s",
+                  "the images differ in the %s: %s of the reference is %s, of the other image %s",
                   label->same, label->what, first, second);
         neph_hint(diag, "%s", label->hint);
         return NEPH_ERR_INPUT;
@@ -63,8 +59,9 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Names of the channels that all frames have to have, in order, a line each. A frame without a
- * channel of a mask has no pixel inside it, as where the sun is not in sight. */
+/* Sorted names of the channels that all frames must have, one on each line. Mask channels are
+ * exempt: a frame without one has no pixel in that mask, for example when the sun is not
+ * visible. */
 static const char *list_channels(const struct neph_image *image, struct neph_arena *arena)
 {
     const size_t count = (size_t)image->channel_count;
@@ -86,7 +83,7 @@ static const char *list_channels(const struct neph_image *image, struct neph_are
     return list;
 }
 
-/* The first line of `list` that `other` does not have; its length, or 0. */
+/* Find the first line of `list` that `other` lacks; returns its length, or 0. */
 static size_t first_missing(const char *list, const char *other, const char **line)
 {
     while (*list) {

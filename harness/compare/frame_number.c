@@ -7,15 +7,15 @@
 
 /* ---- names ----------------------------------------------------------------------------------- */
 
-/* A run of digits in a path, before the extension, in a folder's name too: path[head, tail). A
- * minus before it is path[head]. Paths are cut anew whenever they are compared: it is cheap, and
- * nothing has to be kept beside them. */
+/* A run of digits in a path, path[head, tail), before the extension; folder names included. A minus
+ * sign before it is at path[head]. Runs are recomputed for every comparison, which is cheap and
+ * needs no storage. */
 struct run {
     size_t head, digits, tail;
 };
 
 enum {
-    DIGITS_MAX = 18, /* more do not fit a long long, and are no frame number */
+    DIGITS_MAX = 18, /* more do not fit into a long long */
     WORDS_MAX = 64   /* bits of neph_frame_reading.ids */
 };
 
@@ -25,8 +25,7 @@ size_t neph_frame_name_start(const char *path)
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* The last dot of the name, or its end; a name that starts with its only dot has no extension, and
- * digits alone are none. */
+/* A name that starts with its only dot has no extension, and an extension starts with a letter. */
 size_t neph_frame_extension_start(const char *path)
 {
     const size_t start = neph_frame_name_start(path);
@@ -50,7 +49,7 @@ static bool is_of_word(char c)
     return is_letter(c) || is_digit(c);
 }
 
-/* Whether the character before path[digits] is the minus of the number that starts there. */
+/* True when the character before path[digits] is the minus sign of the number that starts there. */
 static bool has_minus(const char *path, size_t digits, const struct neph_frame_reading *reading)
 {
     if (digits == 0 || path[digits - 1] != '-')
@@ -68,7 +67,7 @@ struct word {
     size_t head, tail;
 };
 
-/* The word of that index, counted from the left; false when there are not as many. */
+/* Find a word by its index from the left; false when the path has fewer words. */
 static bool find_word(const char *path, int index, struct word *word)
 {
     const size_t end = neph_frame_extension_start(path);
@@ -86,7 +85,7 @@ static bool find_word(const char *path, int index, struct word *word)
     return true;
 }
 
-/* Where the identifier ends that starts at path[at]; `at` when none does. */
+/* End of the identifier that starts at path[at]; `at` when there is none. */
 static size_t id_end(const char *path, size_t at, const struct neph_frame_reading *reading)
 {
     struct word word;
@@ -100,7 +99,7 @@ static size_t id_end(const char *path, size_t at, const struct neph_frame_readin
 
 /* ---- runs ------------------------------------------------------------------------------------ */
 
-/* The first run from path[from] on; false when there is none before path[end]. */
+/* Find the first run from path[from]; false when there is none before path[end]. */
 static bool next_run(const char *path, size_t from, size_t end,
                      const struct neph_frame_reading *reading, struct run *run)
 {
@@ -122,7 +121,7 @@ static bool next_run(const char *path, size_t from, size_t end,
     return false;
 }
 
-/* The run of that index, counted from the left; false when there are not as many. */
+/* Find a run by its index from the left; false when the path has fewer runs. */
 static bool find_run(const char *path, int index, const struct neph_frame_reading *reading,
                      struct run *run)
 {
@@ -157,7 +156,7 @@ static int compare_text(const char *a, size_t a_length, const char *b, size_t b_
     return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
 }
 
-/* The text of a path between its runs, identifiers left out, piece by piece. */
+/* A part of the text between the runs of a path, without identifiers. */
 struct piece {
     size_t head, tail;
 };
@@ -171,7 +170,7 @@ static struct piece next_piece(const char *path, size_t from, size_t end,
     return (struct piece){from, tail};
 }
 
-/* The order of the texts a[a_from, a_end) and b[b_from, b_end), identifiers left out. */
+/* Compare the texts a[a_from, a_end) and b[b_from, b_end) without identifiers. */
 static int compare_between(const char *a, size_t a_from, size_t a_end, const char *b, size_t b_from,
                            size_t b_end, const struct neph_frame_reading *reading)
 {
@@ -224,7 +223,7 @@ bool neph_frame_equal_but_for(const char *a, const char *b, int index)
     return true;
 }
 
-/* ---- how a series is read -------------------------------------------------------------------- */
+/* ---- interpretation of a series -------------------------------------------------------------- */
 
 static bool have_one_shape(char *const *paths, int count, const struct neph_frame_reading *reading)
 {
@@ -249,7 +248,7 @@ static bool is_hex(const char *path, const struct word *word)
     return strspn(path + word->head, "0123456789abcdefABCDEF") >= word->tail - word->head;
 }
 
-/* Whether two words are the same but for digits. */
+/* True when two words differ only in digits. */
 static bool are_alike(const char *a, struct word of_a, const char *b, struct word of_b)
 {
     size_t i = of_a.head, k = of_b.head;
@@ -267,13 +266,13 @@ static bool are_alike(const char *a, struct word of_a, const char *b, struct wor
     return i == of_a.tail && k == of_b.tail;
 }
 
-/* What the words at one place of all names are. */
+/* Kind of the words at one position of all names. */
 enum place {
     PLACE_MISSING, /* some names have fewer words */
-    PLACE_ALIKE,   /* the same but for digits */
+    PLACE_ALIKE,   /* they differ only in digits */
     PLACE_NAMES,   /* letters differ, and few have digits */
     PLACE_MAYBE_IDS,
-    PLACE_IDS, /* of one length or hexadecimal, which do not start alike */
+    PLACE_IDS, /* of one length or hexadecimal, with different first letters */
 };
 
 static enum place look_at_place(char *const *paths, int count, int index)
@@ -307,7 +306,8 @@ static enum place look_at_place(char *const *paths, int count, int index)
     return are_ids ? PLACE_IDS : PLACE_MAYBE_IDS;
 }
 
-/* Words that each file has of its own are left aside, if the rest has one shape. */
+/* Treat words that are unique to each file as identifiers. False: the names have no common shape
+ * without them. */
 static bool read_with_ids(char *const *paths, int count, struct neph_frame_reading *reading)
 {
     *reading = (struct neph_frame_reading){.ids = 0};
@@ -340,7 +340,7 @@ static void sort_by_number(char **paths, int count, const struct neph_frame_seri
     qsort_r(paths, (size_t)count, sizeof(*paths), compare_numbers, &key);
 }
 
-/* By all numbers, from the left. */
+/* Compare by all numbers, from the left. */
 static int compare_all_numbers(const void *a, const void *b, void *reading)
 {
     const char *first = *(char *const *)a, *second = *(char *const *)b;
@@ -382,7 +382,7 @@ static enum neph_status fail_ambiguous(char *const *paths, int count, const int 
                                        struct neph_diag *diag)
 {
     const int one = changing[1], other = changing[0];
-    int unlike = 1; /* a file that shows it */
+    int unlike = 1; /* a file in which both runs change */
     while (unlike + 1 < count && !(neph_frame_differs_at(paths[0], paths[unlike], one, reading) &&
                                    neph_frame_differs_at(paths[0], paths[unlike], other, reading)))
         unlike++;
@@ -390,17 +390,17 @@ static enum neph_status fail_ambiguous(char *const *paths, int count, const int 
     find_run(paths[0], one, reading, &first);
     find_run(paths[0], other, reading, &second);
     neph_fail(diag, NEPH_ERR_INPUT,
-              "which number of '%s' is that of the frame, '%.*s' or '%.*s'? Both change: '%s'",
+              "which number of '%s' counts the frames, '%.*s' or '%.*s'? Both change: '%s'",
               paths[0], (int)(first.tail - first.head), paths[0] + first.head,
               (int)(second.tail - second.head), paths[0] + second.head, paths[unlike]);
     neph_hint(diag, "name one sequence by a pattern that has %%d in place of its frame number");
     return NEPH_ERR_INPUT;
 }
 
-/* Which runs of files of one shape change: the last and the first of them. */
+/* The runs that change between files of one shape; `runs`: the last and the first of them. */
 struct changes {
     int count, runs[2];
-    int counting_count, counting; /* those that count up by one, and the first of these */
+    int counting_count, counting; /* number of runs that increase by one, and the first of these */
 };
 
 static struct changes find_changes(char **paths, int count,
@@ -428,7 +428,7 @@ static bool has_frame_run(const struct changes *changes, int *run)
     return changes->count <= 1 || changes->counting_count == 1;
 }
 
-/* Whether they are a series without a gap when they are read like that. Sorts them. */
+/* True when the paths are a series without gaps in this interpretation. Sorts the paths. */
 static bool counts_up_read(char **paths, int count, const struct neph_frame_reading *reading)
 {
     struct neph_frame_series series = {.reading = *reading};
@@ -466,14 +466,14 @@ bool neph_frame_find_series(char **paths, int count, struct neph_frame_reading *
     return true;
 }
 
-/* A frame is missing between two neighbours of a series. */
+/* Report missing frames between two consecutive files of a series. */
 static enum neph_status fail_missing(const char *path, long long number, long long next,
                                      const struct neph_frame_series *series, struct neph_diag *diag)
 {
     struct run run = {.head = 0};
     const long long missing = number + 1, count = next - missing;
     find_run(path, series->run, &series->reading, &run);
-    if (series->reading.ids) /* the name of a file that is not there is not known */
+    if (series->reading.ids) /* the identifier of a missing file is unknown */
         neph_fail(diag, NEPH_ERR_INPUT,
                   "frame %lld is missing (%lld from %lld to %lld), the one behind '%s'", missing,
                   count, missing, next - 1, path);
@@ -482,12 +482,12 @@ static enum neph_status fail_missing(const char *path, long long number, long lo
                   "frame '%.*s%s%0*lld%s' is missing (%lld from %lld to %lld)", (int)run.head, path,
                   missing < 0 ? "-" : "", (int)(run.tail - run.digits), llabs(missing),
                   path + run.tail, count, missing, next - 1);
-    neph_hint(diag, "a sequence has no gaps: render what is missing, or number the files anew; "
+    neph_hint(diag, "a sequence has no gaps: render the missing frames, or renumber the files; "
                     "`neph compare`, `flicker` and `view` take it as it is with --by-position");
     return NEPH_ERR_INPUT;
 }
 
-/* Two neighbours of a sorted series. */
+/* Check two consecutive paths of a sorted series. */
 static enum neph_status check_step(const char *path, const char *next,
                                    const struct neph_frame_series *series, struct neph_diag *diag)
 {

@@ -14,7 +14,7 @@ static uint32_t big_endian_32(const unsigned char *b)
     return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
 }
 
-/* The chunk IHDR is the first one. */
+/* The first chunk of a PNG is IHDR. */
 static bool read_png(const unsigned char head[24], int *width_px, int *height_px)
 {
     static const unsigned char magic[4] = {0x89, 'P', 'N', 'G'};

@@ -38,7 +38,7 @@ enum neph_status neph_limit_parse(const char *text, bool below, struct neph_limi
     return NEPH_ERR_USAGE;
 }
 
-/* " in frame N", or nothing for a number of all frames. */
+/* " in frame N", or "" for a number of all frames. */
 static void name_frame(const struct neph_measurement *number, char *text, size_t size)
 {
     text[0] = '\0';
@@ -46,15 +46,15 @@ static void name_frame(const struct neph_measurement *number, char *text, size_t
         snprintf(text, size, " in frame %d", number->frame);
 }
 
-/* How far a value is beyond its limit; <= 0: it is not. */
+/* Excess of a value over its limit; <= 0: within the limit. */
 static double excess(const struct neph_measurement *number, const struct neph_limit *limit)
 {
     const double size = fabs(number->value);
     return limit->below ? limit->value - size : size - limit->value;
 }
 
-/* Times of the lag test stop counting at the end of the sequence: where more pixels than `share`
- * are on their way still, the number is a lower bound, and below no limit. */
+/* Durations of the lag test are cut off at the end of the sequence. When more than `share` of the
+ * pixels are still unsettled, the number is only a lower bound and cannot meet an upper limit. */
 static const struct bounded_time {
     const char *metric, *unsettled;
     double share;
@@ -83,9 +83,9 @@ static bool is_lower_bound(const struct neph_measurements *list, const struct ne
     return false;
 }
 
-/* What the numbers of that name come to. */
+/* The result of checking all numbers of a metric. */
 struct held {
-    const struct neph_measurement *worst; /* NULL: none was measured, or all are without an error */
+    const struct neph_measurement *worst; /* NULL: none measured, or none with an error */
     int beyond_count;
     bool without_error;
 };
@@ -103,7 +103,7 @@ static enum neph_status hold_all(const struct neph_measurements *list,
             strcmp(number->mask, limit->mask) != 0)
             continue;
         name_frame(number, where, sizeof(where));
-        /* A PSNR of equal images is no number, and keeps every limit. */
+        /* The PSNR of equal images is undefined and meets every limit. */
         if (!number->defined && strcmp(number->undefined_because, neph_pool_no_error) == 0)
             held->without_error = true;
         else if (!number->defined)
@@ -141,8 +141,8 @@ enum neph_status neph_limit_check(const struct neph_measurements *list,
     }
     if (held.beyond_count == 0 && held.worst && !limit->below && is_lower_bound(list, limit))
         return neph_fail(diag, NEPH_ERR_GATE,
-                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
-                         "it to the limit %g",
+                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to "
+                         "check the limit %g",
                          limit->metric, limit->quantity, limit->mask, held.worst->value,
                          limit->value);
     if (held.beyond_count == 0)

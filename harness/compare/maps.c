@@ -21,7 +21,7 @@ struct neph_path neph_map_stem(const char *folder, const struct neph_map *map,
     return neph_path_in(folder, name.text);
 }
 
-/* "MAP_QUANTITY" and then an ending, or a number and an ending. */
+/* True for "MAP_QUANTITY" followed by an extension, or by a number and an extension. */
 static bool is_name_of(const struct neph_map *map, const char *name)
 {
     for (int q = 0; map->name && q < neph_quantity_count(); q++) {
@@ -73,7 +73,7 @@ enum neph_status neph_map_names_check(const struct neph_sequence *frames, const 
     return NEPH_OK;
 }
 
-/* Maps in the unit of the quantity are drawn as displayed: see struct neph_map. */
+/* The scale of a map in the unit of the quantity follows the exposure: see struct neph_map. */
 double neph_map_scale(const struct neph_map *map, const struct neph_viewing *viewing)
 {
     return map->unit ? map->scale : map->scale * exp2(-viewing->exposure_ev);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The files of the maps of a comparison: their names, none of which takes the place of a frame that
- * is read, and what is in them.
+ * The files of a comparison's maps: their names, a check that no map overwrites an input frame, and
+ * their contents.
  */
 #ifndef NEPH_HARNESS_COMPARE_MAPS_H
 #define NEPH_HARNESS_COMPARE_MAPS_H
@@ -10,26 +10,26 @@
 #include "harness/compare/measure.h"
 #include "harness/compare/sequence.h"
 
-/* "FOLDER/MAP_QUANTITY[_FRAME]", without the ending. `frame` below 0: of the whole sequence, or the
- * only one. */
+/* The path "FOLDER/MAP_QUANTITY[_FRAME]" without extension. `frame` below 0: the map of the whole
+ * sequence, or of the only frame. */
 struct neph_path neph_map_stem(const char *folder, const struct neph_map *map,
                                const struct neph_quantity *quantity, int frame);
 
-/* NEPH_ERR_USAGE, naming the file, when one of `frames` lies where a map of the chosen extractors
- * may be written. */
+/* NEPH_ERR_USAGE with the file's name when a map of the chosen extractors could overwrite one of
+ * `frames`. */
 enum neph_status neph_map_names_check(const struct neph_sequence *frames, const char *folder,
                                       const struct neph_meter_choice *choices, int choice_count,
                                       struct neph_diag *diag);
 
-/* Write the values of a map, and a picture of them on its fixed scale. */
+/* Write the values of a map as EXR, and an image of them on its fixed scale as PNG. */
 enum neph_status neph_map_write(const char *exr, const char *png, const struct neph_map *map,
                                 const struct neph_viewing *viewing, const struct neph_image *image,
                                 struct neph_diag *diag);
 
-/* Where the colours of a map's picture end, in its own unit. */
+/* End of the colour scale of a map's image, in the map's unit. */
 double neph_map_scale(const struct neph_map *map, const struct neph_viewing *viewing);
 
-/* Write the picture alone. */
+/* Write only the image. */
 enum neph_status neph_map_png(const char *path, const struct neph_map *map,
                               const struct neph_viewing *viewing, const struct neph_image *image,
                               struct neph_diag *diag);

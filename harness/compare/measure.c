@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_BOUND_COUNT == 3, "a new kind");
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
@@ -102,7 +102,7 @@ static enum neph_status add_mask(const struct neph_image *reference, const char 
     const enum neph_status status = neph_mask_create(reference, name, NULL, &mask, diag);
     if (!status)
         masks[(*count)++] = mask;
-    /* The layer that it is made from may not be there. */
+    /* The layer behind the mask may be missing. */
     return status == NEPH_ERR_UNSUPPORTED ? NEPH_OK : status;
 }
 
@@ -201,7 +201,7 @@ static enum neph_status take(struct neph_meter *meter, const struct neph_image *
     return status || count == 0 ? status : append(all, count, list, diag);
 }
 
-/* The extractors that are taken, at their defaults; returns their number. */
+/* Choose extractors with default options; returns their number. */
 static int choose(const char *only, struct neph_meter_choice choices[NEPH_CHOICES_MAX])
 {
     int count = 0;
@@ -242,7 +242,8 @@ enum neph_status neph_measure(const struct neph_image *reference, const struct n
     return status;
 }
 
-/* Counts over all layers of a frame: no extractor's, for they are taken before any. */
+/* Counts over all layers of a frame. They belong to no extractor, because they are taken before any
+ * extractor runs. */
 static const struct neph_metric non_finite = {.name = "non_finite",
                                               .unit = "samples, all layers",
                                               .high = INFINITY,

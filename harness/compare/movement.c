@@ -37,8 +37,8 @@ static void find_luma(const struct neph_movement *movement, const float *const r
     }
 }
 
-/* A whole cycle: with d0 .. d3 of a pixel, a4 = |(d0 - d2) - i (d1 - d3)| / 2 and
- * a2 = |d0 - d1 + d2 - d3| / 4. */
+/* Complete a cycle. With d0 .. d3 of a pixel, a4 = |(d0 - d2) - i (d1 - d3)| / 2 and a2 = |d0 - d1
+ * + d2 - d3| / 4. */
 static enum neph_status close_cycle(struct neph_movement *movement, struct neph_diag *diag)
 {
     const int before = movement->frame_count;

@@ -22,7 +22,7 @@ static int compare_paths(const void *a, const void *b)
     return order != 0 ? order : strcmp(first, second);
 }
 
-/* How many of the sorted paths, from the first on, are of its shape. */
+/* The number of paths, from the first, that have the same shape; the paths are sorted. */
 static int shape_count(char *const *paths, int count)
 {
     int same = 1;
@@ -31,7 +31,7 @@ static int shape_count(char *const *paths, int count)
     return same;
 }
 
-/* The files of each shape are a series. */
+/* Sort the files of each shape as a series. */
 static enum neph_status arrange_each(char **paths, int count, bool by_position,
                                      struct neph_diag *diag)
 {
@@ -54,12 +54,13 @@ static void sort(char **paths, int count)
 
 /* ---- the list -------------------------------------------------------------------------------- */
 
-/* Takes `path` over, also on failure; NULL is a failed allocation of the caller. */
+/* Append a path. Takes ownership of `path`, also on failure; NULL is a failed allocation of the
+ * caller. */
 static enum neph_status append(struct neph_sequence *list, char *path, struct neph_diag *diag)
 {
     const size_t count = (size_t)list->count;
     bool is_short = !path;
-    if (path && (count & (count - 1)) == 0) { /* full at every power of two */
+    if (path && (count & (count - 1)) == 0) { /* capacity is a power of two */
         char **grown = realloc(list->paths, (count ? 2 * count : 1) * sizeof(*grown));
         list->paths = grown ? grown : list->paths;
         is_short = !grown;
@@ -83,7 +84,7 @@ void neph_sequence_finish(struct neph_sequence *sequence)
 
 /* ---- folders --------------------------------------------------------------------------------- */
 
-/* What is wanted of a name in a folder. */
+/* A filter for names in a folder. */
 typedef bool name_filter(const char *name, const void *wanted);
 
 static bool has_extension(const char *name, const void *wanted)
@@ -91,7 +92,8 @@ static bool has_extension(const char *name, const void *wanted)
     return name[0] != '.' && strcasecmp(name + neph_frame_extension_start(name), wanted) == 0;
 }
 
-/* The files of a folder that pass, as folder/name; `folder` may be "" for the working one. */
+/* Append the files of a folder that pass the filter, as folder/name; `folder` "" is the working
+ * folder. */
 static enum neph_status list_folder(const char *folder, name_filter *passes, const void *wanted,
                                     struct neph_sequence *list, struct neph_diag *diag)
 {
@@ -123,22 +125,22 @@ static enum neph_status expand_folder(const char *word, struct neph_sequence *li
         status = list_folder(word, has_extension, ".png", list, diag);
     if (!status && list->count == before)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
-                           "the folder '%s' holds neither .exr nor .png files", word);
+                           "the folder '%s' has no .exr and no .png files", word);
     return status;
 }
 
 /* ---- patterns -------------------------------------------------------------------------------- */
 
-/* A name with the number of a frame in it. */
+/* A file name with a placeholder for the frame number. */
 struct pattern {
     const char *name;  /* of the file */
-    size_t head;       /* before the conversion */
-    const char *tail;  /* behind it */
-    size_t width;      /* digits at least; 0: as few as the number has */
-    bool is_any_width; /* zeros before the number or none */
+    size_t head;       /* length of the text before the placeholder */
+    const char *tail;  /* text after it */
+    size_t width;      /* least number of digits; 0: no padding */
+    bool is_any_width; /* with or without leading zeros */
 };
 
-/* The length of the %d or %0Nd at `text`, or 0. */
+/* Length of a %d or %0Nd at `text`, or 0. */
 static size_t percent_length(const char *text, struct pattern *pattern)
 {
     pattern->width = 0;
@@ -151,7 +153,7 @@ static size_t percent_length(const char *text, struct pattern *pattern)
     return 0;
 }
 
-/* The length of the $F or $FN at `text`, or 0: $FF and $FOO are others. */
+/* Length of a $F or $FN at `text`, or 0; $FF and $FOO are other variables. */
 static size_t dollar_length(const char *text, struct pattern *pattern)
 {
     if (text[0] != '$' || text[1] != 'F')
@@ -164,8 +166,8 @@ static size_t dollar_length(const char *text, struct pattern *pattern)
     return length;
 }
 
-/* The length of the run of # at `text`, or 0. One # is four digits to some programs, and one digit
- * to others. */
+/* Length of a run of # at `text`, or 0. A single # means four digits in some programs, one digit in
+ * others. */
 static size_t hash_length(const char *text, struct pattern *pattern)
 {
     const size_t length = strspn(text, "#");
@@ -176,7 +178,7 @@ static size_t hash_length(const char *text, struct pattern *pattern)
 
 typedef size_t conversion_length(const char *text, struct pattern *pattern);
 
-/* How often a conversion stands in the name of the file; the pattern is of the last one. */
+/* Count the placeholders of a kind in the file name of a word; `pattern` describes the last one. */
 static int find_conversion(const char *word, conversion_length *length_at, struct pattern *pattern)
 {
     int count = 0;
@@ -202,7 +204,7 @@ static enum neph_status fail_pattern(const char *word, struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
-/* A word with a %: nothing else may follow one. */
+/* Parse a word with a %, which may contain no other %. */
 static enum neph_status parse_percent(const char *word, struct pattern *pattern,
                                       struct neph_diag *diag)
 {
@@ -212,8 +214,8 @@ static enum neph_status parse_percent(const char *word, struct pattern *pattern,
     return is_one ? NEPH_OK : fail_pattern(word, diag);
 }
 
-/* A word with a $F or a # in the name of the file. A # beside one of these, or beside a longer run,
- * is a letter. */
+/* Parse a word with a $F or a # in the file name. A # is an ordinary character beside a $F or a
+ * longer run of #. */
 static enum neph_status parse_other(const char *word, struct pattern *pattern,
                                     struct neph_diag *diag)
 {
@@ -230,7 +232,8 @@ static bool is_other_pattern(const char *word)
            find_conversion(word, hash_length, &pattern) > 0;
 }
 
-/* Could printf have made this name? A minus counts in its width; to other programs it does not. */
+/* True when printf could have made this name. printf counts a minus sign in its width, other
+ * programs do not. */
 static bool matches_pattern(const char *name, const void *wanted)
 {
     const struct pattern *pattern = wanted;
@@ -246,7 +249,8 @@ static bool matches_pattern(const char *name, const void *wanted)
            strcmp(digits + count, pattern->tail) == 0;
 }
 
-/* Behind a letter or a digit a hyphen is one, where no file is without it. */
+/* True when all matching files have a hyphen after a letter or digit: then it is probably a hyphen,
+ * not a minus sign. */
 static bool has_hyphens_only(const struct pattern *pattern, char *const *paths, int count)
 {
     const char before = pattern->head > 0 ? pattern->name[pattern->head - 1] : '.';
@@ -296,9 +300,9 @@ static enum neph_status expand_glob(const char *word, struct neph_sequence *list
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- sequences ------------------------------------------------------------------------------- */
 
-/* A folder of beauty.0001.exr, depth.0001.exr, ... is not one sequence. */
+/* Refuse a folder with several sequences, such as beauty.0001.exr, depth.0001.exr, ... */
 static enum neph_status check_one_series(const char *word, char *const *paths, int count,
                                          struct neph_diag *diag)
 {
@@ -311,7 +315,7 @@ static enum neph_status check_one_series(const char *word, char *const *paths, i
     }
     if (!has_series || other == count)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds more than one sequence: '%s' and '%s'", word,
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has more than one sequence: '%s' and '%s'", word,
               paths[0], paths[other]);
     neph_hint(diag, "name one of them by a pattern such as frame.%%04d.exr, or by a glob");
     return NEPH_ERR_INPUT;
@@ -322,7 +326,7 @@ static bool is_file(const char *word)
     return neph_path_exists(word) && !neph_path_is_dir(word);
 }
 
-/* The files of a word, in no order. */
+/* List the files of a word, unsorted. */
 static enum neph_status list_word(const char *word, struct neph_sequence *list,
                                   struct neph_diag *diag)
 {
@@ -339,8 +343,8 @@ static enum neph_status list_word(const char *word, struct neph_sequence *list,
     return status ? status : expand_pattern(word, &pattern, list, diag);
 }
 
-/* Put files in order; those of a word (NULL: of several) are one sequence. `*series` has a run
- * where they are one series. */
+/* Sort files. The files of a single word must be one sequence (`word` NULL: files of several
+ * words). `*series` has a run when they are one series. */
 static enum neph_status arrange(const char *word, char **paths, int count, bool by_position,
                                 struct neph_frame_series *series, bool *is_series,
                                 struct neph_diag *diag)
@@ -382,7 +386,7 @@ static enum neph_status check_formats(const struct neph_sequence *list, struct n
     return NEPH_OK;
 }
 
-/* Take over the order of `sorted`, which is of one series, and its numbers. */
+/* Take the order and the numbers of `sorted`, which is one series. */
 static enum neph_status take_order(struct neph_sequence *list, char *const *sorted,
                                    const struct neph_frame_series *series, struct neph_diag *diag)
 {
@@ -406,7 +410,7 @@ static enum neph_status number_all(struct neph_sequence *list, int word_count, b
     memcpy(sorted, list->paths, (size_t)list->count * sizeof(*sorted));
     enum neph_status status = arrange(NULL, sorted, list->count, by_position, &series, &is_series,
                                       diag);
-    /* Several words whose numbers do not say the order keep theirs. */
+    /* Several words keep their order when their numbers do not define one. */
     const bool has_order = is_series && (series.run != NEPH_FRAME_NO_RUN || word_count == 1);
     if (!status && has_order)
         status = take_order(list, sorted, &series, diag);
@@ -446,15 +450,16 @@ enum neph_status neph_sequence_check_numbers(const struct neph_sequence *one, co
               "together",
               what, one->numbers[0], one->numbers[one->count - 1], other_what, other->numbers[0],
               other->numbers[other->count - 1]);
-    neph_hint(diag, "give those of the same numbers; if they were counted from different starts, "
-                    "say --by-position");
+    neph_hint(diag, "give frames of the same numbers; if they were counted from different starts, "
+                    "use --by-position");
     return NEPH_ERR_INPUT;
 }
 
-/* ---- whose operands -------------------------------------------------------------------------- */
+/* ---- assignment of operands ------------------------------------------------------------------ */
 
-/* Which operands are of a series of the references, when the frame number is the run `from_end`
- * counted from the last one on; without such a run, those that are a reference. */
+/* Mark the operands in the series of a reference, if the frame number is the run `from_end`,
+ * counted from the last one; without such a run, mark only the references themselves. Returns their
+ * number. */
 static int mark_references(int from_end, int reference_count, const char *const *references,
                            int operand_count, const char *const *operands, bool *is_reference)
 {
@@ -471,8 +476,8 @@ static int mark_references(int from_end, int reference_count, const char *const 
     return marked;
 }
 
-/* The operands that are left are files of one series, or one word of any kind. `*other` is one that
- * does not fit. */
+/* True when the remaining operands are files of one series, or a single word of any kind. `*other`
+ * is an operand that does not fit. */
 static bool is_one_test(int operand_count, const char *const *operands, const bool *is_reference,
                         const char **test, const char **other)
 {
@@ -506,9 +511,9 @@ static enum neph_status fail_split(struct neph_diag *diag)
     return NEPH_ERR_USAGE;
 }
 
-/* How far from the last run the frame number is. The first of these with which the rest is one
- * test, and rather one with which there are as many references as tests, or one for all: none, so
- * that no operand is of the reference; the last run, the one before it, ... */
+/* Choose the run of the frame number, counted from the last run. Candidates: none (no operand is a
+ * reference), the last run, the one before it, ... The first candidate that leaves one test is
+ * chosen; candidates with one reference, or as many references as tests, are preferred. */
 static int choose_frame_run(int reference_count, const char *const *references, int operand_count,
                             const char *const *operands, bool *is_reference)
 {
@@ -522,7 +527,7 @@ static int choose_frame_run(int reference_count, const char *const *references, 
     for (int from_end = 0; from_end < most; from_end++)
         if (mark_references(from_end, reference_count, references, operand_count, operands,
                             is_reference) == operand_count)
-            return from_end; /* nothing is left: to be refused */
+            return from_end; /* no test is left, which the caller refuses */
     for (int i = 0; i <= most; i++) {
         const int from_end = i == 0 ? most : i - 1;
         const int marked = mark_references(from_end, reference_count, references, operand_count,
@@ -557,8 +562,8 @@ enum neph_status neph_sequence_split(int reference_count, const char *const *ref
         neph_fail(diag, NEPH_ERR_USAGE, "no frames to be tested are named");
     else
         neph_fail(diag, NEPH_ERR_USAGE,
-                  "no frames are left to be tested: '%s' and all behind it look like frames of "
-                  "the reference",
+                  "no frames are left to be tested: '%s' and all after it look like frames of the "
+                  "reference",
                   operands[0]);
     return fail_split(diag);
 }

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
 enum { LINES_MAX = 10, LAST_LINES = 2 };
@@ -17,9 +17,9 @@ enum { LINES_MAX = 10, LAST_LINES = 2 };
 /* ---- a number over its frames ---------------------------------------------------------------- */
 
 struct summary {
-    const struct neph_measurement *number; /* of all frames, or of the worst; NULL: none */
+    const struct neph_measurement *number; /* of all frames, or of the worst frame; NULL: none */
     double mean;
-    int frame_count; /* 0: one number of all frames */
+    int frame_count; /* 0: a single number of all frames */
 };
 
 static bool is_worse(const struct neph_measurement *a, const struct neph_measurement *b)
@@ -52,7 +52,7 @@ static struct summary summarize(const struct neph_measurements *list, const char
     return made;
 }
 
-/* The frame in which a number is worst; NULL: there are not several frames. */
+/* The number of the frame with the worst value; NULL: there is only one frame. */
 static const struct neph_measurement *worst_frame(const struct neph_measurements *list,
                                                   const struct neph_measurement *number)
 {
@@ -85,7 +85,7 @@ static void print_summary(const struct summary *summary, FILE *out)
 
 /* ---- limits ---------------------------------------------------------------------------------- */
 
-/* A value and its limit with as many digits as tell them apart. */
+/* Format a value and its limit with the least number of digits that makes them differ. */
 static void format_both(const struct neph_measurement *worst, const struct neph_limit *limit,
                         char value[32], char bound[32])
 {
@@ -122,7 +122,7 @@ void neph_verdict_limit(const struct neph_measurements *list, const struct neph_
     fprintf(out, "\n");
 }
 
-/* ---- the sentence ---------------------------------------------------------------------------- */
+/* ---- first sentence -------------------------------------------------------------------------- */
 
 static const struct neph_finding *find_finding(const struct neph_findings *list, const char *name,
                                                const char *mask)
@@ -138,13 +138,13 @@ struct told {
     bool needs_reference;
 };
 
-/* The flicker of a sequence. */
+/* Findings about the flicker of a sequence. */
 static const struct told answers[] = {{"seen", "flicker", false},
                                       {"flicker", "four-frame cycle", false},
                                       {"edge_ratio", "at depth edges", false},
                                       {"half_life", "lag", true}};
 
-/* Reasons to trust the numbers less. */
+/* Findings that reduce the reliability of the numbers. */
 static const struct told cautions[] = {{"reference_limited", "the reference", true},
                                        {"noise_floor", "the reference", true},
                                        {"clipped", "the display", false}};
@@ -153,13 +153,13 @@ enum {
     CAUTIONS = sizeof(cautions) / sizeof(cautions[0]),
 };
 
-/* Where the printing of a table has come to. */
+/* Position within a table that is being printed. */
 struct telling {
     const struct told *told;
     int count, next;
 };
 
-/* `label`: in front of each line, or NULL. Returns the number of lines. */
+/* Print findings of a table. `label` precedes each line, or NULL. Returns the number of lines. */
 static int print_findings(const struct neph_compared *compared, const char *mask, const char *label,
                           struct telling *telling, int lines_max, FILE *out)
 {
@@ -176,7 +176,7 @@ static int print_findings(const struct neph_compared *compared, const char *mask
     return lines;
 }
 
-/* The error of frames one by one. Returns the number of lines. */
+/* Print the error of single frames. Returns the number of lines. */
 static int print_error(const struct neph_compared *compared, const char *mask, FILE *out)
 {
     const struct neph_measurements *list = &compared->numbers;
@@ -199,9 +199,10 @@ static int print_error(const struct neph_compared *compared, const char *mask, F
     return 1;
 }
 
-/* ---- all of it ------------------------------------------------------------------------------- */
+/* ---- complete verdict ------------------------------------------------------------------------ */
 
-/* Headlines that were measured, else the first numbers there are; how many lines. */
+/* Print the measured headlines; with `shows_metrics` also other numbers. Returns the number of
+ * lines. */
 static int print_numbers(const struct neph_compared *compared, const char *mask, int lines_max,
                          bool shows_metrics, FILE *out)
 {
@@ -236,7 +237,7 @@ static int print_numbers(const struct neph_compared *compared, const char *mask,
     return lines;
 }
 
-/* Parts of the frames that no extractor took; how many lines. */
+/* Print the parts of the frames that no extractor measures. Returns the number of lines. */
 static int print_left_out(const struct neph_compared *compared, FILE *out)
 {
     int lines = 0;
@@ -250,7 +251,7 @@ static int print_left_out(const struct neph_compared *compared, FILE *out)
     return lines;
 }
 
-/* The first line; returns whether there is one. */
+/* Print the first line; false: there is none. */
 static bool print_answer(const struct neph_compared *compared, const struct neph_verdict_form *form,
                          const char *mask, struct telling *telling, FILE *out)
 {

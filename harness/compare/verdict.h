@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The answer of a comparison in at most ten lines, for people: one sentence with its numbers, the
- * most important numbers, and the way to all the others.
+ * The verdict of a comparison in at most ten lines of text: one sentence with its numbers, the most
+ * important numbers, and the options that show all others.
  */
 #ifndef NEPH_HARNESS_COMPARE_VERDICT_H
 #define NEPH_HARNESS_COMPARE_VERDICT_H
@@ -16,13 +16,13 @@ void neph_verdict_limit(const struct neph_measurements *list, const struct neph_
                         FILE *out);
 
 struct neph_verdict_form {
-    const char *mask;         /* the numbers are those over this mask; NULL: over all pixels */
-    const char *test, *other; /* names of both tests, of which `versus` is the difference */
-    const char *note;         /* a line behind the first one: the reference, or what is not known
-                                 without one; NULL: none */
-    int lines_used;           /* stand above, by neph_verdict_limit() */
-    bool is_brief;            /* one line, and none where lines stand above */
-    bool is_on_page;          /* the ways to the other numbers are not told */
+    const char *mask;         /* mask of the numbers; NULL: all pixels */
+    const char *test, *other; /* names of the two tests that `versus` compares */
+    const char *note;         /* second line: the reference, or the quantities unknown without one;
+                                 NULL: none */
+    int lines_used;           /* lines already written by neph_verdict_limit() */
+    bool is_brief;            /* one line; no line when some are already written */
+    bool is_on_page;          /* leave out the options that show other numbers */
     bool shows_metrics;       /* the user named metrics: they follow the most important ones */
 };
 

@@ -7,14 +7,15 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_DIRECTION_COUNT == 3, "a new kind");
 
-/* Both tests of a difference err with this probability, as its interval of 95 % does. */
+/* Error probability of both tests of a difference, equal to that of its 95 % interval. */
 static const double level = 0.05;
 
-/* Six whole cycles: with fewer the sign test never comes below the level (2 / 2^5 = 0.0625). */
+/* Six whole cycles: with five the smallest p-value of the sign test is 2 / 2^5 = 0.0625, above the
+ * level. */
 enum { FRAMES_MIN = 6 * NEPH_MOVEMENT_CYCLE };
 
 const char *const neph_not_told_apart = "not told apart";
@@ -23,7 +24,7 @@ static const char opposite[] = "over time the frames as a whole say the opposite
 
 /* ---- over time ------------------------------------------------------------------------------- */
 
-/* Metrics of flicker, by how their names begin, and the series that shows the same over time. */
+/* Prefixes of flicker metrics, and the series over time that corresponds to each. */
 static const struct {
     const char *begin;
     bool is_cyclic;
@@ -35,8 +36,8 @@ static const struct {
     {"cycle_", true},       {"repeats_", true},
 };
 
-/* NULL: the metric is none of flicker, or the series is not there. It is of radiance over all
- * pixels; a mask is judged by it, too, but not counted. */
+/* The series over time for a number. NULL: it is not a flicker metric, or there is no series. The
+ * series covers radiance over all pixels; its p-value also applies to masks, its counts do not. */
 static const struct neph_time_difference *find_time(const struct neph_differences *versus,
                                                     const struct neph_measurement *number)
 {
@@ -51,9 +52,9 @@ static const struct neph_time_difference *find_time(const struct neph_difference
     return NULL;
 }
 
-/* ---- judging --------------------------------------------------------------------------------- */
+/* ---- verdicts -------------------------------------------------------------------------------- */
 
-/* A number that may be of either sign is better nearer to 0. */
+/* A number that can have either sign is better closer to 0. */
 static const char *find_word(const struct neph_difference *difference)
 {
     const enum neph_direction direction = neph_metric_direction(difference->number->metric);
@@ -101,7 +102,7 @@ struct neph_judged_difference neph_judge_difference(const struct neph_difference
     return judged;
 }
 
-/* ---- words ----------------------------------------------------------------------------------- */
+/* ---- text ------------------------------------------------------------------------------------ */
 
 static void write_p(const struct neph_judged_difference *judged, FILE *out)
 {
@@ -109,8 +110,8 @@ static void write_p(const struct neph_judged_difference *judged, FILE *out)
         fprintf(out, judged->p < 0.001 ? ", p < 0.001" : ", p = %.2g", judged->p);
 }
 
-/* "in 63 of 64 frames" counts those that agree with the word; a metric that has both signs, or that
- * is not told apart, is "lower in 63 of 64 frames". */
+/* "in 63 of 64 frames" counts the frames that agree with the verdict. For a metric with both signs,
+ * or without a verdict, the text is "lower in 63 of 64 frames". */
 static void write_count(const struct neph_difference *difference,
                         const struct neph_judged_difference *judged, FILE *out)
 {

@@ -10,16 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
-/* Both tests. Every frame has the same numbers in the same order, frames first. */
+/* Both tests. Every frame has the same numbers in the same order; numbers of all frames follow. */
 struct sides {
     const struct neph_measurements *first, *second;
-    int per_frame, frame_count; /* both 0 where there is no series */
+    int per_frame, frame_count; /* both 0 without a series */
 };
 
-/* Metrics that are places, indices and counts of frames, by how their names begin. */
+/* Prefixes of metrics that are positions, indices or counts of frames. */
 static const char *const places[] = {
     "worst_tile_x",   "worst_tile_y",     "worst_tile_period",  "seen_hz",        "seen_period",
     "seen_frames",    "coherent_hz",      "coherent_radius",    "flicker_frames", "cycle_long_",
@@ -57,7 +57,7 @@ static int frame_count_of(const struct neph_measurements *numbers, int per_frame
     return count;
 }
 
-/* The values of one number over the frames; false when a frame has none. */
+/* Collect the values of one number over the frames; false when a frame has none. */
 static bool gather(const struct neph_measurements *numbers, const struct sides *sides, int which,
                    double *values)
 {
@@ -105,7 +105,7 @@ static struct neph_difference of_series(const struct neph_measurement *number,
     return made;
 }
 
-/* Two sequences have one pair of such numbers: how sure their difference is, the tiles say. */
+/* The difference of a pair of single numbers; its uncertainty follows from the tiles. */
 static struct neph_difference of_single(const struct neph_measurement *first,
                                         const struct neph_measurement *second)
 {
@@ -115,8 +115,8 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     made.second = second->value;
     if (!first->draws || !second->draws) {
         snprintf(made.because, sizeof(made.because),
-                 "the number itself has no interval: it is a maximum or of the picture as a whole, "
-                 "or fewer than %d tiles have a value",
+                 "the number itself has no interval: it is a maximum or a number of the whole "
+                 "frame, or fewer than %d tiles have a value",
                  NEPH_BOOTSTRAP_TILES_MIN);
         return made;
     }
@@ -139,7 +139,7 @@ static bool is_of_frames(const struct sides *sides, const struct neph_measuremen
     return false;
 }
 
-/* What is said of all frames and of no single one. */
+/* Add the differences of the numbers that exist only for all frames together. */
 static void subtract_rest(const struct sides *sides, struct neph_differences *out)
 {
     for (int i = sides->per_frame * sides->frame_count;
@@ -184,7 +184,7 @@ static enum neph_status subtract_series(const struct sides *sides, double *value
     return status;
 }
 
-/* Correct the p-values for how many there are. `room` is for twice as many. */
+/* Correct the p-values for their number. `room` has space for twice that number. */
 static void add_holm(struct neph_differences *out, double *room)
 {
     double *p = room, *corrected = room + out->count;
@@ -225,8 +225,8 @@ enum neph_status neph_versus(const struct neph_measurements *first,
 
 /* ---- over time ------------------------------------------------------------------------------- */
 
-/* Below the frames that intervals of a mean need, the sign test over `unit_values` values each,
- * which are a cycle. */
+/* Sign test over groups of `unit_values` values, which are a cycle. For sequences too short for an
+ * interval of the mean. */
 static double sign_p(const double *a, const double *b, int count, int unit_values)
 {
     int below = 0, above = 0;
@@ -240,7 +240,7 @@ static double sign_p(const double *a, const double *b, int count, int unit_value
     return neph_sign_p(above, below);
 }
 
-/* `frames_each`: how many frames a value stands for. */
+/* Pair two series; each value covers `frames_each` frames. */
 static enum neph_status pair_series(const double *a, const double *b, int count, int frames_each,
                                     struct neph_time_difference *made, struct neph_diag *diag)
 {
@@ -287,7 +287,7 @@ void neph_differences_finish(struct neph_differences *differences)
     *differences = (struct neph_differences){0};
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *difference_json(const struct neph_difference *difference)
 {

@@ -7,25 +7,24 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_JUNIT_RESULT_COUNT == 3, "a new kind");
 
 struct neph_junit_case {
-    const char *group, *name, *message; /* of the arena */
+    const char *group, *name, *message; /* owned by the arena */
     enum neph_junit_result result;
-    const char *file; /* of the arena; NULL: none */
+    const char *file; /* owned by the arena; NULL: none */
     int line;
 };
 
-/* NULL: the case passed and has no element. */
+/* Element of each result; NULL: a passed case has none. */
 static const char *const elements[] = {
     [NEPH_JUNIT_PASSED] = NULL,
     [NEPH_JUNIT_FAILED] = "failure",
     [NEPH_JUNIT_SKIPPED] = "skipped",
 };
 
-/* XML 1.0 allows neither bytes that are not UTF-8 nor control characters: they are written as
- * "\xNN". */
+/* XML 1.0 allows only UTF-8 without control characters: other bytes are written as "\xNN". */
 static const char *clean_copy(struct neph_arena *arena, const char *text)
 {
     char *clean = neph_text_clean_copy(text);
@@ -66,7 +65,7 @@ static int count_results(const struct neph_junit *junit, enum neph_junit_result 
     return count;
 }
 
-/* A parser makes newlines and tabs of an attribute blanks. */
+/* Newlines and tabs are written as spaces: an XML parser would turn them into spaces anyway. */
 static void print_attribute(const char *name, const char *text, FILE *out)
 {
     static const char *const names[] = {

@@ -17,26 +17,26 @@ enum neph_junit_result {
 
 struct neph_junit_case;
 
-/* Set the name ("neph compare") and the seconds of the run; the rest is 0 at first. Free with
+/* Set `name` ("neph compare") and `seconds`; all other members start as 0. Free with
  * neph_junit_finish(). Texts are copied. */
 struct neph_junit {
     const char *name; /* borrowed */
-    double seconds;   /* of the whole run */
+    double seconds;   /* duration of the whole run */
     struct neph_arena arena;
-    struct neph_junit_case *cases; /* of the arena, in their order */
+    struct neph_junit_case *cases; /* owned by the arena, in the order of the calls */
     int count, room;
 };
 
-/* Append a case. CI systems group cases by `group`, and recognise a case of an earlier run by both
- * names. `message` is the reason of a failure or a skip; a case that passed has none. */
+/* Append a case. CI systems group cases by `group`, and recognise a case of an earlier run by
+ * `group` and `name`. `message` is the reason of a failure or a skip; a passed case has none. */
 void neph_junit_add(struct neph_junit *junit, const char *group, const char *name,
                     enum neph_junit_result result, const char *message);
 
-/* The last case is about this line of this file. CI systems show it there if the path is relative
+/* Attach a line of a file to the last case. CI systems show the case there if the path is relative
  * to the repository; an absolute path is left out. */
 void neph_junit_locate(struct neph_junit *junit, const char *file, int line);
 
-/* Write the file. NEPH_ERR_MEMORY: memory was short, here or in neph_junit_add(); errors of
+/* Write the file. NEPH_ERR_MEMORY: memory was short here or in neph_junit_add(); errors of
  * neph_file_write(). */
 enum neph_status neph_junit_write(const struct neph_junit *junit, const char *path,
                                   struct neph_diag *diag);

@@ -51,7 +51,7 @@ void neph_publication_csv(struct neph_publication *publication, const char *line
     neph_table_finish(table);
 }
 
-/* Whether all streams have what was written into them. */
+/* Close the streams. False: a stream lost data. */
 static bool close_streams(struct neph_publication *publication)
 {
     bool is_whole = true;

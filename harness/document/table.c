@@ -13,9 +13,9 @@ enum cell_kind { WORD, NUMBER, COUNT, FLAG, VALUE, LEFT_OUT };
 struct neph_table_cell {
     enum cell_kind kind;
     const char *word;  /* owned by the arena; NULL: none */
-    const char *shown; /* the same; NULL: by the column's format */
+    const char *shown; /* owned by the arena; NULL: use the column's format */
     double number;
-    long count;    /* or a flag */
+    long count;    /* or a flag (0, 1) */
     json_t *value; /* owned */
 };
 
@@ -58,7 +58,7 @@ static void add(struct neph_table *table, struct neph_table_cell cell)
     table->cells[table->cell_count++] = cell;
 }
 
-/* A clean copy, which the arena has; NULL of NULL. */
+/* A cleaned copy, owned by the arena; NULL if `text` is NULL. */
 static const char *clean_copy(struct neph_arena *arena, const char *text)
 {
     char *clean = text ? neph_text_clean_copy(text) : NULL;
@@ -165,7 +165,7 @@ static const struct neph_table_cell *cell_at(const struct neph_table *table, int
 
 enum { CELL_SIZE = 400 };
 
-/* For people; numbers are written into `text`. */
+/* The text of a cell in the Markdown form; numbers are formatted into `text`. */
 static const char *cell_text(const struct neph_column *column, const struct neph_table_cell *cell,
                              char text[CELL_SIZE])
 {
@@ -185,7 +185,7 @@ static const char *cell_text(const struct neph_column *column, const struct neph
     return text;
 }
 
-/* Text and a blank; an empty one has none. */
+/* Print the text and a space; nothing for an empty text. */
 static void print_word(const char *word, FILE *out)
 {
     fprintf(out, "%s%s", word, word[0] ? " " : "");

@@ -65,7 +65,7 @@ void neph_baked_scene_finish(struct neph_baked_scene *baked)
 double neph_fog_layer_per_m(const struct neph_fog_layer *layer, double y_m)
 {
     if (layer->extinction_per_m <= 0.0)
-        return 0.0; /* not 0 * inf */
+        return 0.0; /* avoids 0 * inf */
     return layer->extinction_per_m * exp(-layer->falloff_per_m * (y_m - layer->height_m));
 }
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is told of an error; of the one with a sign the value farthest from 0 is the worst. */
+/* The reported errors; of a signed error, the value with the largest magnitude is the worst. */
 static const struct {
     const char *key;
     size_t offset;
@@ -25,7 +25,8 @@ static double *error_at(struct neph_bake_error *error, int which)
     return (double *)(void *)((char *)error + errors[which].offset);
 }
 
-/* "64 x 40 x 64 nodes, 4 x 3 x 5 nodes (the medium's own)", and the worst of each error. */
+/* Format the grid sizes, "64 x 40 x 64 nodes, 4 x 3 x 5 nodes (the medium's own)", and find the
+ * worst value of each error. */
 static struct neph_bakes_summary summarize(const struct neph_bake *bakes, int count)
 {
     struct neph_bakes_summary summary = {.grid = ""};

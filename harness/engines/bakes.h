@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What baked media cost in accuracy, in the form of reports.
+ * The errors of baked media, in the form of reports and frame attributes.
  */
 #ifndef NEPH_HARNESS_ENGINES_BAKES_H
 #define NEPH_HARNESS_ENGINES_BAKES_H
@@ -9,25 +9,25 @@
 #include "harness/json.h"
 #include "scenes/bake.h"
 
-/* The attribute of a frame that was rendered from grids: its summary as JSON. */
+/* Attribute of a frame rendered from grids: the summary as JSON. */
 #define NEPH_BAKES_ATTRIBUTE "neph.bake"
 
 struct neph_bakes_summary {
-    char grid[512];               /* the sizes of all grids in words */
-    struct neph_bake_error worst; /* of each number; counts and seed are not kept */
+    char grid[512];               /* the sizes of all grids, as text */
+    struct neph_bake_error worst; /* worst value of each error; counts and seed are unset */
 };
 
-/* The summary as a flat object; a new reference, NULL when memory is short. */
+/* The summary as a flat JSON object; a new reference, NULL: memory is short. */
 json_t *neph_bakes_summary_json(const struct neph_bakes_summary *summary);
 
-/* That of bakes; `count` is at least 1. */
+/* The summary of these bakes as JSON; `count` is at least 1. */
 json_t *neph_bakes_json(const struct neph_bake *bakes, int count);
 
-/* Label a frame with them; nothing to do when `count` is 0. */
+/* Attach the summary to a frame; does nothing for `count` 0. */
 enum neph_status neph_bakes_label(const struct neph_bake *bakes, int count,
                                   struct neph_image *frame, struct neph_diag *diag);
 
-/* What a frame is labelled with; false when there is nothing. */
+/* Read the summary from a frame; false: it has none. */
 bool neph_bakes_of_frame(const struct neph_image *frame, struct neph_bakes_summary *summary);
 
 #endif

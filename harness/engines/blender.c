@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Python neither reads files that are not Blender's own nor leaves any. */
+/* Python of Blender reads no user packages and writes no cache files. */
 static const char *const environment[] = {"PYTHONNOUSERSITE=1", "PYTHONDONTWRITEBYTECODE=1", NULL};
 
 static const char *const measured[] = {"3.4.", "4.3.", "5.2.", NULL};
 
-/* The version after "Blender " at the start of a line. */
+/* Find the version after "Blender " at the start of a line. */
 static bool parse_version(const char *text, char version[64])
 {
     static const char name[] = "Blender ";

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which Blenders there are. NEPH_BLENDER names programs or folders of unpacked archives, separated
- * by colons; without it there is the Blender in PATH. The first is engine `cycles`; the others are
- * engines named by their versions, `cycles@5.2`.
+ * The installed Blenders. NEPH_BLENDER names programs or folders of unpacked archives, separated by
+ * colons; without it, Blender is taken from PATH. The first one is engine `cycles`; the others are
+ * engines with a version in their name, `cycles@5.2`.
  */
 #ifndef NEPH_HARNESS_ENGINES_BLENDER_H
 #define NEPH_HARNESS_ENGINES_BLENDER_H
@@ -11,7 +11,7 @@
 
 extern const struct neph_external_renderer neph_blender;
 
-/* What is run with a Blender, in the data folder. */
+/* The script that Blender runs, in the data folder. */
 #define NEPH_BLENDER_SCRIPT "blender_render.py"
 #define NEPH_BLENDER_SCRIPT_PATH "scripts/" NEPH_BLENDER_SCRIPT
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `command`: any renderer, as the program that NEPH_COMMAND names. `PROGRAM --version` says
- * what it is; `PROGRAM job.json` renders a picture, in a folder where it finds job.json and
- * depth.exr and leaves frame.exr. The folder stays from one picture of a sequence to the next.
+ * Engine `command`: a renderer of the user, the program that NEPH_COMMAND names. `PROGRAM
+ * --version` prints its name. `PROGRAM job.json` renders a frame; it runs in a folder with job.json
+ * and depth.exr and writes frame.exr there. Frames of a sequence use the same folder.
  */
 #include "harness/engines/command_job.h"
 #include "harness/engines/engines.h"
@@ -48,7 +48,7 @@ static const struct neph_option options[] = {
 
 /* ---- the program ----------------------------------------------------------------------------- */
 
-/* NULL: none is named. */
+/* The program; NULL: none is named. */
 static const char *program_of_the_user(void)
 {
     const char *program = getenv("NEPH_COMMAND");
@@ -85,18 +85,18 @@ static void probe(const struct neph_engine *engine, struct neph_shared_device *d
     snprintf(info->device, sizeof(info->device), "its own, %d processors", neph_processor_count());
 }
 
-/* ---- one picture ----------------------------------------------------------------------------- */
+/* ---- one frame ------------------------------------------------------------------------------- */
 
-/* Pictures in a row: the folder they are made in, and how many there were. */
+/* A sequence: the folder of its frames, and the number of frames so far. */
 struct sequence {
-    struct neph_scratch *scratch; /* NULL: the folder is another's */
+    struct neph_scratch *scratch; /* NULL: the folder has another owner */
     const char *folder;
-    struct neph_usage before; /* of the folder, ahead of the first picture */
+    struct neph_usage before; /* disk usage of the folder before the first frame */
     int pictures;
-    bool keeps; /* somebody was told to look into it */
+    bool keeps; /* an error message refers to a file in the folder, so it stays */
 };
 
-/* Their paths, owned. */
+/* Paths of the program's files, owned. */
 struct files {
     char *frame, *cannot, *log;
 };
@@ -108,8 +108,8 @@ static void free_files(struct files *files)
     free(files->log);
 }
 
-/* The program may have put a folder in a file's place, or a link that leads neph's own writing to
- * another file. */
+/* Remove old files: the program may have replaced one by a folder, or by a link that would make
+ * neph overwrite another file. */
 static enum neph_status remove_old(const char *folder, struct neph_diag *diag)
 {
     static const char *const names[] = {"frame.exr", "cannot.txt", "program.log", "job.json",
@@ -123,7 +123,7 @@ static enum neph_status remove_old(const char *folder, struct neph_diag *diag)
     return status;
 }
 
-/* What is there afterwards is new. */
+/* Remove old files and name the new ones: a file that exists after the run is new. */
 static enum neph_status name_files(const char *folder, struct files *files, struct neph_diag *diag)
 {
     *files = (struct files){neph_path_join(folder, "frame.exr"),
@@ -174,7 +174,8 @@ static enum neph_status refuse(const char *path, struct neph_diag *diag)
     return status;
 }
 
-/* "stats.NAME" tells what the picture has cost; no other text of the program's is taken over. */
+/* Copy the attributes "stats.NAME", which are costs of the frame. Other attributes of the program
+ * are ignored. */
 static enum neph_status take_stats(const struct neph_image *from, struct neph_image *frame,
                                    struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -211,7 +212,7 @@ static enum neph_status take_channels(const struct neph_image *from, struct neph
     return status;
 }
 
-/* What a frame must be beyond what every engine's must. */
+/* Check properties of the file in addition to those that every engine's frame must have. */
 static enum neph_status check_file(const struct neph_image *image, const struct neph_shot *shot,
                                    struct neph_diag *diag)
 {
@@ -344,7 +345,8 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
     return status ? status : next_picture(&sequence, shot, frame, cost, diag);
 }
 
-/* What else it cannot do the program says when it is run. */
+/* Refuse a scene that was changed after it was read: the program reads the scene's file. The
+ * program reports its other limits at run time. */
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size)
 {

@@ -13,7 +13,7 @@
 
 /* ---- job.json -------------------------------------------------------------------------------- */
 
-/* One of the last two keys is 0, as in struct neph_camera. */
+/* Exactly one of the last two keys is not 0, as in struct neph_camera. */
 static json_t *camera_json(const struct neph_camera *camera)
 {
     return json_pack(
@@ -31,7 +31,7 @@ static json_t *settings_json(const struct neph_engine *engine, const struct neph
     return json;
 }
 
-/* The program has a working folder of its own. */
+/* An absolute path, because the program runs in another folder. */
 static json_t *path_json(const char *path)
 {
     char *absolute = realpath(path, NULL);
@@ -99,7 +99,7 @@ static void fill_row(int row, void *context)
 static enum neph_status write_depth(const struct neph_shot *shot, const char *folder,
                                     struct neph_diag *diag)
 {
-    struct neph_scene *still = NULL; /* solids are where they are in this picture */
+    struct neph_scene *still = NULL; /* the scene at the time of this frame, with solids in place */
     struct neph_image *image = NULL;
     enum neph_status status = neph_scene_at(shot->scene, shot->frame, &still, diag);
     if (status)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A frame of which each pixel is one ray through its centre, on all cores of the CPU.
+ * Renders a frame on all CPU cores, with one ray through the centre of each pixel.
  */
 #ifndef NEPH_HARNESS_ENGINES_CPU_FRAME_H
 #define NEPH_HARNESS_ENGINES_CPU_FRAME_H
@@ -8,7 +8,7 @@
 #include "harness/engines/engine.h"
 #include "truth/transport.h"
 
-/* The light of a ray. */
+/* Compute the light of a ray. */
 typedef struct neph_ray_light neph_see_ray(const void *context, struct neph_vec3 origin_m,
                                            struct neph_vec3 direction);
 

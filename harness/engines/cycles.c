@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `cycles`: Blender's path tracer as a witness of all orders of scattering, one engine for
- * each Blender (blender.h). Frames: cycles_frame.c; what a Blender can do: cycles_probe.c.
+ * Engine `cycles`: Blender's path tracer as an external renderer for all orders of scattering; one
+ * engine for each Blender (blender.h). Frames: cycles_frame.c; features of a Blender:
+ * cycles_probe.c.
  */
 #include "harness/engines/engines.h"
 
@@ -26,17 +27,19 @@ enum { BLENDERS_OWN, UNBIASED, BIASED };
 static const char *const biases[] = {
     [BLENDERS_OWN] = "default", [UNBIASED] = "off", [BIASED] = "on", NULL};
 
-/* Defaults by measurement over height fogs of vertical optical depth 0.07 to 10 and views up and
- * down. At a step of 0.1 scale heights single scattering is within 0.1 % row by row and 0.03 % over
- * the image where more than e^-4 of the sun arrives; the error grows as (step * optical depth
- * towards the sun)^2 / 24, and 0.2 costs half of the time. A pixel of transmittance errs by the
- * jitter of its steps, in proportion to their length: 2.3e-4 at most at 1/640 scale height. */
+/* The defaults come from measurements of height fogs with vertical optical depth 0.07 to 10, views
+ * up and down.
+ * - `step` 0.1 (scale heights): single scattering is within 0.1 % row by row, and within 0.03 %
+ *   over the image where more than e^-4 of the sun arrives. The error grows as (step * optical
+ *   depth towards the sun)^2 / 24; 0.2 costs half of the time.
+ * - Transmittance of a pixel: the error of the jittered steps is proportional to their length, at
+ *   most 2.3e-4 at 1/640 scale height. */
 static const struct neph_option options[] = {
     {.name = "samples",
      .kind = NEPH_OPTION_INTEGER,
      .default_value = 64,
      .minimum = 1,
-     .maximum = 8192, /* beyond, Cycles' single-precision sums lose light: -0.15 % at 1e5 */
+     .maximum = 8192, /* above, Cycles' single-precision sums lose light: -0.15 % at 1e5 */
      .help = "paths per pixel of the radiance pass"},
     {.name = "step",
      .kind = NEPH_OPTION_REAL,
@@ -70,7 +73,7 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* ---- what there is --------------------------------------------------------------------------- */
+/* ---- probing --------------------------------------------------------------------------------- */
 
 static int volume_biased(const struct neph_settings *settings)
 {
@@ -127,7 +130,7 @@ static bool has_spot(const struct neph_scene *scene)
     return has;
 }
 
-/* What of a shot this Blender has not; NULL: it has all. */
+/* The first feature that the shot needs and this Blender lacks; NULL: it has all. */
 static const char *find_lack(const struct neph_cycles_features *features,
                              const struct neph_scene *scene, const struct neph_settings *settings)
 {
@@ -151,7 +154,7 @@ static bool lacks(const struct neph_engine *engine, const struct neph_scene *sce
                                neph_scene_needs_voxels(scene) ||
                                volume_biased(settings) == UNBIASED;
     struct neph_cycles_features features = {
-        .has_voxels = true}; /* of a Blender that is not there */
+        .has_voxels = true}; /* assumed for a Blender that is missing */
     if (asks_for_more && neph_cycles_features(engine->program, &features, NULL))
         features = (struct neph_cycles_features){.has_voxels = true};
     const char *lack = asks_for_more ? find_lack(&features, scene, settings) : NULL;
@@ -242,7 +245,7 @@ static enum neph_status render(const struct neph_shot *shot, struct neph_image *
 
 /* ---- export ---------------------------------------------------------------------------------- */
 
-/* scene.blend is a convenience: without Blender, the other files are still complete. */
+/* Save scene.blend. It is optional: without Blender the other files are still complete. */
 static enum neph_status save_blend(const struct neph_cycles_session *session,
                                    struct neph_diag *diag)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * One Blender process renders a few images of a shot (scripts/blender_render.py says how):
+ * One Blender process renders several images of a shot (details: scripts/blender_render.py):
  *
  *   radiance       the scene; its two volume passes are the in-scattered light
- *   emission       what media emit, where that is not scattered, too
- *   transmittance  black media before a world and solids of radiance 1
- *   depth          the solids alone
+ *   emission       light that media emit, rendered separately where scattering leaves it out
+ *   transmittance  black media in front of a background and solids of radiance 1
+ *   depth          only the solids
  *
- * Blender is told everything as numbers in spec.json and writes under fixed names in the scratch
+ * Blender gets all inputs as numbers in spec.json and writes fixed file names in the scratch
  * folder: no text of a scene reaches a command line, a path or Python.
  */
 #include "harness/engines/cycles_frame.h"
@@ -31,7 +31,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Blender writes nothing smaller: it silently makes it 4 x 4. */
+/* Blender renders no smaller side: it silently raises it to 4. */
 enum { SIDE_MIN_PX = 4 };
 
 static enum neph_status adapt_scene(const struct neph_shot *shot,
@@ -124,7 +124,7 @@ enum neph_status neph_cycles_run(const struct neph_cycles_session *session, cons
 {
     char threads[16];
     snprintf(threads, sizeof(threads), "%d", session->quality.threads);
-    /* Blender reads its arguments in order: --python-exit-code must stand before --python. */
+    /* Blender evaluates arguments in order: --python-exit-code must precede --python. */
     const char *argv[] = {session->program,
                           "-b",
                           "--factory-startup",
@@ -148,7 +148,7 @@ enum neph_status neph_cycles_run(const struct neph_cycles_session *session, cons
     return status;
 }
 
-/* The scratch folder was empty, so a file that is there is fresh. */
+/* Read the image of a pass. The scratch folder started empty, so an existing file is new. */
 static enum neph_status read_pass(const struct neph_cycles_session *session, const char *kind,
                                   struct neph_image **image, struct neph_diag *diag)
 {
@@ -175,7 +175,7 @@ static enum neph_status read_pass(const struct neph_cycles_session *session, con
     return NEPH_OK;
 }
 
-/* An image and three channels of each of its layers; it is the caller's to destroy. */
+/* Read an image, and get three channels of each of its layers. The caller destroys the image. */
 static enum neph_status read_layers(const struct neph_cycles_session *session, const char *kind,
                                     const char *const names[], int count, float *layers[][3],
                                     struct neph_image **image, struct neph_diag *diag)
@@ -196,8 +196,8 @@ static enum neph_status not_finite(const char *kind, size_t pixel, int width_px,
 
 static const char *const combined_name = "Combined";
 
-/* R = combined, volume = its direct and indirect part and what media in view emit; of one picture,
- * in channels first..last. */
+/* Read channels first..last of one image: R = combined, volume = direct and indirect volume light
+ * plus visible emission of media. */
 static enum neph_status take_radiance(const struct neph_cycles_session *session,
                                       const char *picture, int first, int last, float *const all[3],
                                       float *const scattered[3], struct neph_diag *diag)
@@ -224,7 +224,7 @@ static enum neph_status take_radiance(const struct neph_cycles_session *session,
     return status;
 }
 
-/* Both layers get it. */
+/* Add the emission to radiance and volume. */
 static enum neph_status add_emission(const struct neph_cycles_session *session, const char *picture,
                                      int first, int last, float *const all[3],
                                      float *const scattered[3], struct neph_diag *diag)
@@ -251,7 +251,7 @@ static enum neph_status radiance_layers(const struct neph_cycles_session *sessio
 {
     static const struct {
         const char *radiance, *emission;
-        int first, last; /* of the channels that are right in it */
+        int first, last; /* the channels of this image that are valid */
     } pictures[] = {{"radiance", "emission", 0, 2},
                     {"radiance0", "emission0", 0, 0},
                     {"radiance1", "emission1", 1, 1},
@@ -271,7 +271,7 @@ static enum neph_status radiance_layers(const struct neph_cycles_session *sessio
     return status;
 }
 
-/* They are in the picture of all channels. */
+/* Read the surface layers, from the image with all channels. */
 static enum neph_status surface_layers(const struct neph_cycles_session *session,
                                        struct neph_image *frame, struct neph_diag *diag)
 {
@@ -336,7 +336,7 @@ enum neph_status neph_cycles_about(const struct neph_cycles_session *session, js
     return status;
 }
 
-/* Seconds of all pictures of radiance; negative when there is none. */
+/* Total time of all radiance and emission images [s]; negative: none. */
 static double sum_radiance_s(const json_t *timing)
 {
     static const char *const pictures[] = {"radiance", "radiance0", "radiance1", "radiance2",
@@ -373,7 +373,7 @@ static enum neph_status read_timing(const struct neph_cycles_session *session, d
     return status;
 }
 
-/* The shortest feature of the scene; +inf when all media are homogeneous. */
+/* The shortest feature length of the media; +inf: all are homogeneous. */
 static double shortest_feature_m(const struct neph_cycles_session *session)
 {
     double shortest_m = INFINITY;
@@ -383,8 +383,8 @@ static double shortest_feature_m(const struct neph_cycles_session *session)
     return shortest_m;
 }
 
-/* An unbiased estimator of volumes may fall below 0 in a pixel: how many do, and by how much all of
- * them together. */
+/* Label the frame with the number of negative pixels and their sum: an unbiased volume estimator
+ * may give values below 0. */
 static enum neph_status label_noise(const struct neph_cycles_session *session,
                                     struct neph_image *frame, struct neph_diag *diag)
 {

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* 2 % of noise in the light that trial.c sums, a tenth of its tolerance. */
+/* 2 % noise in the light that trial.c sums, a tenth of its tolerance. */
 enum { SAMPLES = 64 };
 static const double step_m = 0.2; /* 10 steps through each medium */
 
@@ -111,8 +111,8 @@ static bool recall(const char *file, struct neph_cycles_features *features)
     return is_kept;
 }
 
-/* Voxels are written by a program of neph's that may be missing; what they would do is not known
- * then, and nothing is kept. */
+/* Whether the helper program that writes OpenVDB files is installed. Without it the voxel feature
+ * is unknown, and the result is not cached. */
 static bool can_write_voxels(void)
 {
     char *path = NULL;

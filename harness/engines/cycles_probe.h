@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a Blender can do, by a trial (trial.h).
+ * Finds the features of a Blender by rendering a trial scene (trial.h).
  */
 #ifndef NEPH_HARNESS_ENGINES_CYCLES_PROBE_H
 #define NEPH_HARNESS_ENGINES_CYCLES_PROBE_H
@@ -10,16 +10,15 @@
 #include <stdbool.h>
 
 struct neph_cycles_features {
-    bool has_voxels;   /* media from OpenVDB files are in its images */
-    bool has_unbiased; /* volumes without steps, which it draws unless told otherwise */
-    bool has_rayleigh; /* the phase function */
-    bool has_spots;    /* the law by which light falls off in a spot is known of its version */
+    bool has_voxels;   /* renders media from OpenVDB files */
+    bool has_unbiased; /* has unbiased volume rendering without steps, which is its default */
+    bool has_rayleigh; /* has Rayleigh's phase function */
+    bool has_spots;    /* its version's falloff inside a spot's cone is known */
 };
 
-/* Find the features of Blender `program` (blender.h). The result is kept in the cache folder
- * (trial.h), a failure is not. NEPH_ERR_UNAVAILABLE: no such program. NEPH_ERR_ENGINE: it does not
- * render what neph needs, and why: no images, black ones, or values that are not those of the
- * scene. */
+/* Find the features of Blender `program` (index, blender.h). A result is cached in the cache folder
+ * (trial.h), a failure is not. NEPH_ERR_UNAVAILABLE: no such program. NEPH_ERR_ENGINE, with the
+ * reason: no images, black images, or wrong values. */
 enum neph_status neph_cycles_features(int program, struct neph_cycles_features *features,
                                       struct neph_diag *diag);
 

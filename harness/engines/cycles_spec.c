@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * From a shot to the JSON that scripts/blender_render.py reads.
+ * Converts a shot to the JSON that scripts/blender_render.py reads.
  */
 #include "harness/engines/cycles_spec.h"
 
@@ -17,36 +17,37 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
 enum {
-    SPEC_FORMAT = 5, /* raised together with blender_render.py */
+    SPEC_FORMAT = 5, /* change together with blender_render.py */
     VOLUME_STACK = 31,
     SPHERE_SEGMENTS_MIN = 256,
     SPHERE_SEGMENTS_MAX = 2048,
 };
 _Static_assert(NEPH_SCENE_MEDIA_MAX <= VOLUME_STACK, "Cycles drops overlapping media beyond 31");
 
-/* Cycles drops a scattering closure whose coefficient is below 1e-5 per Blender unit, and clips
- * what is nearer to the camera than 1e-6 units. With this optical depth per unit at the densest
- * point, air thinner than 1e-6 of that does not scatter, and the clip costs at most 1e-5. */
+/* Cycles drops a scattering closure with a coefficient below 1e-5 per Blender unit, and clips
+ * geometry nearer to the camera than 1e-6 units. The unit is chosen so that the densest point has
+ * this optical depth per unit. Then only air thinner than 1e-6 of the densest medium does not
+ * scatter, and the clipping costs at most 1e-5. */
 static const double optical_depth_per_unit = 10.0;
 static const double thinnest_of_densest = 1e-6;
 
-/* What is farther from the camera Blender clips (scripts/blender_render.py), media included:
- * fog would not be there. */
+/* Far clipping distance of Blender (scripts/blender_render.py). It also cuts media: fog beyond it
+ * would disappear. */
 static const double clip_end_units = 1e9;
 
-/* Some tens of the last place of single precision. */
+/* Some tens of ulps in single precision. */
 static const double face_step = 4e-6;
 
 static const double sphere_error_px = 0.01;
-static const double sensor_mm = 24.0; /* height; in blender_render.py too */
+static const double sensor_mm = 24.0; /* sensor height, same as in blender_render.py */
 
-/* Shortest in Blender's property; it has no longest (the 5000 mm of its sliders are the sliders').
- * */
+/* Lower limit of Blender's property. The property has no upper limit: 5000 mm is only the limit of
+ * the slider. */
 static const double shortest_lens_mm = 1.0;
 
 /* ---- adapting the scene ---------------------------------------------------------------------- */
@@ -63,7 +64,7 @@ static double brightest(struct neph_rgb color)
     return fmax(color.r, fmax(color.g, color.b));
 }
 
-/* The largest extinction of a medium in any channel; of fog that of its bottom. */
+/* The largest extinction of a medium in any channel (for fog: at its bottom). */
 static double densest_per_m(const struct neph_medium *medium, const struct neph_bounds *container)
 {
     return neph_densest_per_m(medium, container) * brightest(medium->extinction_color);
@@ -78,15 +79,16 @@ static double shortest_scale_height_m(const struct neph_medium *medium)
     return 1.0 / falloff_per_m;
 }
 
-/* A march must resolve the cells, and its error grows with the optical depth of a step. */
+/* The feature length of a grid: steps must resolve its cells, and the error grows with the optical
+ * depth of a step. */
 static double grid_feature_m(const struct neph_medium *medium, double densest)
 {
     const struct neph_vec3 h = medium->grid->spacing_m;
     return fmin(1.0 / densest, fmin(h.x, fmin(h.y, h.z)));
 }
 
-/* The length in which the extinction changes: the unit of the option `step`. Media that are yet to
- * be baked have none. */
+/* The length over which the extinction changes: the unit of the option `step`. Media that will be
+ * baked have none yet. */
 static double feature_m(const struct neph_medium *medium, double densest)
 {
     if (neph_medium_is_fog(medium))
@@ -115,13 +117,13 @@ static bool boxes_overlap(const struct neph_bounds *a, const struct neph_bounds 
            b->min_m.y < a->max_m.y && a->min_m.z < b->max_m.z && b->min_m.z < a->max_m.z;
 }
 
-/* What Cycles calls anisotropy, of the phase functions that it has. */
+/* Cycles' "anisotropy" parameter of a phase function. */
 static double asymmetry(const struct neph_phase *phase)
 {
     return neph_phase_mean_cosine(phase);
 }
 
-/* The phase functions that some Cycles has. */
+/* Phase functions of Cycles, in any supported version. */
 static const char henyey_greenstein[] = "HENYEY_GREENSTEIN", rayleigh[] = "RAYLEIGH";
 static const struct {
     enum neph_phase_kind kind;
@@ -132,7 +134,7 @@ static const struct {
     {NEPH_PHASE_RAYLEIGH, rayleigh},
 };
 
-/* NULL: Cycles does not have it. */
+/* The name in Cycles; NULL: not supported. */
 static const char *phase_word(const struct neph_phase *phase)
 {
     for (size_t i = 0; i < sizeof(cycles_phases) / sizeof(cycles_phases[0]); i++)
@@ -141,7 +143,8 @@ static const char *phase_word(const struct neph_phase *phase)
     return NULL;
 }
 
-/* Cycles 3.4 has one phase function, to which versions from 4.3 on add others. */
+/* Whether a medium needs more than Henyey-Greenstein: Cycles 3.4 has only that one, versions from
+ * 4.3 on have others. */
 static bool has_other_phase(const struct neph_medium *medium)
 {
     return phase_word(&medium->phase) == rayleigh && brightest(medium->albedo) > 0.0 &&
@@ -161,8 +164,9 @@ static bool same_phase(const struct neph_phase *a, const struct neph_phase *b)
     return asymmetry(a) == asymmetry(b) && phase_word(a) == phase_word(b);
 }
 
-/* Cycles 3.4 weighs the scattering of overlapping media by the plain sum of their phase functions
- * where those differ: up to twice as bright (tests/harness/test_voxels.c). */
+/* Refuse overlapping media with different phase functions: Cycles 3.4 weights their scattering by
+ * the plain sum of the phase functions, which is up to twice as bright
+ * (tests/harness/test_voxels.c). */
 static enum neph_status check_phases(const struct neph_scene *scene,
                                      const struct neph_cycles_world *world, struct neph_diag *diag)
 {
@@ -182,10 +186,10 @@ static enum neph_status check_phases(const struct neph_scene *scene,
     return NEPH_OK;
 }
 
-/* Do the faces of two boxes across an axis cover each other, seen along it? */
+/* Whether the faces of two boxes perpendicular to an axis overlap in projection along it. */
 static bool faces_cover(const struct neph_bounds *a, const struct neph_bounds *b, int axis)
 {
-    struct neph_bounds x = *a, y = *b; /* axis_of() gives places to write to */
+    struct neph_bounds x = *a, y = *b; /* axis_of() needs mutable vectors */
     for (int k = 0; k < 3; k++)
         if (k != axis && (*axis_of(&x.min_m, k) >= *axis_of(&y.max_m, k) ||
                           *axis_of(&y.min_m, k) >= *axis_of(&x.max_m, k)))
@@ -204,8 +208,8 @@ static bool face_is_taken(struct neph_cycles_world *world, int index, int axis, 
     return false;
 }
 
-/* Cycles loses one of two media with a common face. So faces of fogs move outward by some 1e-6 of
- * the box, until they are alone. */
+/* Cycles loses one of two media with a common face. So the faces of fogs move outward, in steps of
+ * face_step of the box size, until no other face is in the same plane. */
 static void separate_faces(const struct neph_scene *scene, int index,
                            struct neph_cycles_world *world)
 {
@@ -288,7 +292,7 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     enum neph_status status = NEPH_OK;
     const double lens_mm = sensor_mm / 2.0 / tan(scene->vertical_fov_rad / 2.0);
     if (scene->orthographic_height_m == 0.0 &&
-        !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it without a word */
+        !(lens_mm >= shortest_lens_mm)) /* Blender would clamp it silently */
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
                          "a field of view above 170.4 degrees: Blender has no lens below 1 mm");
     if (neph_cycles_surface_obstacle(scene))
@@ -307,10 +311,10 @@ enum neph_status neph_cycles_world(const struct neph_scene *scene, struct neph_c
     return status;
 }
 
-/* ---- JSON: every function returns a new reference, or NULL when a number is not finite ---------
- */
+/* ---- JSON: each function returns a new reference, or NULL for a number that is not finite ---- */
 
-/* The radius of the silhouette; for an eye inside, which has none, the picture's height. */
+/* Radius of a sphere's silhouette in pixels; the image height for an eye inside the sphere, which
+ * sees no silhouette. */
 static double sphere_radius_px(const struct neph_solid *sphere, const struct neph_camera *camera,
                                int height_px)
 {
@@ -324,8 +328,9 @@ static double sphere_radius_px(const struct neph_solid *sphere, const struct nep
                                  : height_px;
 }
 
-/* How many meridians a sphere needs, and what error is left. The mesh has its corners on the
- * sphere; between them both its meridians and its rings cut 2 (pi/n)^2 / 2 of the radius off. */
+/* The number of meridians of a sphere's mesh, and the remaining error in pixels. The vertices lie
+ * on the sphere; between them, meridians and rings each cut (pi/n)^2 / 2 off the radius, together 2
+ * (pi/n)^2 / 2. */
 static int sphere_segments(const struct neph_solid *sphere, const struct neph_camera *camera,
                            int height_px, double *error_px)
 {
@@ -336,7 +341,7 @@ static int sphere_segments(const struct neph_solid *sphere, const struct neph_ca
     return (int)segments;
 }
 
-/* Axis of the world, cosine and sine; null: it has not turned. */
+/* A rotation: world axis, cosine and sine; null: none. */
 static json_t *turn_json(const struct neph_turn *turn)
 {
     return neph_is_turned(turn) ? json_pack("[iff]", turn->axis, turn->cosine, turn->sine)
@@ -382,7 +387,8 @@ static json_t *layers_json(const struct neph_medium *medium, double bottom_m)
     return layers;
 }
 
-/* Its extinction comes from layers, or from a file beside the spec (neph_cycles_grid()). */
+/* A medium; its extinction is given by layers, or by a file beside the spec
+ * (neph_cycles_grid()). */
 static json_t *medium_json(int index, const struct neph_medium *medium,
                            const struct neph_bounds *container, double length_m)
 {
@@ -426,13 +432,13 @@ static json_t *camera_json(const struct neph_camera *camera)
                      is_parallel ? camera->orthographic_height_m : camera->vertical_fov_rad);
 }
 
-/* Blender's seed is a non-negative 32-bit integer. */
+/* Fold a seed to Blender's range, non-negative 32-bit integers. */
 static int fold_seed(uint64_t seed)
 {
     return (int)((seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffff);
 }
 
-/* `channel` below 0: all three at a time. `is_unbiased`: volumes without steps. */
+/* One render pass. `channel` below 0: all three channels. `is_unbiased`: volumes without steps. */
 static json_t *pass_json(const char *kind, int channel, int samples, double step, double grid_step,
                          uint64_t seed, bool is_unbiased)
 {
@@ -466,7 +472,8 @@ static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycle
          (shot->layers & NEPH_LAYER_RADIANCE) && channel < (coloured ? 3 : 0); channel++) {
         neph_json_add(&passes, pass_json("radiance", channel, quality->samples, step, step,
                                          shot->seed, quality->is_unbiased));
-        if (emits) /* it has no noise: one sample, with the steps of the transmittance pass */
+        if (emits) /* emission is free of noise: one sample, with the steps of the transmittance
+                    * pass */
             neph_json_add(&passes,
                           pass_json("emission", channel, 1, fine, fine_grid, shot->seed, false));
     }
@@ -478,7 +485,7 @@ static json_t *passes_json(const struct neph_shot *shot, const struct neph_cycle
     return passes;
 }
 
-/* How far solids hide; null: however far. */
+/* The distance limit of ambient occlusion; null: no limit. */
 static json_t *ambient_json(const struct neph_cycles_quality *quality)
 {
     return json_pack("{s:o}", "ao_distance_m",

@@ -5,11 +5,11 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 
-/* Its picture of 0 and 1 has a pixel per square; that of noise one per value, between which it is
- * bilinear. */
+/* The texture image of a checker has one pixel per square. The image of a noise has one pixel per
+ * value, with bilinear interpolation. */
 enum { CHECKER_SIDE = 2 };
 
 const char *neph_cycles_surface_obstacle(const struct neph_scene *scene)
@@ -69,8 +69,8 @@ static enum neph_status copy_layer(const struct neph_image *picture, const char 
     return status;
 }
 
-/* Where the middle of a pixel sees no solid: one in a thousand samples may, and Blender divides
- * what it brings by the little colour that it has. */
+/* Set pixels whose centre hits no solid to `value`. One in a thousand of their samples may still
+ * hit one, and Blender divides that light by the small colour value. */
 static void clear_sky(const float *depth, struct neph_image *frame, const char *layer, float value)
 {
     static const float sky_units = 1e10f;

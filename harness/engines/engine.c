@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_RUNG_COUNT == 4, "a new kind");
 
 static const char *const rung_names[] = {
@@ -25,8 +25,8 @@ const char *neph_rung_name(enum neph_rung rung)
     return rung_names[rung];
 }
 
-/* The build of engines that are part of neph is neph's: a frame of other code, shaders included, is
- * another frame, although nobody has raised the engine's version. */
+/* Built-in engines take neph's own build id: a change of code or shaders makes a different frame,
+ * even if the engine's version was not raised. */
 static void name_own_build(struct neph_engine_info *info)
 {
     char id[NEPH_BUILD_ID_SIZE];

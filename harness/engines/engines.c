@@ -14,8 +14,9 @@ static const struct neph_engine *const own[] = {NEPH_ENGINES(LISTED)};
 enum { OWN_COUNT = sizeof(own) / sizeof(own[0]) };
 _Static_assert((int)NEPH_ENGINE_PROGRAMS_MAX + 1 == (int)NEPH_EXTERNAL_PROGRAMS_MAX, "Blenders");
 
-/* The engines of this process: those above, and behind `cycles` one for each further Blender. It is
- * made once, for the environment names them and a name takes the version that a program tells. */
+/* The engines of this process: the built-in ones, then one engine for each further Blender. Made
+ * once: the environment lists the Blenders, and an engine name needs the version that the program
+ * reports. */
 static struct registry {
     pthread_once_t once;
     int count, further_count;
@@ -32,7 +33,7 @@ static bool has_name(const char *name)
     return false;
 }
 
-/* "cycles@5.2", and behind another one of that version "cycles@5.2-2". */
+/* Name a further program: "cycles@5.2"; a second one of that version is "cycles@5.2-2". */
 static void name_program(const struct neph_engine *first, int program, char name[32])
 {
     char version[64] = "unknown";
@@ -89,7 +90,7 @@ bool neph_engine_draws(const struct neph_engine *engine)
            (engine->rung == NEPH_RUNG_WITNESS && engine->stochastic);
 }
 
-/* No Blender is run for the name of another engine. */
+/* Find an engine. Blender is run only if no built-in engine has the name. */
 const struct neph_engine *neph_engine_find(const char *name)
 {
     for (int i = 0; i < OWN_COUNT; i++)
@@ -105,7 +106,7 @@ const struct neph_engine *neph_engine_find(const char *name)
     return NULL;
 }
 
-/* The guest that is named; NULL: the words are of a preset. */
+/* The user engine that the words name; NULL: the words name a preset. */
 static const struct neph_engine *guest_in(const char *words)
 {
     const size_t length = strcspn(words, "+");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The list of engines, in the order of the ladder: the one line that a new one needs beside its
- * file.
+ * The list of engines, ordered by their level in the reference hierarchy. A new engine needs its
+ * file and one line here.
  */
 #ifndef NEPH_HARNESS_ENGINES_ENGINES_H
 #define NEPH_HARNESS_ENGINES_ENGINES_H
@@ -35,30 +35,31 @@
 NEPH_ENGINES(NEPH_ENGINE_DECLARED)
 #undef NEPH_ENGINE_DECLARED
 
-/* Engines of further Blenders (blender.h), at most. */
+/* Limit of engines for further Blenders (blender.h). */
 enum { NEPH_ENGINE_PROGRAMS_MAX = 7 };
 
-/* How many there may be, guests among them: what holds one of each has room for so many. */
+/* Upper bound of the number of engines, user engines included: the size of arrays with one entry
+ * per engine. */
 #define NEPH_ENGINE_COUNTED(name) +1
 enum { NEPH_ENGINE_COUNT = NEPH_ENGINE_PROGRAMS_MAX NEPH_ENGINES(NEPH_ENGINE_COUNTED) };
 #undef NEPH_ENGINE_COUNTED
 
-/* All engines but guests; `*count` receives how many. */
+/* All engines but user engines; `*count` receives their number. */
 const struct neph_engine *const *neph_engines(int *count);
 
-/* The same, and guests behind them. */
+/* All engines, user engines last. */
 const struct neph_engine *const *neph_engines_and_guests(int *count);
 
-/* By name, guests among them; NULL when there is none. */
+/* Find an engine by name, user engines included; NULL: there is none. */
 const struct neph_engine *neph_engine_find(const char *name);
 
-/* Whether pictures are drawn by chance, so that another seed gives another one of the same mean:
- * tracers, and witnesses that trace. A shortcut whose rays are jittered is another picture. */
+/* Whether frames are random samples, so that another seed gives another frame of the same mean:
+ * path tracers, own and external. A real-time method with jittered rays does not count. */
 bool neph_engine_draws(const struct neph_engine *engine);
 
-/* What presets are named by where guests take part, too: "PRESET+KEY=VALUE+..." of `realtime`, or
- * "command+KEY=VALUE+...". `shared` ("steps=8"; or NULL) is set before the changes, of an engine
- * that has it. Errors as of neph_settings_words(). */
+/* Choose an engine and settings from words: "PRESET+KEY=VALUE+..." for `realtime`, or
+ * "command+KEY=VALUE+..." for a user engine. `shared` ("steps=8"; or NULL) is set before the
+ * changes if the engine has that option. Errors as of neph_settings_words(). */
 enum neph_status neph_engine_words(const char *words, const char *shared,
                                    const struct neph_engine **engine,
                                    struct neph_settings *settings, struct neph_diag *diag);

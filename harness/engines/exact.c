@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `exact`: the top rung. Every pixel is neph_transport_ray() of its centre ray, in double
- * precision; the only error is the rounding to the 32-bit floats of the frame and the estimated
- * error of the quadrature, whose largest value is kept as an attribute.
+ * Engine `exact`: the top level of the reference hierarchy. Every pixel is neph_transport_ray() of
+ * its centre ray, in double precision. The remaining errors are the rounding to the frame's 32-bit
+ * floats and the quadrature error, whose largest estimate is stored as an attribute.
  */
 #include "harness/engines/engines.h"
 
@@ -56,7 +56,7 @@ const struct neph_engine neph_engine_exact = {
     .rung = NEPH_RUNG_EXACT,
     .typical_s = 5.0,
     .options = no_options,
-    .version = 2, /* 2: colour, clouds */
+    .version = 2, /* 2: coloured media, clouds */
     .probe = probe,
     .can_render = can_render,
     .render = render,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `fog_look`: a scene's height fog as game engines draw it, with the controls that its
- * `fog_look` sets, in closed form. A look: what it is off by is told by `neph study fog`.
+ * Engine `fog_look`: a scene's height fog in closed form, as game engines draw it, with the
+ * controls of the scene's `fog_look`. A non-physical model: `neph study fog` measures its model
+ * error.
  */
 #include "harness/engines/engines.h"
 
@@ -16,7 +17,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* In the order of the controls, behind the first two. */
+/* In the order of the controls, after "all" and "none". */
 static const char *const control_words[] = {"all",
                                             "none",
                                             "sky_light",
@@ -51,7 +52,8 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* directional_start is nothing by itself. */
+/* The set of controls for a choice; directional_start has no effect without the directional
+ * control. */
 static unsigned controls_of(int choice)
 {
     if (choice == CONTROLS_ALL)
@@ -75,7 +77,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
            neph_float32_reaches(scene, reason, reason_size);
 }
 
-/* ---- pictures in a row ----------------------------------------------------------------------- */
+/* ---- sequences ------------------------------------------------------------------------------- */
 
 static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
                                const struct neph_shot *shot, void **renderer,
@@ -130,7 +132,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
     return neph_fog_looks_frame(renderer, shot->scene, shot->frame, NULL, NULL, diag);
 }
 
-/* All is one pass: what it moves is a pixel's result. */
+/* A single pass; its memory traffic is one result per pixel. */
 static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {

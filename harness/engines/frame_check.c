@@ -7,20 +7,21 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { COLUMNS = 16, ROWS = 9 };
 
-/* A pixel that sees an optical depth of more than 0.05 misses the medium if its image has less than
- * a tenth of that, 0.005: 20 times what the transmittance of a working Blender is off by, 2.2e-4
- * (docs/blender.md), and a tenth of what the least medium has that is looked at. */
+/* A pixel with an optical depth above 0.05 counts as missing the medium if its image shows less
+ * than a tenth of that depth. A tenth of 0.05 is 0.005: 20 times the transmittance error of a
+ * working Blender, 2.2e-4 (results/blender). */
 static const double thick_depth = 0.05, missing_part = 0.1;
-/* Light counts where more of it is left than rounds to 0 in an image of 16 bits, such as POV-Ray's,
- * whose step is 1.5e-5 of white: 66 steps of what is behind media, 3 (exp(-10)) of sunlight. */
+/* Expect light only where it does not round to 0 in a 16-bit image such as POV-Ray's, whose step is
+ * 1.5e-5 of white: background at a transmittance of 1e-3 (66 steps), sunlight at an optical depth
+ * of 10 (exp(-10): 3 steps). */
 static const double seen_transmittance = 1e-3, lit_depth = 10.0;
 
-/* What the scene says of one pixel. */
+/* The exact view of one pixel. */
 struct sight {
     struct neph_pixel_ray ray;
     int column, row;
@@ -100,7 +101,7 @@ static bool is_black(const struct neph_image *image)
     return true;
 }
 
-/* Whether all media do, whichever a pixel sees. */
+/* Whether all media scatter, also those outside of the pixel's view. */
 static bool scatters(const struct neph_scene *scene)
 {
     bool all = scene->scattering != NEPH_SCATTERING_NONE;
@@ -115,7 +116,7 @@ static double depth_along(const struct neph_scene *scene, struct neph_vec3 from_
     return most(neph_scene_optical_depth(scene, from_m, direction, 0.0, length_m));
 }
 
-/* Whether the sun reaches a place, so that single precision sees it. */
+/* Whether sunlight reaches a point, strong enough for single precision. */
 static bool is_sunlit(const struct neph_scene *scene, struct neph_vec3 place_m)
 {
     const struct neph_vec3 sun = scene->sun.direction;
@@ -123,7 +124,7 @@ static bool is_sunlit(const struct neph_scene *scene, struct neph_vec3 place_m)
            depth_along(scene, place_m, sun, INFINITY) < lit_depth;
 }
 
-/* The place on a pixel's ray that is a small optical depth behind the eye. */
+/* The point on a pixel's ray at the optical depth thick_depth. */
 static struct neph_vec3 place_in_medium_m(const struct neph_scene *scene, const struct sight *sight)
 {
     const struct neph_pixel_ray *ray = &sight->ray;
@@ -151,7 +152,7 @@ static bool is_lit_solid(const struct neph_scene *scene, const struct sight *sig
     return is_sunlit(scene, neph_hit_outside_m(hit, at_m));
 }
 
-/* What light a pixel must see, in words; NULL: it may be black. */
+/* The light that a pixel must show, as text; NULL: it may be black. */
 static const char *light_in(const struct neph_scene *scene, const struct sight *sight)
 {
     const bool has_medium = sight->depths[thickest(sight)] > thick_depth;

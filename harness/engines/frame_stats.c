@@ -38,7 +38,7 @@ enum neph_status neph_frame_stats_set_pass(struct neph_image *frame, const char 
     return gpu_s > 0.0 ? neph_frame_stats_set(frame, name, 1e3 * gpu_s, diag) : NEPH_OK;
 }
 
-/* A count is a whole number and stays one. */
+/* Integers stay integers. */
 static json_t *number_of(const char *text)
 {
     char *end;
@@ -57,7 +57,7 @@ json_t *neph_frame_stats(const struct neph_image *frame)
     return stats;
 }
 
-/* Whole numbers with all their digits. */
+/* Print integers with all digits. */
 static void print_number(double value)
 {
     if (value == trunc(value) && fabs(value) < 1e15)

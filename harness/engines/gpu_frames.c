@@ -11,10 +11,11 @@
 struct sequence {
     const struct neph_engine *engine;
     struct neph_open_device *device; /* NULL: on the CPU */
-    void *renderer;                  /* of frames of this size */
+    void *renderer;                  /* for frames of this size */
     int width_px, height_px;
     int submitted, collected;
-    struct neph_flight_cost costs[NEPH_FLIGHT_PICTURES_MAX]; /* of frames submitted, by number */
+    struct neph_flight_cost costs[NEPH_FLIGHT_PICTURES_MAX]; /* costs of submitted frames, by their
+                                                              * number */
 };
 
 static void close_sequence(void *opened)
@@ -27,7 +28,7 @@ static void close_sequence(void *opened)
     free(sequence);
 }
 
-/* Set up for the shot's size, unless that is done. */
+/* Create or resize the renderer if the frame size has changed. */
 static enum neph_status set_up(struct sequence *sequence, const struct neph_shot *shot,
                                struct neph_diag *diag)
 {
@@ -73,7 +74,7 @@ static enum neph_status next_frame(void *opened, const struct neph_shot *shot,
     const struct neph_stopwatch start = neph_stopwatch_start();
     struct neph_image *image = NULL;
     double render_s = NAN;
-    sequence->collected = sequence->submitted; /* those in flight are forgotten */
+    sequence->collected = sequence->submitted; /* drop the costs of frames in flight */
     enum neph_status status = set_up(sequence, shot, diag);
     if (!status)
         status = sequence->engine->gpu->frame(sequence->renderer, shot, &image, &render_s, diag);

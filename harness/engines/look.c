@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-/* 0, the first, where an engine has no such choice. */
+/* The value of an option; 0, the first choice, for an engine without the option. */
 static int choice_of(const struct neph_engine *engine, const struct neph_settings *settings,
                      const char *name)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engines `march` and `march_...`: our Vulkan ray marcher at full resolution, one engine for each
- * of its lighting models. The device is the first
- * CPU device (lavapipe) unless NEPH_VULKAN_DEVICE names part of another's name;
- * NEPH_VULKAN_VALIDATION=1 turns the validation layers on, and then any message fails the frame.
+ * Engines `march` and `march_...`: the Vulkan ray marcher at full resolution, one engine for each
+ * lighting model. The device is the first CPU device (lavapipe), or the first device with a name
+ * that contains NEPH_VULKAN_DEVICE. NEPH_VULKAN_VALIDATION=1 turns the validation layers on; then
+ * any message fails the frame.
  */
 #include "harness/engines/engines.h"
 
@@ -17,13 +17,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 
-/* The tables of options, and what reads them into the parameters of a march. */
+/* Generated: the tables of options, and the functions that read them into march parameters. */
 #include "settings/march_table.inc"
 
-/* ---- pictures in a row ----------------------------------------------------------------------- */
+/* ---- sequences ------------------------------------------------------------------------------- */
 
 static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_engine *engine,
                                const struct neph_shot *shot, void **renderer,
@@ -41,7 +41,7 @@ static enum neph_status create(struct neph_vulkan *vulkan, const struct neph_eng
     read_march(values, &params);
     if (lighting == NEPH_MARCH_TRACED) {
         params.light = (struct neph_light_paths){.memory = 1, .seed = (uint32_t)shot->seed};
-        read_traced(values, &params); /* each picture is by itself */
+        read_traced(values, &params); /* frames are independent of each other */
     }
     if (lighting == NEPH_MARCH_DIFFUSED)
         read_diffused(values, &params);
@@ -88,7 +88,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
     return neph_march_frame(renderer, shot->scene, shot->frame, NULL, NULL, NULL, diag);
 }
 
-/* All is one pass but the tables of the sky. What it moves of grids is not known. */
+/* One pass besides the tables of the sky; the memory traffic of grids is unknown. */
 static enum neph_status collect(void *renderer, struct neph_flight_cost *cost,
                                 struct neph_diag *diag)
 {
@@ -112,7 +112,8 @@ static struct neph_march_veils veils_of(const struct neph_settings *settings)
                                      neph_fog_for_march((int)settings->values[OPTION_FOG])};
 }
 
-/* Where single scattering is too little, the reason says who has more. */
+/* Whether this lighting can render the scene. If single scattering is not enough, the reason names
+ * the engines with more. */
 static bool can_render(enum neph_march_lighting lighting, const struct neph_scene *scene,
                        const struct neph_settings *settings, char *reason, size_t reason_size)
 {
@@ -129,7 +130,7 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
     return false;
 }
 
-/* Whether an engine can render, for its lighting. */
+/* The can_render function of one engine. */
 #define FUNCTION_OF(name_, lighting_)                                                              \
     static bool can_render_##name_(const struct neph_scene *scene,                                 \
                                    const struct neph_settings *settings, char *reason,             \
@@ -138,7 +139,7 @@ static bool can_render(enum neph_march_lighting lighting, const struct neph_scen
         return can_render(lighting_, scene, settings, reason, reason_size);                        \
     }
 
-/* Rows of all engines. */
+/* Members that all march engines share. */
 #define ROWS_OF(name_, lighting_)                                                                  \
     .rung = NEPH_RUNG_MODEL, .lighting = lighting_,                                                \
     .step = {.option = "steps", .coarsest = 16, .refine = 2, .level_count = 5, .order = 2},        \
@@ -161,7 +162,7 @@ const struct neph_engine neph_engine_march = {
     .typical_s = 2.0,
     .bias = "step error of order 2 where the scene is smooth, of order 1 at the edges of shadows",
     .options = options_of_march,
-    .version = 5, /* 5: steps far from a lamp keep their length */
+    .version = 5, /* 5: constant step length far from a point light */
 };
 
 const struct neph_engine neph_engine_march_octaves = {
@@ -172,7 +173,7 @@ const struct neph_engine neph_engine_march_octaves = {
     .look = true,
     .bias = "a sum of octaves saturates with optical depth and does not conserve energy",
     .options = options_of_march,
-    .version = 3, /* no fused fraction of a voxel */
+    .version = 3, /* 3: no fused multiply-add in a voxel's fraction */
 };
 
 const struct neph_engine neph_engine_march_horizon = {
@@ -183,7 +184,7 @@ const struct neph_engine neph_engine_march_horizon = {
     .look = true,
     .bias = "floored Beer, lobes that do not integrate to 1, light where there is no density",
     .options = options_of_march,
-    .version = 3, /* no fused fraction of a voxel */
+    .version = 3, /* 3: no fused multiply-add in a voxel's fraction */
 };
 
 const struct neph_engine neph_engine_march_octaves_fitted = {
@@ -196,7 +197,7 @@ const struct neph_engine neph_engine_march_octaves_fitted = {
         "a sum of octaves knows no sides of a cloud and does not conserve energy; fitted on the "
         "tuning suite of `neph study light`",
     .options = options_of_march,
-    .version = 2, /* fitted to whole pictures, too */
+    .version = 2, /* 2: also fitted to whole images */
 };
 
 const struct neph_engine neph_engine_march_traced = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `oracle`: the unbiased path tracer in double precision on the CPU, with its own noise
- * beside every pixel (variance.*).
+ * Engine `oracle`: the unbiased path tracer in double precision on the CPU, with the variance of
+ * every pixel (variance.*).
  */
 #include "harness/engines/engines.h"
 
@@ -97,7 +97,7 @@ const struct neph_engine neph_engine_oracle = {
     .rests = true,
     .stochastic = true,
     .options = options,
-    .version = 2, /* 2: lights on and near rays */
+    .version = 2, /* 2: lights on or near rays */
     .probe = probe,
     .can_render = can_render,
     .render = render,

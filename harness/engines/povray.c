@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `povray`: POV-Ray 3.7 as a witness of single scattering, and of light between solids by
- * radiosity. Light adds up, so a frame is put
- * together from monochrome pictures that POV-Ray renders one after the other:
+ * Engine `povray`: POV-Ray 3.7 as an external renderer for single scattering, and for light between
+ * solids by radiosity. Light is additive, so a frame is the sum of monochrome images that POV-Ray
+ * renders one after the other:
  *
- *   volume = sum over the phase functions of the scene of what their media scatter
- *            + what the media emit
+ *   volume = sum over the scene's phase functions of the light scattered by their media
+ *            + light emitted by media
  *   radiance = volume + surface (lit solids and background behind absorbing media)
  *
- * and transmittance and depth are pictures of their own. povray_light.c says which they are,
- * povray_scene.c writes them down, povray_run.c has them rendered, povray_exposure.c reads numbers
- * from them.
+ * Transmittance and depth are separate images. povray_light.c chooses the images, povray_scene.c
+ * writes them as text, povray_run.c renders them, povray_exposure.c reads numbers from them.
  */
 #include "harness/engines/engines.h"
 
@@ -36,7 +35,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
@@ -79,14 +78,14 @@ static const struct neph_povray_target transmittance_target = {.relative = 1e-4,
 static const char trial_prefix[] = "neph-povray-";
 static const double trial_limit_s = 60.0; /* each process takes 0.6 s */
 
-/* ---- What it can model ---------------------------------------------------------------------- */
+/* ---- supported scenes ----------------------------------------------------------------------- */
 
 static bool is_lit(struct neph_rgb colour)
 {
     return colour.r > 0.0 || colour.g > 0.0 || colour.b > 0.0;
 }
 
-/* Does anything of the scene send light on? */
+/* Whether the scene has a medium or solid that scatters light. */
 static bool has_scatterer(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->medium_count; i++) {
@@ -102,7 +101,7 @@ static bool has_scatterer(const struct neph_scene *scene)
     return false;
 }
 
-/* Why its media are none that POV-Ray has, in words; NULL: it has them. */
+/* Why POV-Ray does not support the media, as text; NULL: it does. */
 static const char *medium_obstacle(const struct neph_scene *scene)
 {
     for (int i = 0; i < scene->medium_count; i++)
@@ -111,7 +110,7 @@ static const char *medium_obstacle(const struct neph_scene *scene)
     return neph_scene_is_endless(scene) ? neph_endless_reason : NULL;
 }
 
-/* Why its solids are none that POV-Ray has, in words; NULL: it has them. */
+/* Why POV-Ray does not support the solids, as text; NULL: it does. */
 static const char *solid_obstacle(const struct neph_scene *scene)
 {
     int mirrors = 0;
@@ -133,7 +132,7 @@ static const char *solid_obstacle(const struct neph_scene *scene)
     return NULL;
 }
 
-/* Light between solids alone; with 0 rays there is none. */
+/* Whether the scene needs radiosity: multiple scattering between solids, without media. */
 static bool wants_radiosity(const struct neph_scene *scene)
 {
     return scene->scattering == NEPH_SCATTERING_MULTIPLE && scene->medium_count == 0;
@@ -164,7 +163,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return !cannot;
 }
 
-/* One for radiosity: the order in which it finds its places decides whose light is shared. */
+/* One thread for radiosity: the order in which POV-Ray finds sample points decides the result. */
 static int thread_count(const struct neph_scene *scene)
 {
     int count = neph_processor_count();
@@ -173,7 +172,7 @@ static int thread_count(const struct neph_scene *scene)
     return count < THREADS_MAX ? count : THREADS_MAX;
 }
 
-/* ---- The layers of the frame ---------------------------------------------------------------- */
+/* ---- layers of the frame -------------------------------------------------------------------- */
 
 static enum neph_status radiance_layers(struct neph_povray_session *session,
                                         struct neph_image *frame, struct neph_diag *diag)
@@ -221,7 +220,7 @@ static void take_transmittance(const struct neph_povray_reading *readings, size_
         layer[i] = readings ? (float)fmin(readings[i].value, 1.0) : 1.0f;
 }
 
-/* A colour that is attenuated like an earlier one is not rendered again. */
+/* Transmittance: a colour with the same extinction as an earlier colour is not rendered again. */
 static enum neph_status transmittance_layer(struct neph_povray_session *session,
                                             struct neph_image *frame, struct neph_diag *diag)
 {
@@ -296,7 +295,7 @@ static enum neph_status add_attributes(const struct neph_povray_session *session
     return status;
 }
 
-/* ---- One frame ------------------------------------------------------------------------------- */
+/* ---- one frame ------------------------------------------------------------------------------- */
 
 static enum neph_status write_noise(const struct neph_solid *solid, const char *directory,
                                     struct neph_diag *diag)
@@ -366,7 +365,8 @@ static enum neph_status adapt_scene(const struct neph_shot *shot,
     return neph_external_cannot("POV-Ray", status, &why, diag);
 }
 
-/* Grids and the ini go to `directory`. The caller ends session->baked, whatever the status. */
+/* Prepare a session; grids and the ini file are written to `directory`. The caller always finishes
+ * session->baked. */
 static enum neph_status start(const struct neph_shot *shot, const char *program,
                               const char *directory, struct neph_povray_session *session,
                               struct neph_diag *diag)
@@ -424,7 +424,7 @@ static enum neph_status render_with(const struct neph_shot *shot, const char *pr
     return NEPH_OK;
 }
 
-/* ---- What this POV-Ray can do ---------------------------------------------------------------- */
+/* ---- features of this POV-Ray ---------------------------------------------------------------- */
 
 static enum neph_status try_scene(const struct neph_trial *trial, const char *program,
                                   const char *folder, bool *has_voxels, struct neph_diag *diag)
@@ -461,7 +461,7 @@ static enum neph_status try_program(const char *program, bool *has_voxels, struc
     return status;
 }
 
-/* Whether media from df3 files are in its images; by a trial, once. Errors as of
+/* Find by a trial, once, whether POV-Ray renders media from df3 files. Errors as of
  * neph_cycles_features(). */
 static enum neph_status find_voxels(bool *has_voxels, struct neph_diag *diag)
 {
@@ -517,7 +517,7 @@ static bool lacks(const struct neph_engine *engine, const struct neph_scene *sce
     return is_lacking;
 }
 
-/* ---- The engine ------------------------------------------------------------------------------ */
+/* ---- the engine ------------------------------------------------------------------------------ */
 
 static enum neph_status render(const struct neph_shot *shot, struct neph_image **frame,
                                struct neph_cost *cost, struct neph_diag *diag)
@@ -561,10 +561,10 @@ const struct neph_engine neph_engine_povray = {
     .bias = "single scattering only; midpoint rule of its intervals, error ~ 1/intervals^2 (~ "
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value "
             "or 1e-6 of the brightest, transmittance to 1e-8; what it has no formula for is baked "
-            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/surfaces.md",
+            "to voxels; radiosity shares light among places: 0.01 to 1 % of it, docs/screen.md",
     .options = options,
     .version = 4,
-    /* At most 256 intervals: POV-Ray ends with an error beyond. */
+    /* POV-Ray aborts above 256 intervals. */
     .step = {.option = "intervals", .coarsest = 25, .refine = 2, .level_count = 4, .order = 2},
     .probe = probe,
     .can_render = can_render,

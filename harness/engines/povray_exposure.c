@@ -37,8 +37,7 @@ static double peak_of(const struct neph_povray_reading *readings, size_t count)
     return peak;
 }
 
-/* The median of the largest numbers that the values may be. INFINITY without memory: the peak then
- * decides. */
+/* The median of the readings' upper bounds; INFINITY if memory is short: then the peak decides. */
 static double median_of(const struct neph_povray_reading *readings, size_t count)
 {
     double *values = malloc(count * sizeof(*values));
@@ -59,7 +58,7 @@ double neph_povray_next_gain(const struct neph_povray_reading *readings, size_t 
     if (target->absolute_of_median > 0.0)
         absolute = fmin(absolute, target->absolute_of_median * median_of(readings, count));
     absolute = fmax(target->absolute, absolute);
-    double brightest = 0.0; /* of the readings that miss the target */
+    double brightest = 0.0; /* brightest reading that misses the target */
     for (size_t i = 0; i < count; i++) {
         struct neph_povray_reading reading = readings[i];
         if (isinf(reading.error))
@@ -70,7 +69,8 @@ double neph_povray_next_gain(const struct neph_povray_reading *readings, size_t 
     return brightest > 0.0 ? NEPH_POVRAY_HEADROOM / brightest : 0.0;
 }
 
-/* The number with the fractional part `digit` (as a part of one step) nearest to `coarse` steps. */
+/* The number nearest to `coarse` whose position within a step is `digit`; both as parts of the
+ * range of `steps` steps. */
 static double refine(double coarse, double steps, double digit)
 {
     return (nearbyint(coarse * steps - digit) + digit) / steps;

@@ -7,22 +7,22 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* A ray within a medium that is nearer to its light: the hole of 1e-2 units around a light and its
- * source of 1e-3 units are then more than 1e-4 of the value. */
+/* Rays inside a medium that pass a light at less than this are refused: then the hole of 1e-2 units
+ * around the light and its fade distance of 1e-3 units cost more than 1e-4 of the value. */
 static const double nearest_units = 0.1;
 
-/* POV-Ray's b^2 - a c has a rounding error of about 1e-2 units^2 across a world of 4e6 units, and a
- * cone's own is the square of the apex's distance from the ray. */
+/* Spots within this distance of a ray's line are masked. POV-Ray's b^2 - a c has a rounding error
+ * of about 1e-2 units^2 in a world of 4e6 units; for a cone the term itself is the squared distance
+ * of apex and ray. */
 static const double mask_reach_units = 4.0;
 
-/* The midpoint rule with steps s across 1 / (h^2 + t^2) is off by 2 exp(-2 pi h / s) of it. */
+/* The midpoint rule with step s over 1 / (h^2 + t^2) has the relative error 2 exp(-2 pi h / s). */
 static const double heights_per_step = 2.0; /* 7e-6 */
-/* A ray's way through a medium may end near the light: at the distance a of it, or within
- * `end_heights` a of the place where it is nearest. Steps of `step_part` a are then off by 1/12 of
- * the square of this part. */
+/* A ray's part in a medium may end near the light, at distance a from it: less than `end_heights` a
+ * from the closest point. Then steps of `step_part` a have the relative error step_part^2 / 12. */
 static const double end_heights = 3.0;
 static const double step_part = 0.1;
 static const double cube_ratio = 4.0;
@@ -31,8 +31,9 @@ static const double widening = 1.01;
 
 /* The rays that need cubes around a light. */
 struct need {
-    double resolved_m;     /* the longest step that resolves them all; INFINITY: none needs any */
-    double longest_step_m; /* of them */
+    double resolved_m;     /* longest step that resolves all of them; INFINITY: no ray needs
+                            * cubes */
+    double longest_step_m; /* longest step of these rays */
 };
 
 static double line_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction)
@@ -40,7 +41,8 @@ static double line_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction
     return neph_vec3_length(neph_vec3_cross(way_m, direction));
 }
 
-/* From the light to the part t0..t1 of a ray; `way_m` is from the ray's origin to the light. */
+/* Distance from the light to the part t0..t1 of a ray; `way_m`: vector from the ray's origin to the
+ * light. */
 static double part_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction, double t0_m,
                               double t1_m)
 {
@@ -49,7 +51,7 @@ static double part_distance_m(struct neph_vec3 way_m, struct neph_vec3 direction
     return hypot(line_distance_m(way_m, direction), beyond_m);
 }
 
-/* Does a light shine on a ray, where the ray passes it? */
+/* Whether a light's emission along the ray is not zero near the closest point. */
 static bool shines_along(const struct neph_light *light, struct neph_vec3 direction)
 {
     return neph_light_falloff(light, direction) > 0.0 ||
@@ -68,7 +70,7 @@ static enum neph_status refuse(const struct neph_povray_world *world, int light,
     return NEPH_ERR_UNSUPPORTED;
 }
 
-/* What one ray asks for around one light. */
+/* Add the step that one ray needs around one light. */
 static enum neph_status take_ray(const struct neph_povray_world *world, int index, int pixel,
                                  struct neph_pixel_ray ray, double hit_m, struct need *need,
                                  struct neph_diag *diag)
@@ -96,7 +98,7 @@ static enum neph_status take_ray(const struct neph_povray_world *world, int inde
     return NEPH_OK;
 }
 
-/* Does a cube's face lie in a face of a box, where POV-Ray would take the two for one? */
+/* Whether faces of a cube and a box coincide: POV-Ray would treat them as one. */
 static bool touches(const struct neph_bounds *cube, const struct neph_bounds *box, double gap_m)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -124,8 +126,8 @@ static bool touches_any(const struct neph_povray_world *world, const struct neph
     return false;
 }
 
-/* From a cube in whose widest chord a step resolves the nearest ray, to one outside of which those
- * of an uncut ray do. */
+/* Choose the cubes: the smallest one is so small that a step within its longest chord resolves the
+ * nearest ray; outside of the largest one, steps of an uncut ray are fine enough. */
 static void choose_cubes(struct neph_povray_world *world, int index, const struct need *need)
 {
     struct neph_povray_lamp *lamp = &world->lamps[index];

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Point lights and spots near the rays of pixels, for POV-Ray. It samples a ray through a medium at
- * equal steps, which miss the peak of 1/d^2 beside a light, and it loses the cone of a spot whose
- * apex is on the ray in the rounding of b^2 - a c (ComputeSpotLightInterval of its media.cpp: half
- * of the pixels black for a spot at the eye). So
- * - clear cubes around a light cut the rays that pass it near, in pieces that are as short as the
- *   light is near: each piece gets all intervals of the medium;
- * - a spot near the line of a pixel's ray is a light all around in a small cube that lets through
- *   what the spot's cone does.
+ * Point lights and spots near the rays of pixels, for POV-Ray. Two faults of POV-Ray are corrected:
+ * - It samples a medium at equal steps, which miss the peak of 1/d^2 near a light. Clear cubes
+ *   around a light cut the rays that pass near it into pieces that are shorter near the light; each
+ *   piece gets all intervals of the medium.
+ * - It loses the cone of a spot with its apex on the ray by rounding in b^2 - a c
+ *   (ComputeSpotLightInterval of its media.cpp; half of the pixels are black for a spot at the
+ *   eye). A spot near the line of a pixel's ray becomes a point light in a small cube, whose
+ *   transparency has the angular falloff of the spot.
  */
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_LAMPS_H
 #define NEPH_HARNESS_ENGINES_POVRAY_LAMPS_H
 
 #include "harness/engines/povray_world.h"
 
-/* Fill in `world->lamps` for all pixels of the frame. NEPH_ERR_UNSUPPORTED, with the pixel and the
- * light, where a ray comes so near to a light within a medium that POV-Ray's numbers end. */
+/* Set `world->lamps` for all pixels of the frame. NEPH_ERR_UNSUPPORTED, with pixel and light:
+ * inside a medium, a ray passes a light so closely that POV-Ray's precision is insufficient. */
 enum neph_status neph_povray_cut_rays(struct neph_povray_world *world, struct neph_diag *diag);
 
 #endif

@@ -10,20 +10,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Radiance: 1e-4 of the value, or 1e-6 of the brightest. */
+/* Accuracy of radiance: 1e-4 of the value, or 1e-6 of the brightest pixel. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;
-/* With lights, whose rays may be 1e6 times as bright as others, or this part of the median. */
+/* Accuracy of radiance with point lights, whose pixels may be 1e6 times brighter than others: this
+ * part of the median. */
 static const double radiance_of_median = 1e-4;
-/* Below this part of what the scene could scatter at most, a picture counts as black. */
+/* An image counts as black below this part of the largest light that the scene could scatter. */
 static const double radiance_black = 1e-13;
 
 /* ---- Light ---------------------------------------------------------------------------------- */
 
-/* The sources of a picture, by colour: their weights decide which colours need a render. */
+/* The sources of an image by colour: their weights decide which colours need a render of their
+ * own. */
 enum { SOURCES_MAX = NEPH_SCENE_SOLIDS_MAX + 1 };
 
 struct sources {
@@ -37,8 +39,8 @@ static bool is_source(const struct sources *sources, int i, struct neph_rgb weig
            sources->weights[2][i] == weight.b;
 }
 
-/* Those that are there already say nothing new. Where there is no room for more the brighter one
- * stays, without a colour in common with the others. */
+/* Add a source, once for each weight. If the table is full, its last entry keeps the larger weight,
+ * with channels that differ so that they are never proportional. */
 static void add_source(struct sources *sources, struct neph_rgb weight)
 {
     for (int i = 0; i < sources->count; i++)
@@ -74,7 +76,7 @@ bool neph_povray_same_extinction(const struct neph_scene *scene, int a, int b)
     return true;
 }
 
-/* Do all solids reflect two colours alike? */
+/* Whether all solids reflect two colours equally. */
 static bool same_albedo(const struct neph_scene *scene, int a, int b)
 {
     for (int i = 0; i < scene->solid_count; i++) {
@@ -87,8 +89,8 @@ static bool same_albedo(const struct neph_scene *scene, int a, int b)
     return true;
 }
 
-/* The factor from one colour to another, 0 when they are not proportional to rounding. Between
- * solids light is no multiple of its sources' weights alone. */
+/* The factor between two colours; 0: they are not proportional within rounding. With light between
+ * solids, proportional sources are not enough: albedos must be equal, too. */
 static double proportion(const struct neph_scene *scene, const struct sources *sources, int from,
                          int to)
 {
@@ -105,7 +107,8 @@ static double proportion(const struct neph_scene *scene, const struct sources *s
     return to_peak / from_peak;
 }
 
-/* The colour among the rendered ones that can stand for `channel`, with its factor; else itself. */
+/* An already rendered colour that is proportional to `channel`, with the factor; or `channel`
+ * itself. */
 static int representative(const struct neph_scene *scene, const struct sources *sources,
                           int channel, struct neph_povray_reading *const readings[3],
                           double *factor)
@@ -145,7 +148,7 @@ static void add_readings(double *plane, const struct neph_povray_reading *readin
         plane[i] += factor * readings[i].value;
 }
 
-/* Render the colours of one picture and add them to `light`. No pixel of a colour is brighter than
+/* Render the colours of one image and add them to `light`. No pixel of a colour exceeds
  * `bound_per_source` times its brightest source. */
 static enum neph_status add_picture(struct neph_povray_session *session, const char *name,
                                     struct neph_povray_pass pass, const struct sources *sources,
@@ -182,8 +185,8 @@ static enum neph_status add_picture(struct neph_povray_session *session, const c
     return status;
 }
 
-/* The largest part of one unit of irradiance that media of one phase function and albedo 1 could
- * send into a pixel: p(cos) (1 - T), as if no sunlight were lost on its way in. */
+/* Upper bound of the radiance in a pixel, per unit of irradiance, from media of one phase function
+ * and albedo 1: p(cos) (1 - T), without loss of sunlight on its way. */
 static double brightest_scattering_per_sr(const struct neph_povray_session *session,
                                           const struct neph_phase *phase)
 {
@@ -205,7 +208,7 @@ static double brightest_scattering_per_sr(const struct neph_povray_session *sess
     return brightest;
 }
 
-/* The densest that all media together could be, in any colour. */
+/* Upper bound of the extinction of all media together, in any colour. */
 static double densest_per_m(const struct neph_povray_session *session)
 {
     double sum_per_m = 0.0;
@@ -218,7 +221,8 @@ static double densest_per_m(const struct neph_povray_session *session)
     return sum_per_m;
 }
 
-/* pi / h of the light that any ray passes at the distance h: the integral of 1/d^2. */
+/* The largest pi / h over all pixels' rays, where h is the distance of ray and light: the integral
+ * of 1/d^2 along the ray. */
 static double closest_per_m(const struct neph_povray_session *session, struct neph_vec3 light_m)
 {
     const struct neph_shot *shot = &session->shot;
@@ -235,8 +239,8 @@ static double closest_per_m(const struct neph_povray_session *session, struct ne
     return most_per_m;
 }
 
-/* The largest part of one unit of radiant intensity that media of one phase function and albedo 1
- * could send into a pixel, of all lights: as if none were lost on its way and all were air. */
+/* Upper bound of the radiance in a pixel, per unit of radiant intensity, from media of one phase
+ * function and albedo 1 and from all lights, without loss of light on its way. */
 static double brightest_lamplight_per_m2(const struct neph_povray_session *session,
                                          const struct neph_phase *phase)
 {
@@ -264,7 +268,7 @@ static struct sources scattering_sources(const struct neph_povray_session *sessi
     return sources;
 }
 
-/* Was this medium's phase function the turn of an earlier medium? */
+/* Whether an earlier medium has the same phase function, so that its pass includes this medium. */
 static bool is_repeated(const struct neph_povray_session *session, int medium)
 {
     const struct neph_scene *scene = session->shot.scene;
@@ -299,7 +303,7 @@ enum neph_status neph_povray_add_volume(struct neph_povray_session *session,
     return status;
 }
 
-/* A picture is nowhere brighter than the brightest of its media were, if it were opaque. */
+/* Add the emission. No pixel exceeds the brightest medium as if it were opaque. */
 enum neph_status neph_povray_add_emission(struct neph_povray_session *session,
                                           struct neph_povray_light *volume, struct neph_diag *diag)
 {
@@ -312,7 +316,7 @@ enum neph_status neph_povray_add_emission(struct neph_povray_session *session,
     return add_picture(session, "emission", pass, &sources, 1.0, volume, diag);
 }
 
-/* From a point to a box, 0 inside. */
+/* Distance from a point to a box; 0 inside. */
 static double distance_m(const struct neph_bounds *box, struct neph_vec3 point_m)
 {
     const struct neph_vec3 out_m = {
@@ -322,7 +326,8 @@ static double distance_m(const struct neph_bounds *box, struct neph_vec3 point_m
     return neph_vec3_length(out_m);
 }
 
-/* Each light as bright as it is where the solid's box comes nearest to it; a ball is farther away.
+/* Add the lights as sources, each with its irradiance at the nearest point of the solid's bounding
+ * box, which is an upper bound for spheres.
  */
 static void add_lamplit(struct sources *sources, const struct neph_scene *scene,
                         const struct neph_solid *solid, struct neph_rgb color)

@@ -11,12 +11,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Renders of one image at rising (or falling) gains, at most. */
+/* Limit of renders of one image at different gains. */
 #define EXPOSURES_MAX 8
 
-/* ---- The program ----------------------------------------------------------------------------- */
+/* ---- the program ----------------------------------------------------------------------------- */
 
-/* The word after "POV-Ray " that starts with a digit, such as "3.7.0.10.unofficial". */
+/* Find the word after "POV-Ray " that starts with a digit, such as "3.7.0.10.unofficial". */
 static bool parse_version(const char *text, char version[64])
 {
     static const char name[] = "POV-Ray ";
@@ -47,9 +47,9 @@ const struct neph_external_renderer neph_povray = {
     .environment = environment,
 };
 
-/* ---- One child process ---------------------------------------------------------------------- */
+/* ---- one child process ----------------------------------------------------------------------- */
 
-/* The names of the files of one picture. The first two have no folder: POV-Ray runs beside them. */
+/* File names of one image. `scene` and `image` are relative: POV-Ray runs in their folder. */
 struct files {
     char scene[64], image[64];
     char *scene_path, *image_path, *log_path;
@@ -77,8 +77,8 @@ static enum neph_status name_files(const char *directory, const char *name, stru
     return neph_fail_memory(diag);
 }
 
-/* With POVINI naming it, it is the only one that is read: neither the system's, nor the user's in
- * ~/.povray, nor one in the working folder. It names no Library_Path; pictures need no other file
+/* The only ini file that POV-Ray reads when POVINI names it: neither the system's, nor the user's
+ * in ~/.povray, nor one in the working folder. It sets no Library_Path: images need no other files
  * than the volumes beside them. */
 static const char ini_name[] = "povray.ini";
 static const char ini_text[] =
@@ -148,7 +148,7 @@ static enum neph_status run_povray(struct neph_povray_session *session, const st
     return status;
 }
 
-/* The image must be there and of the right size; it is fresh because none was there before. */
+/* Read the image and check its size. No image existed before the run, so it is new. */
 static enum neph_status read_image(const struct neph_povray_session *session,
                                    const struct files *files, uint16_t **codes,
                                    struct neph_diag *diag)
@@ -190,9 +190,10 @@ enum neph_status neph_povray_image(struct neph_povray_session *session, const ch
     return status;
 }
 
-/* ---- One quantity --------------------------------------------------------------------------- */
+/* ---- one quantity ---------------------------------------------------------------------------- */
 
-/* A picture with one value in all channels is the first of three brackets, the others clamped. */
+/* Update the readings from an image. With photons all channels have the same value, so only the
+ * first bracket is used and the others count as clamped. */
 static void take_readings(const struct neph_povray_session *session, const uint16_t *codes,
                           double gain, struct neph_povray_reading *readings)
 {

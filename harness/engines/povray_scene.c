@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * What POV-Ray 3.7.0.10 does with media (its media.cpp; measured), and what follows here:
+ * Writes a scene as POV-Ray text. Behaviour of media in POV-Ray 3.7.0.10 (its media.cpp; measured),
+ * and the consequences here:
  * - Scattering is k(cos) * colour * light, k = 4 pi p; a surface is albedo * light * cos. With a
- *   light of E / pi the colour of the scattering is sigma_s / 4.
+ *   light of E / pi the scattering colour is sigma_s / 4.
  * - Where containers overlap, extinctions and scatterings add, but k is the plain mean of the k of
- *   all media present, absorbers included. So a picture holds the scattering of one phase function
- *   only, and every other medium in it is an absorber that names the same phase function.
- * - A ray that no light reaches, and every shadow ray, is sampled once when the medium with the
- *   most intervals (the first of them) is uniform. So beside a fog, uniform media ask for one
- *   interval less.
- * - Emission is radiance per unit of length, without a factor. Slabs with 200 intervals: within
- *   2e-5 of 1 - exp(-tau) at tau 0.01 to 4, and by -(tau / 200)^2 / 24, which is the midpoint
- *   rule's, at 10 and 20. Uniform media that emit are written as media of uneven density: unlit,
- *   they would be sampled once.
- * - A light of colour C fades by 2 C / (1 + (r / d)^2): 1/r^2 to (d / r)^2.
- *   Of a spot `tightness 0` leaves the smoothstep of the cosine between `radius` and `falloff`.
- * - Pigment and density functions wrap at 1: the densest place gets 0.999.
- * - Radiosity has the light of the background, too, and follows mirrors. `reflection` of a colour
- *   is that of a mirror at every angle; the highlights of rough metal are of no law of ours.
- * - Photons that a mirror throws arrive in a world of 1e4 units, and in one of 1e6 they do not. A
- *   photon has 8 bits a channel and one exponent for all three.
+ *   all media present, absorbers included. So an image contains the scattering of one phase
+ *   function only; every other medium in it is an absorber that names the same phase function.
+ * - A ray that no light reaches, and every shadow ray, is sampled once if the medium with the most
+ *   intervals (the first of them) is uniform. So beside a fog, uniform media get one interval less.
+ * - Emission is radiance per unit of length, without a factor. Error of slabs with 200 intervals:
+ *   within 2e-5 of 1 - exp(-tau) at tau 0.01 to 4; at tau 10 and 20 it is -(tau / 200)^2 / 24, the
+ *   error of the midpoint rule. Uniform emitting media are written as media of varying density:
+ *   otherwise they would be sampled once, because they are unlit.
+ * - A light of colour C fades by 2 C / (1 + (r / d)^2): 1/r^2 up to a relative error (d / r)^2. For
+ *   a spot, `tightness 0` gives the smoothstep of the cosine between `radius` and `falloff`.
+ * - Pigment and density functions wrap at 1: the densest point gets 0.999.
+ * - Radiosity includes the background and follows mirrors. `reflection` of a colour is the
+ *   reflectance of a mirror at every angle; highlights of rough metal follow no law of neph.
+ * - Photons reflected by a mirror arrive in a world of 1e4 units, but not in one of 1e6. A photon
+ *   has 8 bits per channel and one common exponent.
  * - Method 2 with one sample is the midpoint rule; methods 1 and 3 are random and biased.
  */
 #include "harness/engines/povray_scene.h"
@@ -38,7 +38,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
@@ -46,17 +46,18 @@ _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 static const double sun_distance_radii = 2.0; /* no distance exceeds 6e6 units */
 static const double density_peak = 0.999;
 
-/* Twice what float bounding boxes are off; see povray_world.c. */
+/* Twice the error of float bounding boxes; see povray_world.c. */
 static const double face_margin_units = 4.0;
-/* Cubes around a light, far more than the 1e-3 units that shadow rays ignore beside it. */
+/* Sizes of cubes around a light, much larger than the 1e-3 units that shadow rays ignore near
+ * it. */
 static const double hole_units = 0.01;
 static const double mask_units = 0.05;
 static const double fade_units = 1e-3;
 
-/* ---- Phase functions ------------------------------------------------------------------------ */
+/* ---- phase functions ------------------------------------------------------------------------- */
 
-/* The phase functions that POV-Ray has. Its phase factor k(cos) is 4 pi p(cos) times the excess:
- * Rayleigh's is 0.799372013 (1 + cos^2), whose mean over the sphere is 4/3 of the constant. */
+/* The phase functions of POV-Ray. Its phase factor k(cos) is 4 pi p(cos) times `excess`: Rayleigh's
+ * is 0.799372013 (1 + cos^2), with the mean 0.799372013 * 4/3 over the sphere. */
 static const struct povray_phase {
     enum neph_phase_kind kind;
     int type;
@@ -90,8 +91,8 @@ bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase 
     return a->kind == b->kind && a->g == b->g;
 }
 
-/* Places are found before the picture, down to each pixel, and none is added while it is made: that
- * would depend on the order of its threads. */
+/* Radiosity sample points are found before the final render, down to single pixels, and none is
+ * added during it: later points would depend on the order of the threads. */
 static void write_radiosity(struct neph_povray_writer *writer)
 {
     const struct neph_povray_world *world = writer->world;
@@ -122,8 +123,8 @@ static void write_header(struct neph_povray_writer *writer)
                     writer->world->units_per_m, writer->world->origin_m);
 }
 
-/* The lengths of up and right are the sides of the picture at the distance 1, or those of an
- * orthographic one in POV-Ray's units. */
+/* The lengths of up and right are the sides of the image plane at distance 1; for an orthographic
+ * camera, the sides of the view in POV-Ray's units. */
 static void write_camera(struct neph_povray_writer *writer)
 {
     const struct neph_camera *camera = &writer->world->camera;
@@ -140,7 +141,7 @@ static void write_camera(struct neph_povray_writer *writer)
                     neph_vec3_scale(camera->up, height), camera->forward);
 }
 
-/* Are sun and lights part of this picture? */
+/* Whether sun and lights are part of this image. */
 static bool is_lit(const struct neph_povray_writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
@@ -148,7 +149,7 @@ static bool is_lit(const struct neph_povray_writer *writer)
            kind != NEPH_POVRAY_DEPTH;
 }
 
-/* ---- Containers ------------------------------------------------------------------------------ */
+/* ---- containers ------------------------------------------------------------------------------ */
 
 static void box(struct neph_povray_writer *writer, struct neph_bounds bounds)
 {
@@ -171,9 +172,9 @@ static void copy_face(struct neph_bounds *to, int to_side, const struct neph_bou
     neph_povray_set_axis(to_side ? &to->max_m : &to->min_m, axis, neph_povray_axis(plane_m, axis));
 }
 
-/* The first parts of a difference: a box whose marked faces are cut from a larger one. POV-Ray's
- * bounding box of a difference is its first part's; which side of a marked face a ray begins on is
- * then decided by the cut, in doubles. */
+/* Write the first parts of a difference: a box whose marked faces are cut from a larger box.
+ * POV-Ray's bounding box of a difference is the box of its first part, so the cut, in doubles,
+ * decides on which side of a marked face a ray begins. */
 static void cut_box(struct neph_povray_writer *writer, const struct neph_bounds *bounds,
                     const bool is_marked[3][2])
 {
@@ -199,8 +200,9 @@ static bool has_marked_face(const struct neph_povray_container *container)
     return false;
 }
 
-/* A shadow ray is attenuated where it leaves a medium: around a light inside there is a hole for it
- * to leave by. A cube, for POV-Ray's spheres of that size are lost in their rounding. */
+/* Write the container of a medium. A shadow ray is attenuated where it leaves the medium, so a
+ * light inside gets a hole. The hole is a cube: POV-Ray's spheres of that size are lost in
+ * rounding. */
 static void write_container(struct neph_povray_writer *writer,
                             const struct neph_povray_container *container)
 {
@@ -224,9 +226,9 @@ static void write_container(struct neph_povray_writer *writer,
     neph_povray_put(writer, "\n ");
 }
 
-/* ---- Lights ---------------------------------------------------------------------------------- */
+/* ---- lights ---------------------------------------------------------------------------------- */
 
-/* Do media scatter light in this picture? */
+/* Whether media scatter light in this image. */
 static bool has_scattering(const struct neph_povray_writer *writer)
 {
     const enum neph_povray_kind kind = writer->pass->kind;
@@ -234,7 +236,8 @@ static bool has_scattering(const struct neph_povray_writer *writer)
            (kind == NEPH_POVRAY_BEAUTY && writer->world->scene->scattering != NEPH_SCATTERING_NONE);
 }
 
-/* What a spot lets through of a light all around, at a place x, y, z from it. */
+/* Write the cube around a masked spot: its transparency, as a function of the direction, is the
+ * angular falloff of the spot. */
 static void write_mask(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     static const bool all[3][2] = {{true, true}, {true, true}, {true, true}};
@@ -259,7 +262,8 @@ static void write_clear(struct neph_povray_writer *writer)
                     " hollow no_shadow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n");
 }
 
-/* Where a ray enters or leaves a cone, where it is wide enough not to be a plane. */
+/* Write an invisible cone that cuts rays at the border of a spot, unless the cone is so wide that
+ * it is nearly a plane. */
 static void write_cone_cut(struct neph_povray_writer *writer, const struct neph_light *light)
 {
     const double length = 2.0 * writer->world->radius_units;
@@ -272,8 +276,8 @@ static void write_cone_cut(struct neph_povray_writer *writer, const struct neph_
     write_clear(writer);
 }
 
-/* Clear cubes, which cut the rays of pixels and no shadow ray. As one object, whose bounding box is
- * the largest. */
+/* Write clear cubes, which cut the rays of pixels but no shadow rays. They are one object, whose
+ * bounding box is the largest cube. */
 static void write_cubes(struct neph_povray_writer *writer, const struct neph_povray_lamp *lamp,
                         struct neph_vec3 at_m)
 {
@@ -291,7 +295,8 @@ static bool is_masked(const struct neph_povray_writer *writer, int light)
     return has_scattering(writer) && writer->world->lamps[light].is_masked;
 }
 
-/* Beside the sources of light: masks of spots, and what cuts rays near a light (povray_lamps.h). */
+/* Write the objects around lights: masks of spots, and cuts of rays near a light
+ * (povray_lamps.h). */
 static void write_lamps(struct neph_povray_writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
@@ -331,7 +336,8 @@ static void write_cone(struct neph_povray_writer *writer, const struct neph_ligh
                         neph_vec3_add(light->position_m, light->axis));
 }
 
-/* As the sun's, of the irradiance at one metre: 1/2 of what it is at `fade_distance`. */
+/* Write the lights. Their colour is scaled like the sun's, for the irradiance at one metre;
+ * POV-Ray's fading is 1/2 at `fade_distance`, hence the factor. */
 static void write_lights(struct neph_povray_writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;
@@ -372,9 +378,9 @@ static void write_background(struct neph_povray_writer *writer)
     neph_povray_put(writer, " }\n\n");
 }
 
-/* ---- Media ---------------------------------------------------------------------------------- */
+/* ---- media ----------------------------------------------------------------------------------- */
 
-/* Is light that media emit part of this picture? */
+/* Whether the emission of media is part of this image. */
 static bool has_emission(const struct neph_povray_writer *writer)
 {
     enum neph_povray_kind kind = writer->pass->kind;
@@ -382,7 +388,7 @@ static bool has_emission(const struct neph_povray_writer *writer)
            (kind == NEPH_POVRAY_BEAUTY && neph_scene_emits(writer->world->scene));
 }
 
-/* Is a medium written without a density? */
+/* Whether a medium is written without a density. */
 static bool is_plain(const struct neph_povray_writer *writer, int index)
 {
     return writer->world->containers[index].uniform && !has_emission(writer);
@@ -397,7 +403,8 @@ static bool has_density(const struct neph_povray_writer *writer)
     return false;
 }
 
-/* Where no medium scatters, no sample needs a shadow ray, and four times as many are cheap. */
+/* The intervals of a medium. Images without scattering need no shadow rays, so four times as many
+ * are affordable. */
 static int intervals_of(const struct neph_povray_writer *writer, bool plain)
 {
     enum neph_povray_kind kind = writer->pass->kind;
@@ -405,7 +412,7 @@ static int intervals_of(const struct neph_povray_writer *writer, bool plain)
     if (kind == NEPH_POVRAY_SURFACE || kind == NEPH_POVRAY_EMISSION ||
         kind == NEPH_POVRAY_TRANSMITTANCE)
         intervals *= 4;
-    /* A spot cuts the ray at its cone, and each piece gets an interval at least. */
+    /* A spot cuts the ray at its cone, and each piece gets at least one interval. */
     const int most = NEPH_POVRAY_INTERVALS_MAX - 4 * writer->world->scene->light_count;
     if (intervals > most)
         intervals = most;
@@ -414,8 +421,8 @@ static int intervals_of(const struct neph_povray_writer *writer, bool plain)
     return intervals;
 }
 
-/* The scattering of one medium in this picture: its colour is sigma_s / 4, or 0 where the medium
- * only absorbs; see the top of this file. */
+/* Write the scattering of a medium in this image: its colour is sigma_s / 4, or 0 if the medium
+ * only absorbs in this image; see the top of this file. */
 static void write_scattering(struct neph_povray_writer *writer, const struct neph_medium *medium,
                              double extinction_per_unit)
 {
@@ -448,8 +455,8 @@ struct neph_grid neph_povray_grid(const struct neph_grid *grid)
     return scaled;
 }
 
-/* The file has a layer of zeros on every side; POV-Ray puts node i of N at i / N of a unit cube and
- * interpolates between nodes (notes in scenes/volume_file.h). */
+/* Write a density from voxels. The file has a layer of zeros on every side. POV-Ray puts node i of
+ * N at i / N of a unit cube and interpolates between nodes (notes in scenes/volume_file.h). */
 static void write_voxels(struct neph_povray_writer *writer, int index)
 {
     const struct neph_grid *grid = writer->world->scene->media[index].grid;
@@ -464,7 +471,7 @@ static void write_voxels(struct neph_povray_writer *writer, int index)
                     name, size_m, neph_vec3_sub(grid->origin_m, h));
 }
 
-/* The sum of the layers, relative to its value at the bottom of the container. */
+/* Write the sum of the fog layers, relative to its value at the bottom of the container. */
 static void write_layers(struct neph_povray_writer *writer, const struct neph_medium *medium,
                          const struct neph_povray_container *container)
 {
@@ -491,7 +498,7 @@ static void write_comment(struct neph_povray_writer *writer, const struct neph_m
     neph_povray_put(writer, "// Extinction %n%s", container->extinction_per_m, where);
 }
 
-/* Extinction of density 1 as the density is written, per unit of length. */
+/* The extinction per unit of length that belongs to a written density of 1. */
 static double extinction_per_unit(const struct neph_povray_writer *writer, int index)
 {
     const struct neph_povray_world *world = writer->world;

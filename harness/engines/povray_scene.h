@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scenes as POV-Ray 3.7 text. The text is made of fixed words and of numbers alone: no string of a
- * scene ever enters it, so no scene can make POV-Ray do anything but render.
+ * Scenes as POV-Ray 3.7 text. The text consists of fixed words and numbers only: no string of a
+ * scene enters it, so a scene cannot make POV-Ray do anything but render.
  */
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
 #define NEPH_HARNESS_ENGINES_POVRAY_SCENE_H
@@ -12,31 +12,32 @@
 
 #include <stdbool.h>
 
-/* POV-Ray's media abort above ("internal nesting limit"). */
+/* POV-Ray's media abort above this number ("internal nesting limit"). */
 #define NEPH_POVRAY_INTERVALS_MAX 256
 
-/* Directions that POV-Ray has for radiosity; of more it makes new ones. */
+/* The number of precomputed radiosity directions in POV-Ray. */
 #define NEPH_POVRAY_RAYS_MAX 1600
 
-/* The text of one pass, for the caller to free. */
+/* Make the text of one pass, for the caller to free. */
 enum neph_status neph_povray_text(const struct neph_povray_world *world,
                                   const struct neph_povray_pass *pass, char **text,
                                   struct neph_diag *diag);
 
-/* The name of the density file, beside the text, of a grid medium, by its index in the scene. */
+/* The name of the density file of a grid medium, beside the text; `index`: the medium's index in
+ * the scene. */
 void neph_povray_grid_name(int index, char name[NEPH_POVRAY_FILE_NAME_MAX]);
 
-/* The grid for that file: its largest density stays below full scale, where POV-Ray's patterns wrap
- * to 0. It shares the values of `grid`. */
+/* The grid for that file. Its largest density stays below full scale, where POV-Ray's patterns wrap
+ * to 0. The result shares the values of `grid`. */
 struct neph_grid neph_povray_grid(const struct neph_grid *grid);
 
-/* Do two phase functions have the same shape? */
+/* Whether two phase functions have the same shape. */
 bool neph_povray_same_phase(const struct neph_phase *a, const struct neph_phase *b);
 
 /* Whether POV-Ray has a phase function. */
 bool neph_povray_has_phase(enum neph_phase_kind kind);
 
-/* By how much POV-Ray's phase factor exceeds 4 pi times one that it has. */
+/* The ratio of POV-Ray's phase factor to 4 pi p, for a supported phase function. */
 double neph_povray_phase_excess(enum neph_phase_kind kind);
 
 #endif

@@ -7,13 +7,13 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* One digit of the depth: depth / range * base^place, wrapped at 1 by POV-Ray, in one channel. The
- * mean of three pigments is a third of their sum. */
+/* Write one digit of the depth in one channel: depth / range * base^place, wrapped at 1 by POV-Ray.
+ * The factor 3 compensates the mean of three pigments. */
 static void write_digit(struct neph_povray_writer *writer, int place)
 {
     static const char *const channels[] = {"<3,0,0>", "<0,3,0>", "<0,0,3>"};
@@ -36,7 +36,7 @@ static void declare_depth_texture(struct neph_povray_writer *writer)
     neph_povray_put(writer, "} } finish { ambient 0 diffuse 0 emission 1 } }\n\n");
 }
 
-/* What a lit solid does with light, behind its pigment. */
+/* Write the finish of a lit solid: its reflection properties, after its pigment. */
 static void write_finish(struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     const double metalness = solid->surface.metalness;
@@ -70,27 +70,27 @@ static void write_texture(struct neph_povray_writer *writer, const struct neph_s
     }
 }
 
-/* Whether the pass shows what a pattern looks like. */
+/* Whether the pass shows the solid's texture. */
 static bool shows_paint(const struct neph_povray_writer *writer, const struct neph_solid *solid)
 {
     return neph_is_textured(&solid->surface) &&
            (writer->pass->kind == NEPH_POVRAY_BEAUTY || writer->pass->kind == NEPH_POVRAY_SURFACE);
 }
 
-/* By the face of a place in cells from the middle of the box: `across_z`, `across_y` and
- * `across_x`, functions of the two coordinates in that face. A face is where |x|, |y| or |z| is
- * half of the side. */
+/* Select by the face of a point: `across_z`, `across_y` or `across_x`, each a function of the two
+ * coordinates in that face. Coordinates are in cells from the centre of the box; on a face |x|, |y|
+ * or |z| is half of the side. */
 static void write_by_face(struct neph_povray_writer *writer, const struct neph_solid *box,
                           const char *across_z, const char *across_y, const char *across_x)
 {
-    static const double within = 1.0 - 1e-9; /* POV-Ray's places on a face are rounded */
+    static const double within = 1.0 - 1e-9; /* POV-Ray's points on a face are rounded */
     const struct neph_vec3 side_m = neph_vec3_sub(box->box.max_m, box->box.min_m);
     const double half = 0.5 / box->surface.texture.cell_m * within;
     neph_povray_put(writer, "select(abs(x) - %n, select(abs(y) - %n, %s, %s), %s)", half * side_m.x,
                     half * side_m.y, across_z, across_y, across_x);
 }
 
-/* Patterns wrap at 1, so the two values are 1/4 and 3/4. */
+/* Write a checker. Patterns wrap at 1, so the two values are 1/4 and 3/4. */
 static void write_checker(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
     neph_povray_put(writer, " function { 0.25 + 0.5*abs(mod(");
@@ -99,8 +99,8 @@ static void write_checker(struct neph_povray_writer *writer, const struct neph_s
                     box->surface.texture.other);
 }
 
-/* The file's nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a unit cube,
- * its layer at 1/3 (as in write_voxels). */
+/* Write a noise. Its nodes, with zeros around them, lie at (i + 1) / (NEPH_NOISE_CELLS + 3) of a
+ * unit cube, its layer at 1/3 (as in write_voxels). */
 static void write_noise(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
     const struct neph_paint *noise = &box->surface.texture;
@@ -117,7 +117,7 @@ static bool is_noise(const struct neph_solid *solid)
            solid->surface.texture.pattern == NEPH_PATTERN_NOISE;
 }
 
-/* A pattern turns along where it stands before the turn. */
+/* Write a texture. It is evaluated at the place before the rotation, so it turns with the solid. */
 static void write_paint(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
     neph_povray_put(writer, " pigment {");
@@ -130,8 +130,8 @@ static void write_paint(struct neph_povray_writer *writer, const struct neph_sol
     write_finish(writer, box);
 }
 
-/* Before the texture, which does not turn along. Row i of POV-Ray's matrix is what becomes of unit
- * vector i. */
+/* Write the rotation of a solid, before its texture, which would otherwise not turn with it. Row i
+ * of POV-Ray's matrix is the image of unit vector i. */
 static void write_turn(struct neph_povray_writer *writer, const struct neph_solid *box)
 {
     const struct neph_vec3 middle_m = neph_vec3_scale(neph_vec3_add(box->box.min_m, box->box.max_m),
@@ -180,7 +180,7 @@ enum neph_status neph_povray_noise(int seed, struct neph_grid **grid, struct nep
         for (int i = 0; i < size[0]; i++)
             made->values[j * size[0] + i] = (float)neph_noise_value(seed, i, j);
     if (!status) {
-        made->maximum = 1.0F; /* what the file's largest number stands for */
+        made->maximum = 1.0F; /* value of the file's largest number */
         *grid = made;
     }
     return status;
@@ -195,7 +195,7 @@ static bool is_first_of_seed(const struct neph_scene *scene, int index)
     return true;
 }
 
-/* Noise of each seed, and where a coordinate lies in its file. */
+/* Declare the noise of each seed, and the map from a coordinate to its file. */
 static void declare_noises(struct neph_povray_writer *writer)
 {
     const struct neph_scene *scene = writer->world->scene;

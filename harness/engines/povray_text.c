@@ -6,10 +6,10 @@
 #include <math.h>
 #include <stdarg.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_POVRAY_KIND_COUNT == 6, "a new kind");
 
-/* Everything but fixed words goes through here. */
+/* Write a number. All text except fixed words passes through here. */
 static void number(struct neph_povray_writer *writer, double value)
 {
     if (!isfinite(value))
@@ -28,8 +28,8 @@ static void triple(struct neph_povray_writer *writer, double a, double b, double
     fputs(">", writer->stream);
 }
 
-/* Light: of the beauty as it is; else gain * value in three brackets, but for photons, which would
- * lose the darkest of them. */
+/* Write a colour of light. In BEAUTY it is the plain colour; else gain * value in three brackets.
+ * With photons all three are equal, because photons would lose the darkest bracket. */
 static void light_colour(struct neph_povray_writer *writer, struct neph_rgb value)
 {
     static const double alike[] = {1.0, 1.0, 1.0};
@@ -44,7 +44,7 @@ static void light_colour(struct neph_povray_writer *writer, struct neph_rgb valu
         triple(writer, scales[0] * bright, scales[1] * bright, scales[2] * bright);
 }
 
-/* A property of matter, without gain. */
+/* Write a colour of matter, without gain. */
 static void matter_colour(struct neph_povray_writer *writer, struct neph_rgb value)
 {
     const double grey = neph_povray_component(value, writer->pass->channel);

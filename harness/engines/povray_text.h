@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes the language of POV-Ray: fixed words, and numbers, colours and places by their kind.
+ * Writes POV-Ray's language: fixed words, and numbers, colours and positions by format letters.
  */
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_TEXT_H
 #define NEPH_HARNESS_ENGINES_POVRAY_TEXT_H
@@ -14,15 +14,14 @@ struct neph_povray_writer {
     FILE *stream;
     const struct neph_povray_world *world;
     const struct neph_povray_pass *pass;
-    bool not_a_number; /* something infinite or undefined was to be written */
+    bool not_a_number; /* an infinite or undefined number was written */
 };
 
-/* Write a text. In it stand for a value: %n a double, %i an int, %s fixed words, %v a vector, %p a
- * position in metres, which the macro P brings to units, %l the colour of light, and %m that of
- * matter. */
+/* Write a text. Formats: %n a double, %i an int, %s fixed words, %v a vector, %p a position in
+ * metres (the macro P converts it to units), %l a colour of light, %m a colour of matter. */
 void neph_povray_put(struct neph_povray_writer *writer, const char *text, ...);
 
-/* Whether light between solids is part of this image. */
+/* Whether this image includes light between solids. */
 bool neph_povray_has_radiosity(const struct neph_povray_writer *writer);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * POV-Ray's tolerances are fixed lengths and its bounding boxes are floats; both decide where a
- * container's face may stand. What is known of them (POV-Ray 3.7.0.10, measured and read in its
- * tracepixel.cpp, boxes.cpp and trace.cpp):
- * - A ray ignores hits nearer than 1e-4 units, a shadow ray those nearer than 1e-3 units to either
- *   of its ends.
- * - The media around the eye are those whose float bounding box and whose shape both hold it. In a
- *   world of 2e6 units the float box is off by up to 0.25 units, and an eye inside the shape and
- *   outside the float box sees a scene without this medium.
+ * Places a scene in POV-Ray's units. POV-Ray's tolerances are fixed lengths, and its bounding boxes
+ * are floats; both restrict the position of a container's faces (POV-Ray 3.7.0.10, measured and
+ * read in its tracepixel.cpp, boxes.cpp and trace.cpp):
+ * - A ray ignores hits nearer than 1e-4 units; a shadow ray ignores hits nearer than 1e-3 units to
+ *   either of its ends.
+ * - The media around the eye are those with the eye inside their float bounding box and inside
+ *   their shape. In a world of 2e6 units the float box is off by up to 0.25 units. An eye inside
+ *   the shape but outside the float box sees the scene without this medium.
  */
 #include "harness/engines/povray_world.h"
 
@@ -20,24 +20,24 @@
 
 #include <math.h>
 
-/* The radius of the blown-up world. POV-Ray ends rays at 1e7 units; the sun stands at twice the
- * radius, so that no distance exceeds 6e6. Where photons are shot the world is small. */
+/* The radius of the scaled world. POV-Ray ends rays at 1e7 units; the sun is at twice the radius,
+ * so no distance exceeds 6e6. With photons the world is small. */
 static const double world_radius_units = 2e6;
 static const double photon_world_radius_units = 1e4;
 
-/* Twice what POV-Ray ignores. */
+/* Twice the distances that POV-Ray ignores. */
 static const double hit_units = 2e-4;
 static const double face_gap_units = 2e-3;
 static const double face_step_units = 4e-3;
 enum { face_steps_max = 1000 };
-/* More than its float bounding boxes are off: 1/4 for coordinates up to 2e6, 1/8 more to round each
- * of a ray's own. */
+/* More than the error of float bounding boxes: 1/4 for coordinates up to 2e6, and 1/8 more for each
+ * rounded coordinate of a ray. */
 static const double float_units = 2.0;
 static const double solid_minimum_units = 0.02;
 
 static const double extinction_maximum_per_unit = 1e30; /* colours are floats */
 
-/* ---- The world ------------------------------------------------------------------------------ */
+/* ---- the world ------------------------------------------------------------------------------- */
 
 static const struct neph_bounds nothing = {{INFINITY, INFINITY, INFINITY},
                                            {-INFINITY, -INFINITY, -INFINITY}};
@@ -129,7 +129,8 @@ bool neph_povray_has_photons(const struct neph_scene *scene)
     return false;
 }
 
-/* The origin is put amid the solids: there POV-Ray's float bounding boxes must be finest. */
+/* Choose the scale and the origin. The origin is among the solids, where POV-Ray's float bounding
+ * boxes must be finest. */
 static void choose_units(struct neph_povray_world *world)
 {
     struct neph_bounds solids = nothing;
@@ -171,9 +172,10 @@ static enum neph_status check_solids(const struct neph_povray_world *world, stru
     return NEPH_OK;
 }
 
-/* How near the origins of pixels' rays come to a face's plane on either side of it [m]. */
+/* The smallest distances of ray origins from the plane of a face, on either side of it [m]. */
 struct nearness {
-    double inside_m, outside_m; /* an origin on the plane is inside; INFINITY: none on that side */
+    double inside_m, outside_m; /* an origin on the plane counts as inside; INFINITY: no origin on
+                                 * that side */
 };
 
 static void take_origin(struct nearness *near, double outward_m)
@@ -184,7 +186,7 @@ static void take_origin(struct nearness *near, double outward_m)
         near->inside_m = fmin(near->inside_m, -outward_m);
 }
 
-/* Coordinate `axis` of the origin of a pixel's ray. It is linear in the pixel's column and row. */
+/* Coordinate `axis` of the origin of a pixel's ray, which is linear in column and row. */
 static double origin_m(const struct neph_povray_world *world, int axis, int column, int row)
 {
     const struct neph_pixel_ray ray = neph_camera_ray(&world->camera, world->width_px,
@@ -192,8 +194,9 @@ static double origin_m(const struct neph_povray_world *world, int axis, int colu
     return neph_povray_axis(ray.origin_m, axis);
 }
 
-/* A perspective camera has one origin; an orthographic one has a row of them in each of its rows,
- * where those beside the plane are the nearest. */
+/* The nearest origins on both sides of a plane. A perspective camera has one origin. An
+ * orthographic camera has one per pixel; in each image row, the pixels next to the plane are the
+ * nearest. */
 static struct nearness nearest_origins(const struct neph_povray_world *world, int axis,
                                        double plane_m, double outward)
 {
@@ -219,8 +222,8 @@ static bool is_near(const struct neph_bounds *bounds, int axis, double plane_m, 
            fabs(neph_povray_axis(bounds->max_m, axis) - plane_m) < gap_m;
 }
 
-/* Is a face of a container on this plane too near to a solid's face, to an eye or to the face of
- * an earlier container? */
+/* Whether a container's face in this plane is too near to a solid's face, to an eye or to the face
+ * of an earlier container. */
 static bool is_crowded(const struct neph_povray_world *world, int container, int axis,
                        double plane_m)
 {
@@ -240,8 +243,8 @@ static bool is_crowded(const struct neph_povray_world *world, int container, int
     return false;
 }
 
-/* The plane to which a face is moved, in steps: outward, so that what the eye sees of the medium is
- * as long as before; away from an eye just outside, which would be inside. */
+/* Find a free plane for a face, in steps. The face moves outward, which keeps the visible length of
+ * the medium; it moves inward if an eye is just outside, which would otherwise end up inside. */
 static enum neph_status find_place(const struct neph_povray_world *world, int container, int axis,
                                    double outward, double *plane_m, struct neph_diag *diag)
 {
@@ -261,8 +264,8 @@ static enum neph_status find_place(const struct neph_povray_world *world, int co
                      "xyz"[axis], *plane_m, container + 1, gap_m, face_steps_max * fabs(step_m));
 }
 
-/* Move the faces of a container until they are alone: onto the inside of a solid that they touch,
- * where nothing is seen, or by a few 1e-9 of the world. */
+/* Move the faces of a container until no other face is near: to the inside of a solid that they
+ * touch, where they are invisible, or by a few 1e-9 of the world's size. */
 static enum neph_status separate_faces(struct neph_povray_world *world, int index,
                                        struct neph_diag *diag)
 {
@@ -319,7 +322,8 @@ static enum neph_status check_extinctions(const struct neph_povray_world *world,
     return NEPH_OK;
 }
 
-/* A solid that a pixel's ray meets nearer than POV-Ray takes for a hit would not be seen. */
+/* Refuse scenes in which a pixel's ray hits a solid nearer than POV-Ray's smallest hit distance:
+ * the solid would be invisible. */
 static enum neph_status check_hits(const struct neph_povray_world *world, struct neph_diag *diag)
 {
     const double nearest_m = hit_units / world->units_per_m;

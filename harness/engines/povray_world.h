@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A frame of a scene in POV-Ray's units: the boxes that hold the media, where their faces stand,
- * and how the rays of pixels are cut near point lights (povray_lamps.h).
+ * A frame of a scene in POV-Ray's units: the boxes around the media, the position of their faces,
+ * and the cuts of pixels' rays near point lights (povray_lamps.h).
  */
 #ifndef NEPH_HARNESS_ENGINES_POVRAY_WORLD_H
 #define NEPH_HARNESS_ENGINES_POVRAY_WORLD_H
@@ -10,36 +10,37 @@
 
 #include <stdbool.h>
 
-/* The box that holds one medium. */
+/* The box of one medium. */
 struct neph_povray_container {
-    bool used; /* false: the medium is empty */
+    bool used; /* false: the medium has no extinction */
     bool uniform;
     struct neph_bounds bounds; /* finite */
-    /* By axis, the lower face and the upper one: a pixel's ray begins so near to this face that
-     * POV-Ray's bounding box, whose numbers are floats, could leave the origin on its other side.
+    /* For each axis, lower and upper face: a pixel's ray starts so near to this face that POV-Ray's
+     * float bounding box could put its origin on the wrong side.
      */
     bool is_near_an_eye[3][2];
-    /* For extinction_color 1. Uniform: everywhere; fog: at the lowest height of the box; else the
-     * largest. */
+    /* For extinction_color 1. Uniform: everywhere; fog: at the bottom of the box; else the
+     * maximum. */
     double extinction_per_m;
 };
 
-/* Light between solids: rays from places whose light those around them share. */
+/* Radiosity settings: light between solids, from sample points that share their light with their
+ * surroundings. */
 struct neph_povray_radiosity {
-    int rays;           /* from a place; 0: there is no such light */
-    double error_bound; /* how different light may be that is shared, in POV-Ray's measure */
-    int photons;        /* that a mirror throws of the sun's light */
+    int rays;           /* rays per sample point; 0: no light between solids */
+    double error_bound; /* allowed difference of shared light, in POV-Ray's measure */
+    int photons;        /* photons of sunlight that mirrors reflect */
 };
 
-/* Cubes around a point light that cut the rays of pixels: each piece has all the intervals of the
+/* Cubes around a point light that cut the rays of pixels: each piece gets all intervals of the
  * medium. */
 enum { NEPH_POVRAY_CUBES_MAX = 16 };
 
-/* What a point light or spot needs beside its source, for povray_lamps.h to fill in. */
+/* Objects around a point light or spot, set by povray_lamps.h. */
 struct neph_povray_lamp {
-    bool is_masked; /* a spot: a point light in a cube that lets through what its cone does */
+    bool is_masked; /* a spot: a point light in a cube whose transparency has the spot's falloff */
     int cube_count;
-    double half_sides_m[NEPH_POVRAY_CUBES_MAX]; /* rising */
+    double half_sides_m[NEPH_POVRAY_CUBES_MAX]; /* ascending */
 };
 
 /* A frame of a scene, prepared for POV-Ray. */
@@ -48,29 +49,31 @@ struct neph_povray_world {
     struct neph_camera camera;
     int width_px, height_px;
     int intervals;
-    struct neph_povray_radiosity radiosity; /* for the caller to set; else 0 */
-    /* POV-Ray's tolerances are fixed lengths (1e-4 and 1e-3 units), and a container's face that
-     * near to a lit solid breaks its shadow. The world is blown up until they are small: position
-     * in units = units_per_m * (position - origin). */
+    struct neph_povray_radiosity radiosity; /* set by the caller; else 0 */
+    /* POV-Ray's tolerances are fixed lengths (1e-4 and 1e-3 units); a container face that near to a
+     * lit solid breaks its shadow. The world is scaled until these lengths are small: position in
+     * units = units_per_m * (position - origin). */
     double units_per_m;
     double radius_units; /* of the world */
     struct neph_vec3 origin_m;
     struct neph_povray_container containers[NEPH_SCENE_MEDIA_MAX];
-    double cut_error; /* bound on the error in transmittance of cutting open media */
-    /* Optical depth across the largest move of a container's face off other faces and eyes. */
+    double cut_error; /* error bound, in transmittance, of cutting unbounded media */
+    /* Optical depth across the largest displacement of a container's face, away from other faces
+     * and eyes. */
     double shift_error;
-    struct neph_povray_lamp lamps[NEPH_SCENE_LIGHTS_MAX]; /* of the scene's lights */
-    double depth_range_m; /* above the depth of all solids; 0: no solid in front of the camera */
+    struct neph_povray_lamp lamps[NEPH_SCENE_LIGHTS_MAX]; /* one for each light of the scene */
+    double depth_range_m; /* exceeds the depth of all solids; 0: no solid in front of the camera */
 };
 
-/* Prepare a frame. NEPH_ERR_UNSUPPORTED, with the reason in words, when its sizes are beyond
- * POV-Ray. Nothing to free; `scene` must outlive the world. Only scenes of fogs and grids
- * (baked_scene.h) can be written as text. */
+/* Prepare a frame. NEPH_ERR_UNSUPPORTED, with the reason: its sizes exceed POV-Ray's range. Nothing
+ * to free; `scene` must outlive the world. Only scenes of fogs and grids (baked_scene.h) can be
+ * written as text. */
 enum neph_status neph_povray_world(const struct neph_scene *scene, int frame, int width_px,
                                    int height_px, int intervals, struct neph_povray_world *world,
                                    struct neph_diag *diag);
 
-/* Does a mirror throw sunlight on others? Such a picture has the same value in all three channels.
+/* Whether a mirror reflects sunlight onto other solids. Such an image has the same value in all
+ * three channels.
  */
 bool neph_povray_has_photons(const struct neph_scene *scene);
 

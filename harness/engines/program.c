@@ -30,7 +30,7 @@ enum neph_status neph_program_home(const char *prefix, struct neph_scratch **hom
     return status ? neph_fail(diag, status, "%s (the folder of TMPDIR)", why.message) : NEPH_OK;
 }
 
-/* ---- what it writes -------------------------------------------------------------------------- */
+/* ---- its files ------------------------------------------------------------------------------- */
 
 struct neph_child_limits neph_program_limits(const struct neph_usage *before, int width_px,
                                              int height_px)
@@ -119,7 +119,7 @@ static enum neph_status run_version(const char *program, const char *home, doubl
     return status;
 }
 
-/* What comes before its name is about the folder it runs in. */
+/* Drop the text before the program's name: it depends on the folder. */
 static void start_with(const char *name, char *text)
 {
     const char *start = strstr(text, name);
@@ -171,7 +171,7 @@ enum neph_status neph_program_ask(const char *program, const char *name, double 
 
 /* ---- external renderers ---------------------------------------------------------------------- */
 
-/* The entries of the variable, which are not empty; NULL: there is none of that index. */
+/* The `index`-th non-empty entry of the environment variable; NULL: there is none. */
 static char *entry_of(const struct neph_external_renderer *renderer, int index)
 {
     const char *list = getenv(renderer->variable);

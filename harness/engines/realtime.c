@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `realtime`: the four-frame pipeline and temporal anti-aliasing, on the device that `march`
- * runs on. A single picture is the end of a sequence of its own.
+ * Engine `realtime`: the four-frame pipeline and temporal anti-aliasing, on the same device as
+ * `march`. A single frame is the end of a sequence with warm-up frames.
  */
 #include "harness/engines/engines.h"
 
@@ -22,17 +22,18 @@
 
 _Static_assert((int)NEPH_FLIGHT_PICTURES_MAX <= (int)NEPH_IN_FLIGHT_FRAMES, "pictures in flight");
 
-/* Whether warm-up frames stay on the device. Without the split the passes behind the march need
- * them on the CPU; and on a CPU device frames that are not read take a kernel of their own, which
- * costs more to compile than to read some small frames. */
+/* Whether warm-up frames stay on the device. Without the split, the passes after the march need
+ * them on the CPU. On a CPU device, frames that are not read back use another kernel, whose
+ * compilation takes longer than reading some small frames. */
 static bool stays_on_device(const struct neph_vulkan *vulkan, const struct neph_shot *shot)
 {
     const struct neph_rt_settings settings = neph_rt_settings_of(&shot->settings);
     return settings.shared.split != RT_SPLIT_NONE && !neph_vulkan_describe(vulkan).is_cpu;
 }
 
-/* The pictures before the first, as if the sequence had begun earlier: before picture 0 camera and
- * sun are held and the wind blows as in picture 0. A given frame is the first picture's. */
+/* Render the warm-up frames before the first frame, as if the sequence had begun earlier. Before
+ * frame 0 camera and sun stand still, and the wind blows as in frame 0. A given frame belongs to
+ * the first frame. */
 static enum neph_status warm_up(const struct neph_vulkan *vulkan, struct neph_realtime *realtime,
                                 const struct neph_shot *shot, struct neph_diag *diag)
 {
@@ -100,13 +101,14 @@ static enum neph_status label_passes(struct neph_image *image,
                : neph_frame_stats_set_pass(image, "sky", ending, neph_sky_gpu_s(&stats->sky), diag);
 }
 
-/* NaN: the picture needed no targets, and what the march itself has in memory is not counted. */
+/* Bytes of the render targets. NaN: the frame needed none, and the march's own memory is not
+ * counted. */
 static double of_targets(uint64_t bytes)
 {
     return bytes > 0 ? (double)bytes : NAN;
 }
 
-/* What comes again and again in a sequence with these settings, for the metrics of flicker. */
+/* Label the frame with the periods of these settings, for the flicker metrics. */
 static enum neph_status label_cycles(struct neph_image *frame, const struct neph_settings *values,
                                      struct neph_diag *diag)
 {
@@ -117,7 +119,7 @@ static enum neph_status label_cycles(struct neph_image *frame, const struct neph
     const bool rests = splits && settings.tile_index.override != RT_OVERRIDE_NONE;
     const struct {
         const char *name;
-        double period; /* frames; below 2: none */
+        double period; /* frames; below 2: no such period */
     } cycles[] = {
         {"slot", splits ? 4.0 : 0.0},
         {"TAA jitter", jitters ? neph_rt_jitter_length(settings.anti_aliasing.jitter_length,
@@ -160,7 +162,7 @@ static enum neph_status label(struct neph_image *image, const struct neph_realti
     return status ? status : label_passes(image, stats, diag);
 }
 
-/* Nothing of a scene that injects nothing. */
+/* Label injections; nothing for a scene without them. */
 static enum neph_status label_injections(struct neph_image *frame,
                                          const struct neph_injections *injections,
                                          const struct neph_realtime_stats *stats,
@@ -204,7 +206,7 @@ static enum neph_status submit(void *renderer, const struct neph_shot *shot,
     return neph_realtime_render(renderer, &picture, NULL, NULL, diag);
 }
 
-/* What is done before the passes, if it is. */
+/* Add the cost of work before the passes, if there was any. */
 static void add_before(const char *name, double gpu_s, struct neph_flight_cost *cost)
 {
     if (gpu_s > 0.0)
@@ -248,7 +250,7 @@ static const struct neph_gpu_renderer gpu = {.create = create,
                                              .leave_variants = leave_variants,
                                              .set_up_is_free = true};
 
-/* Where another lighting could, the reason says so. */
+/* Whether realtime can render the scene; if another lighting could, the reason says so. */
 static bool can_render(const struct neph_scene *scene, const struct neph_settings *settings,
                        char *reason, size_t reason_size)
 {
@@ -319,7 +321,7 @@ const struct neph_engine neph_engine_realtime = {
     .remembers = true,
     .takes_given = true,
     .injects = true,
-    .version = 6, /* 6: one mask of blue noise, which the seed shifts */
+    .version = 6, /* 6: one mask of blue noise, shifted by the seed */
     .shortcut_of = "march",
     .stochastic = true,
     .step = {.option = NULL},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `screen`: solids by direct light and what passes on a G-buffer make of the rest, as
- * games have it. What a screen cannot know is told by `neph study screen`.
+ * Engine `screen`: solids with direct light, and indirect light from screen-space passes on a
+ * G-buffer, as in games. `neph study screen` measures the error of the missing off-screen light.
  */
 #include "harness/engines/engines.h"
 
@@ -23,7 +23,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
            neph_float32_reaches(scene, reason, reason_size);
 }
 
-/* ---- passes in words ------------------------------------------------------------------------- */
+/* ---- descriptions of passes ------------------------------------------------------------------ */
 
 static void list_targets(unsigned targets, char *text, size_t size)
 {
@@ -53,9 +53,9 @@ static bool describe_pass(int index, struct neph_engine_pass *words)
     return true;
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
-/* The pictures before the first, as if the sequence had begun earlier; before picture 0 all stands
+/* Render the warm-up frames, as if the sequence had begun earlier; before frame 0 everything stands
  * still. */
 static enum neph_status warm_up(struct neph_screening *screen, const struct neph_shot *shot,
                                 struct neph_diag *diag)
@@ -85,7 +85,7 @@ static void destroy(void *renderer)
     neph_screening_destroy(renderer);
 }
 
-/* With "ambient_occlusion_ms" of a pass. */
+/* Render a frame, labelled with the times of its passes ("ambient_occlusion_ms"). */
 static enum neph_status frame(void *renderer, const struct neph_shot *shot,
                               struct neph_image **image, double *gpu_s, struct neph_diag *diag)
 {
@@ -101,8 +101,8 @@ static enum neph_status frame(void *renderer, const struct neph_shot *shot,
     return status ? status : neph_frame_stats_set(*image, "gpu_ms", 1e3 * *gpu_s, diag);
 }
 
-/* A picture is waited for before the next one goes: what its passes take is the same, what lies
- * between two pictures more than in flight. */
+/* Submit a frame and wait for it before the next one: the times of the passes are the same, but the
+ * gap between two frames is longer than with frames in flight. */
 static enum neph_status submit(void *renderer, const struct neph_shot *shot,
                                struct neph_flight_cost *cost, struct neph_diag *diag)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `sky`: an atmosphere around a ball from tables, as real-time renderers have it; on the
- * CPU in double precision, or on a Vulkan device in float32.
+ * Engine `sky`: a planet's atmosphere from tables, as real-time renderers do it; on the CPU in
+ * double precision, or on a Vulkan device in float32.
  */
 #include "harness/engines/engines.h"
 
@@ -105,7 +105,7 @@ static struct neph_sky_params params_of(const struct neph_settings *settings)
     };
 }
 
-/* ---- a picture ------------------------------------------------------------------------------- */
+/* ---- one frame ------------------------------------------------------------------------------- */
 
 static struct neph_rgb rgb(const double value[3])
 {
@@ -138,7 +138,7 @@ static enum neph_status render_on_cpu(const struct neph_shot *shot, struct neph_
     return status;
 }
 
-/* ---- pictures in a row ----------------------------------------------------------------------- */
+/* ---- sequences ------------------------------------------------------------------------------- */
 
 static bool is_on_device(const struct neph_shot *shot)
 {
@@ -225,7 +225,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return neph_sky_device_can(scene, &params, reason, reason_size);
 }
 
-/* The device counts, where there is one: its frames are its own. */
+/* Report the device, if there is one: its frames are different from the CPU's. */
 static void probe(const struct neph_engine *engine, struct neph_shared_device *device,
                   struct neph_engine_info *info)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `surfaces`: light between solids in clear air, parted as screen-space methods part it, in
- * double precision on the CPU, with its own noise beside every pixel (variance.*).
+ * Engine `surfaces`: light between solids in clear air, split into the parts that screen-space
+ * methods use, in double precision on the CPU, with the variance of every pixel (variance.*).
  */
 #include "harness/engines/engines.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engine `tracer`: our unbiased path tracer on a Vulkan device; the same device and environment
- * variables as engine `march`.
+ * Engine `tracer`: the unbiased path tracer on a Vulkan device; device and environment variables as
+ * of engine `march`.
  */
 #include "harness/engines/engines.h"
 #include "harness/engines/vulkan_device.h"
@@ -102,7 +102,7 @@ const struct neph_engine neph_engine_tracer = {
         "none; in a procedural cloud within a medium without end, light scattered once and seen "
         "against the sun at optical depths above 10 has a larger error than the frame says",
     .options = options,
-    .version = 11, /* 11: rays to a medium that is far for a float32 */
+    .version = 11, /* 11: rays to a medium that is far away for float32 */
     .probe = neph_vulkan_probe,
     .can_render = can_render,
     .render = render,

@@ -17,19 +17,19 @@
 enum { FORMAT = 2, GRID_SIDE = 4 };
 enum { FOG, VOXELS };
 
-/* Tolerances lie between what a working renderer is off by and the least fault that is looked for.
+/* Tolerances lie between the errors of a working renderer and the smallest fault to be found.
  * Measured in this scene with Blender 3.4, 4.3 and 5.2, three seeds each, and POV-Ray 3.7
- * (2026-11-29): transmittance is off by at most 9e-6, scattered light by 0.4 %, depth by 1.1e-6.
- * Transmittance in other scenes: at most 2.2e-4 (docs/blender.md); half or twice the density is
- * 0.22 off exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
+ * (2026-11-29): errors are at most 9e-6 in transmittance, 0.4 % in scattered light, 1.1e-6 in
+ * depth. Transmittance in other scenes: at most 2.2e-4 (results/blender). Half or twice the density
+ * differs by 0.22 from exp(-0.8). 0.02 is 90 times the former and an 11th of the latter. */
 static const double transmittance_slack = 0.02;
-/* A place without a medium has exactly 1; this is the error above, five times. */
+/* Transmittance without a medium is exactly 1; the slack is five times the error above. */
 static const double empty_transmittance = 0.999;
-/* Scattered light, the sum of 16 pixels of 64 paths: 50 times what was measured; a factor of 2, the
- * least of wrong units, is 0.5 or 1. */
+/* Scattered light, the sum of 16 pixels of 64 paths: 50 times the measured error. The smallest
+ * fault of wrong units is a factor of 2, an error of 0.5 or 1. */
 static const double radiance_slack = 0.2;
 /* Depth: an image of half floats rounds by 2^-11; this is twice as much. The distance along the ray
- * in place of that along the axis is 6 % off there, a place half a pixel beside the centre 14 %. */
+ * instead of along the axis is 6 % off, a position half a pixel from the centre 14 %. */
 static const double depth_slack = 1e-3;
 
 /* ---- the scene ------------------------------------------------------------------------------- */
@@ -43,7 +43,8 @@ static struct neph_medium medium_of(enum neph_medium_kind kind)
         .extinction_color = {1.0, 1.0, 1.0}};
 }
 
-/* Two media of optical depth 0.8 in the middle of each half, and a floor that is seen below. */
+/* Open the trial scene: two media of optical depth 0.8, in the middle of each half, and a visible
+ * floor below them. */
 enum neph_status neph_trial_open(bool with_voxels, struct neph_trial *trial, struct neph_diag *diag)
 {
     static const int size[3] = {GRID_SIDE, GRID_SIDE, GRID_SIDE};
@@ -85,7 +86,7 @@ void neph_trial_close(struct neph_trial *trial)
     neph_grid_destroy(trial->grid);
 }
 
-/* ---- what its images say --------------------------------------------------------------------- */
+/* ---- checks of the images -------------------------------------------------------------------- */
 
 static struct neph_ray_light truth_of(const struct neph_scene *scene, int column, int row)
 {
@@ -95,7 +96,7 @@ static struct neph_ray_light truth_of(const struct neph_scene *scene, int column
     return neph_transport_ray(scene, ray.origin_m, ray.direction);
 }
 
-/* A pixel in the middle of a medium. */
+/* Pixels in the middle of each medium and on the floor. */
 enum { FOG_COLUMN = 7, VOXELS_COLUMN = 16, MIDDLE_ROW = 4, FLOOR_ROW = 7 };
 
 static double transmittance_at(const struct neph_image *image, int column)
@@ -175,7 +176,7 @@ enum neph_status neph_trial_judge(const struct neph_trial *trial, const struct n
                : check_transmittance(scene, image, VOXELS_COLUMN, "voxels", diag);
 }
 
-/* ---- results of before ----------------------------------------------------------------------- */
+/* ---- cached results -------------------------------------------------------------------------- */
 
 char *neph_trial_file(const char *program, const char *data_file)
 {

@@ -54,7 +54,7 @@ static enum neph_status open_device(struct neph_open_device **device, struct nep
     return NEPH_OK;
 }
 
-/* Give up a device that cannot serve another user. */
+/* Close a device that cannot serve another user. */
 static void drop_unusable(struct neph_shared_device *shared)
 {
     if (shared->open && !neph_vulkan_is_usable(shared->open->vulkan))
@@ -93,7 +93,7 @@ void neph_shared_device_close(struct neph_shared_device *shared)
 
 /* ---- probing --------------------------------------------------------------------------------- */
 
-/* Outlives the call when the driver hangs. */
+/* The state of a search for a device; it outlives the call if the driver hangs. */
 struct search {
     struct neph_open_device *device;
     enum neph_status status;
@@ -106,7 +106,7 @@ static void search_device(void *context)
     search->status = open_device(&search->device, &search->diag);
 }
 
-/* Open a device, in bounded time; false: `info` says why there is none. */
+/* Open a device in bounded time; false: `info` has the reason. */
 static bool find_device(struct neph_open_device **device, struct neph_engine_info *info)
 {
     static const double limit_s = 30.0; /* lavapipe needs 0.1 s */

@@ -14,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A run between its store and its publication. `places` NULL: what it publishes is dropped. */
+/* Open the store, run the experiment once, publish the results. `places` NULL: the results are
+ * dropped. */
 static enum neph_status run_once(const struct neph_experiment *experiment, void *request,
                                  const char *store_folder, struct neph_shared_device *device,
                                  const struct neph_publication_places *places, bool quiet,
@@ -52,7 +53,8 @@ bool neph_experiment_operand(void *request, int index)
     return neph_cli_only_operand(request, index);
 }
 
-/* The request of a part; NULL: there are no more, or no memory. To free. */
+/* A copy of the request, changed to part `index`; for free(). NULL: there are no more parts, or
+ * memory is short. */
 static void *part_of(const struct parts *parts, int index)
 {
     void *request = malloc(parts->experiment->request_size);
@@ -65,12 +67,13 @@ static void *part_of(const struct parts *parts, int index)
     return NULL;
 }
 
-/* A part that fails fails again in the whole, where it is told. */
+/* Worker: render the parts that the queue gives it. A part that fails fails again in the main run,
+ * which reports the error. */
 static enum neph_status run_parts(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     const struct parts *parts = context;
     if (worker->index == 0)
-        return NEPH_OK; /* the whole comes next */
+        return NEPH_OK; /* this process runs the whole experiment afterwards */
     for (int index; !neph_interrupted() && (index = neph_worker_next(worker)) >= 0;) {
         char message[64];
         const double start_s = neph_wall_s();
@@ -122,14 +125,15 @@ static enum neph_status run_workers(const struct neph_experiment *experiment, co
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the main run ---------------------------------------------------------------------------- */
 
-/* The names of struct neph_experiment in OUTPUT; NULL: it has none. */
+/* Paths of the files of struct neph_experiment in OUTPUT; NULL: the experiment writes no such
+ * file. */
 struct paths {
     const char *store, *chart, *document, *csv;
 };
 
-/* The options that print all numbers. */
+/* The options that print all numbers, for the last line of the answer. */
 static const char *flags_of(const struct neph_cli_syntax *syntax)
 {
     for (const struct neph_cli_option *row = syntax ? syntax->options : NULL; row && row->name;
@@ -141,7 +145,7 @@ static const char *flags_of(const struct neph_cli_syntax *syntax)
 
 enum { FILES_MAX = 12 };
 
-/* The names of what an experiment writes. */
+/* The names of the files that an experiment writes; the list ends with NULL. */
 static void list_files(const struct neph_experiment *experiment, const char *files[FILES_MAX + 1])
 {
     const char *const fixed[] = {experiment->chart, experiment->document, experiment->csv,
@@ -226,7 +230,8 @@ enum neph_status neph_experiment_main(const struct neph_experiment *experiment, 
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
-/* The reference of a real-time method has its size. */
+/* Check the size with the engine and, for a real-time method, with its reference, which is rendered
+ * at the same size. */
 static enum neph_status check_size(const struct neph_job *job, struct neph_diag *diag)
 {
     const struct neph_engine *engine = job->engine;

@@ -18,24 +18,24 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Whoever hears looks up so often, whether somebody tells or not. */
+/* Time limit of one wait for messages; the receiver checks for interrupts this often. */
 enum { HEAR_EVERY_MS = 1000 };
 
-/* In memory that all processes see. */
+/* In memory that all processes share. */
 struct neph_pool_queue {
     atomic_int next;
 };
 
-/* The other processes. */
+/* The worker processes, seen from the process that started them. */
 struct crew {
     struct neph_pool_queue *queue;
-    int tell_fd, hear_fd; /* ends of a socket that keeps texts apart */
+    int tell_fd, hear_fd; /* ends of a SOCK_SEQPACKET socket, which keeps messages apart */
     pid_t *pids;
     int count;
     char *text; /* NEPH_POOL_TEXT_MAX bytes */
 };
 
-/* What each worker does. */
+/* The work of every worker. */
 struct duty {
     int workers;
     struct neph_shared_device *device;
@@ -57,7 +57,7 @@ void neph_worker_tell(const struct neph_worker *worker, const char *text)
         continue;
 }
 
-/* ---- the other processes --------------------------------------------------------------------- */
+/* ---- worker processes ------------------------------------------------------------------------ */
 
 static enum neph_status open_crew(int jobs, struct crew *crew, struct neph_diag *diag)
 {
@@ -84,7 +84,7 @@ static void close_end(int *fd)
     *fd = -1;
 }
 
-/* Results of all that have ended. */
+/* Free the memory of a crew, after its processes have ended. */
 static void close_crew(struct crew *crew)
 {
     if (crew->queue)
@@ -93,7 +93,7 @@ static void close_crew(struct crew *crew)
     free(crew->text);
 }
 
-/* In the new process: what is on the way to a file is its parent's to write. */
+/* The life of a worker process. It ends with _exit(): the parent writes the buffered output. */
 static void live(struct neph_worker *worker, pid_t parent, const struct duty *duty)
 {
     struct neph_diag diag = {.line = 0};
@@ -128,7 +128,8 @@ static void stop_all(const struct crew *crew)
         kill(crew->pids[i], SIGTERM);
 }
 
-/* One that crashed is told: its job comes once more here, and may crash again. */
+/* Wait for all workers. A crashed worker is reported; its job is done once more in this process,
+ * where it may crash again. */
 static void wait_for_all(const struct crew *crew, bool are_stopped)
 {
     for (int i = 0; i < crew->count; i++) {
@@ -141,14 +142,15 @@ static void wait_for_all(const struct crew *crew, bool are_stopped)
     }
 }
 
-/* ---- hearing --------------------------------------------------------------------------------- */
+/* ---- receiving messages ---------------------------------------------------------------------- */
 
-/* NULL: none for a while, or, when it is over, ever again. */
+/* The next message; NULL: none within HEAR_EVERY_MS, or, with `*is_over`, no worker can send any
+ * more. */
 static const char *next_text(const struct crew *crew, bool *is_over)
 {
     struct pollfd told = {.fd = crew->hear_fd, .events = POLLIN};
     *is_over = false;
-    if (poll(&told, 1, HEAR_EVERY_MS) <= 0) /* a signal ends it, too */
+    if (poll(&told, 1, HEAR_EVERY_MS) <= 0) /* a signal ends the wait as well */
         return NULL;
     const ssize_t length = recv(crew->hear_fd, crew->text, NEPH_POOL_TEXT_MAX - 1, 0);
     *is_over = length == 0 || (length < 0 && errno != EINTR);
@@ -158,7 +160,7 @@ static const char *next_text(const struct crew *crew, bool *is_over)
     return crew->text;
 }
 
-/* Until nobody is left who could tell. */
+/* Receive messages until all workers have closed their ends of the socket. */
 static enum neph_status hear_all(const struct crew *crew, neph_pool_hear *hear, void *context,
                                  struct neph_diag *diag)
 {
@@ -183,13 +185,13 @@ static enum neph_status run_parts(const struct duty *duty, neph_pool_hear *hear,
     for (int i = 0; i < duty->workers && !status; i++)
         status = start(&crew, i + 1, duty, diag);
     if (!status) {
-        close_end(&crew.tell_fd); /* that is left to those who tell */
+        close_end(&crew.tell_fd); /* only the workers send */
         status = hear_all(&crew, hear, duty->context, diag);
     }
     if (status)
         stop_all(&crew);
     close_end(&crew.tell_fd);
-    close_end(&crew.hear_fd); /* whoever waits to be heard need not */
+    close_end(&crew.hear_fd); /* unblocks workers that wait to send */
     wait_for_all(&crew, status != NEPH_OK);
     close_crew(&crew);
     return status;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph validate`, the main job: scenes over engines, measured against the highest rung of truth,
- * with gates.
+ * `neph validate` without a suite: scenes rendered by many engines, compared with the highest
+ * reference level, with gates.
  */
 #include "harness/experiments/validate.h"
 
@@ -10,14 +10,14 @@
 
 enum { TIER_SCENES_MAX = 16 };
 
-/* The scenes of a run: those that are named, or those of the tier. */
+/* The scenes of a run: the named scenes, or those of the tier. */
 struct chosen_scenes {
-    char **listed; /* the whole catalogue; owned; NULL: not wanted */
+    char **listed; /* the whole catalogue; owned; NULL: unused */
     const char *names[TIER_SCENES_MAX];
     struct neph_scene_plan plans[TIER_SCENES_MAX];
 };
 
-/* The scenes of a tier. A size or engines that the user names are those of all scenes. */
+/* Take the scenes of a tier. A size or engines given by the user apply to all scenes. */
 static void choose_planned(const struct neph_validate_request *request,
                            const struct neph_validate_tier *tier, struct chosen_scenes *chosen,
                            struct neph_validate_params *params)
@@ -56,7 +56,7 @@ static enum neph_status choose_scenes(const struct neph_validate_request *reques
     return status;
 }
 
-/* The engines of a tier, and other Blenders beside `cycles`. */
+/* Take the engines of a tier; `cycles` includes other Blender versions. */
 static void choose_engines(const char *const *wanted, const char *engines[NEPH_ENGINE_COUNT],
                            struct neph_validate_params *params)
 {

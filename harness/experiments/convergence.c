@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study convergence SCENE...`: after how many frames a preset of the real-time renderer is as
- * near to its reference as it gets, from a cold start (a cut, a loaded level).
+ * `neph study convergence SCENE...`: the number of frames after which the error of a real-time
+ * preset has settled, from a cold start (a cut, a loaded level).
  */
 #include "harness/experiments/experiments.h"
 
@@ -61,13 +61,13 @@ static const struct neph_cli_syntax syntax = {
            "  neph study convergence ridge_far --preset ours,ours+taa_jitter_length=8 --frames 128",
 };
 
-/* Errors that the table shows, as far as there are so many frames. */
+/* Frames with an error in the table, if the sequence is long enough. */
 static const int shown_frames[] = {1, 2, 4, 8, 16, 32, 64};
 enum { SHOWN = sizeof(shown_frames) / sizeof(shown_frames[0]) };
 
 static const double settled_within = 0.1;
 
-/* Errors of all frames, from a reading's document. */
+/* Read the errors of all frames from a measurement document. */
 static enum neph_status read_errors(const json_t *document, int count, double *errors,
                                     struct neph_diag *diag)
 {
@@ -90,9 +90,9 @@ static enum neph_status read_errors(const json_t *document, int count, double *e
     return NEPH_OK;
 }
 
-/* A preset over its scenes. */
+/* Sums of a preset over its scenes. */
 struct settled {
-    double frames, error; /* sums over the scenes, the first over those that settle */
+    double frames, error; /* `frames` only over scenes that settle */
     int scene_count, settled_count;
 };
 
@@ -187,7 +187,7 @@ static void begin_table(struct neph_table *table)
     }
 }
 
-/* Whether `a` settles before `b`: in more scenes, else earlier. */
+/* True when `a` settles in more scenes than `b`, or earlier in as many. */
 static bool is_before(const struct settled *a, const struct settled *b)
 {
     if (a->settled_count != b->settled_count)
@@ -201,7 +201,7 @@ static void answer(const struct request *request, const struct settled *sums,
     const int preset_count = request->presets.count, scene_count = request->shared.operand_count;
     int order[PRESETS_MAX];
     for (int p = 0; p < preset_count; p++) {
-        int place = p; /* an insertion: equals keep their order */
+        int place = p; /* insertion sort: equal presets keep their order */
         for (; place > 0 && is_before(&sums[p], &sums[order[place - 1]]); place--)
             order[place] = order[place - 1];
         order[place] = p;
@@ -231,7 +231,7 @@ static enum neph_status prepare(void *request_, struct neph_diag *diag)
     return neph_data_check_scenes(shared->operands, shared->operand_count, diag);
 }
 
-/* Every preset in every scene, before the first is rendered. */
+/* Check every preset with every scene before the first frame is rendered. */
 static enum neph_status check_jobs(const struct request *request,
                                    const struct neph_experiment_run *run, struct neph_diag *diag)
 {

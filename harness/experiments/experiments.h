@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The experiments that come with neph, a file each.
+ * The experiments that come with neph, one file each.
  */
 #ifndef NEPH_HARNESS_EXPERIMENTS_EXPERIMENTS_H
 #define NEPH_HARNESS_EXPERIMENTS_EXPERIMENTS_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Experiments that are flicker studies (study/flicker_study.h): what their requests have in common,
- * and how a study is published.
+ * Common parts of the experiments that are flicker studies (study/flicker_study.h): their requests,
+ * and the output of a study.
  */
 #ifndef NEPH_HARNESS_EXPERIMENTS_FLICKER_H
 #define NEPH_HARNESS_EXPERIMENTS_FLICKER_H
@@ -9,23 +9,23 @@
 #include "harness/experiment/experiment.h"
 #include "harness/study/flicker_study.h"
 
-/* A request begins with it. */
+/* The first member of each request of such an experiment. */
 struct neph_flicker_request {
-    struct neph_cli_shared shared; /* operands: the scenes, those of the suite once prepared */
+    struct neph_cli_shared shared; /* operands: the scenes; after preparation those of the suite */
     struct neph_cli_list takes;
     const char *suite;
     int first_seed, seed_count, frame_count, steps;
-    struct neph_arena arena; /* of the suite's scenes */
-    bool is_part;            /* for --jobs: of one scene, and of .. */
-    int part_preset;         /* .. one preset */
+    struct neph_arena arena; /* for the suite's scenes */
+    bool is_part;            /* a job of --jobs: one scene and */
+    int part_preset;         /* one preset */
 };
 
-/* Refuse a suite beside scenes. */
+/* Reject a suite together with scenes. */
 void neph_flicker_check_scenes(const void *request, const struct argp_state *state);
 
-/* Make operands of the suite, which is `otherwise` when there are no scenes either. Takes are the
- * first `take_count` of neph_study_takes. NEPH_ERR_USAGE: there is no such take or suite, or two
- * scenes share a name. */
+/* Replace missing operands by the scenes of the suite, by default `otherwise`. Takes must be among
+ * the first `take_count` of neph_study_takes. NEPH_ERR_USAGE: an unknown take or suite, or two
+ * scenes of the same name. */
 enum neph_status neph_flicker_prepare(struct neph_flicker_request *request, int take_count,
                                       const char *otherwise, struct neph_diag *diag);
 
@@ -34,14 +34,13 @@ struct neph_flicker_study_params neph_flicker_params(const struct neph_flicker_r
                                                      const char *const *presets, int preset_count,
                                                      const struct neph_experiment_run *run);
 
-/* As neph_experiment.part: a scene and a preset, and first all scenes with the first preset, so
- * that few references are rendered by two workers. */
+/* As neph_experiment.part: a job for each scene and preset. All scenes with the first preset come
+ * first, so that two workers seldom render the same reference. */
 bool neph_flicker_part(struct neph_flicker_request *request, int preset_count, int index);
 
 void neph_flicker_free(struct neph_flicker_request *request);
 
-/* Write a study that has run in all forms that are wanted. Errors: NEPH_ERR_MEMORY,
- * NEPH_ERR_INTERNAL. */
+/* Write a finished study in all requested forms. NEPH_ERR_MEMORY, NEPH_ERR_INTERNAL. */
 enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
                                       struct neph_publication *publication, struct neph_diag *diag);
 

@@ -49,7 +49,7 @@ static const struct neph_cli_syntax syntax = {
            "  neph study fog my_fog.yaml --model filament --markdown fog.md --csv fog.csv",
 };
 
-/* One model, or all of them. */
+/* `*model` is -1 for all models. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "two different names are all models");
 
 static enum neph_status read_models(const struct neph_cli_list *names, int *model,
@@ -99,7 +99,7 @@ static const struct neph_field numbers[] = {
     {{"fog_light", "fog's light over the sphere, %", .format = "%+.1f", .scale = 100.0},
      AT(fog_light)},
     {{.key = "all_light"}, AT(all_light)},
-    {{"fog_light_alone", "by the control alone", .format = "%+.1f", .scale = 100.0},
+    {{"fog_light_alone", "by only this control", .format = "%+.1f", .scale = 100.0},
      AT(fog_light_alone)},
     {{"all_light_alone", "all light by it", .format = "%+.1f", .scale = 100.0},
      AT(all_light_alone)},
@@ -110,10 +110,10 @@ static const struct neph_field numbers[] = {
     {{"lobe_over_sun", "lobe over sun", .format = "%.3f"}, AT(lobe_over_sun)},
 };
 #undef AT
-/* Numbers up to each of the two jumps, with it, and all. */
+/* End indices of the columns before each of the two discontinuities, including its size. */
 enum { TO_JUMP = 9, TO_LIGHT_JUMP = 11, NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
 
-/* The text of a jump that was just added. Smaller ones are rounding errors. */
+/* Replace the text of a discontinuity that was just added. Sizes below 1e-9 are rounding errors. */
 static void show_jump(struct neph_table *table, double jump, double at_m)
 {
     const double least_jump = 1e-9;
@@ -152,16 +152,18 @@ static void print_head(const struct neph_fog_study *study, FILE *out)
 {
     const struct neph_fog_study_params *params = study->params;
     fprintf(out,
-            "neph %s, %s: the controls of its fog_look, each alone, against engine exact; %dx%d "
-            "pixels and %d\ndirections over the sphere around the camera. Exact has a mean "
-            "radiance of %.4g W/m2/sr in the picture; over the\nsphere %.4g, of which the fog's "
-            "own light is %.4g.\n\n",
+            "neph %s, %s: the controls of its fog_look, each by itself, against engine exact; "
+            "%dx%d pixels and %d\n"
+            "directions over the sphere around the camera. Exact has a mean radiance of %.4g "
+            "W/m2/sr in the frame; over the\n"
+            "sphere %.4g, of which the fog's own light is %.4g.\n"
+            "\n",
             NEPH_VERSION, params->scene->name, params->width_px, params->height_px,
             params->directions, study->exact_radiance, study->exact_all_light,
             study->exact_fog_light);
 }
 
-/* Rows by their error of radiance, the largest first; a row that is NaN last. */
+/* Sort rows by radiance error, largest first; NaN last. */
 static int sort_rows(const struct neph_fog_study *study, int order[NEPH_FOG_ROWS_MAX])
 {
     int count = 0;

@@ -11,10 +11,11 @@
 enum { UNKNOWNS = 3 * NEPH_OCTAVES_FEATURES, ITERATIONS_MAX = 200 };
 _Static_assert(sizeof(struct neph_octaves_fit) == UNKNOWNS * sizeof(double), "nothing else");
 
-/* Share of the mean square in what is made small, beside the square of the bias. */
+/* Weight of the mean squared error relative to the squared bias. */
 static const double rms_share = 0.25;
 
-/* Share of the squares of the coefficients themselves: what no cell asks for stays small. */
+/* Weight of the squared coefficients (ridge regression): coefficients without influence stay
+ * small. */
 static const double ridge = 1e-2;
 
 /* ---- the model ------------------------------------------------------------------------------- */
@@ -68,7 +69,8 @@ static struct neph_light_sums sum_cell(const struct neph_light_cell *cell,
 
 /* ---- residuals ------------------------------------------------------------------------------- */
 
-/* Those of a part of a cell, if it counts: the bias, then each pixel. Returns how many. */
+/* Residuals of a part of a cell, if it has enough pixels: first the bias, then one for each pixel.
+ * Returns their number. */
 static int residuals_of_part(const struct neph_light_cell *cell, const struct neph_octaves_fit *fit,
                              enum neph_light_part part, double *residuals)
 {
@@ -95,7 +97,7 @@ static int residuals_of_part(const struct neph_light_cell *cell, const struct ne
     return count + 1;
 }
 
-/* All of them; returns how many. */
+/* All residuals; returns their number. */
 static int residuals_of(const struct neph_light_study *study, const struct neph_octaves_fit *fit,
                         double *residuals)
 {
@@ -128,9 +130,9 @@ struct search {
     const struct neph_light_study *study;
     struct neph_octaves_fit fit;
     double damping, squares;
-    int count;                 /* of residuals */
-    double *residuals, *moved; /* at `fit`, and at another */
-    double *slopes[UNKNOWNS];  /* of all residuals by each unknown */
+    int count;                 /* number of residuals */
+    double *residuals, *moved; /* at `fit`, and at a trial point */
+    double *slopes[UNKNOWNS];  /* Jacobian: all residuals by each unknown */
 };
 
 static struct neph_octaves_fit moved_by(const struct neph_octaves_fit *fit, const double *step)
@@ -142,7 +144,7 @@ static struct neph_octaves_fit moved_by(const struct neph_octaves_fit *fit, cons
     return moved;
 }
 
-/* Forward differences: a step of 1e-5 leaves half the digits of a double. */
+/* Jacobian by forward differences: a step of 1e-5 keeps half the digits of a double. */
 static void find_slopes(struct search *search)
 {
     for (int k = 0; k < UNKNOWNS; k++) {
@@ -174,7 +176,7 @@ static struct normal normal_of(const struct search *search)
     return normal;
 }
 
-/* Gaussian elimination; the damped matrix is positive definite and needs no pivots. */
+/* Gaussian elimination. The damped matrix is positive definite, so no pivoting is needed. */
 static void solve(struct normal normal, double damping, double step[UNKNOWNS])
 {
     for (int k = 0; k < UNKNOWNS; k++)
@@ -194,7 +196,7 @@ static void solve(struct normal normal, double damping, double step[UNKNOWNS])
     }
 }
 
-/* One step downhill, with as much damping as it takes; false: there is none. */
+/* One step of descent; raises the damping until the objective decreases. False: converged. */
 static bool descend(struct search *search)
 {
     find_slopes(search);

@@ -12,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every part. */
 _Static_assert(NEPH_LIGHT_PARTS == 2, "a new kind");
 
-/* A guess before the first is over, on two cores. */
+/* Estimate for two cores, until the first cell is done. */
 static const double cell_typical_s = 15.0;
 
-/* What the issue of light asks for. */
+/* Target values of the project for lighting models. */
 static const double bias_wanted = 0.05, worst_bias_wanted = 0.15, rms_wanted = 0.15;
 
 static struct neph_shot shot_of(const struct neph_light_study *study,
@@ -32,7 +32,7 @@ static struct neph_shot shot_of(const struct neph_light_study *study,
                               .device = study->run->device};
 }
 
-/* Radiance of the media in a pixel. */
+/* Radiance of the media in a pixel, averaged over the channels. */
 static double radiance_of(float *const volume[3], int pixel)
 {
     return ((double)volume[0][pixel] + (double)volume[1][pixel] + (double)volume[2][pixel]) / 3.0;
@@ -67,20 +67,20 @@ static enum neph_status measure_model(struct neph_light_study *study,
 {
     float *volume[3];
     if (!neph_image_rgb(frame, "volume", volume))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "its picture has no light of media");
+        return neph_fail(diag, NEPH_ERR_ENGINE, "its frame has no radiance of media");
     for (int p = 0; p < cell->pixel_count; p++)
         add_pixel(study, model, &cell->pixels[p], radiance_of(volume, p), gap);
     return NEPH_OK;
 }
 
-/* A cell's scene: with all orders of scattering, with one, and with all under a sun that has sunk
- * to its place; NULL where it stands still. */
+/* The variants of a cell's scene: multiple scattering, single scattering, and multiple scattering
+ * with a sinking sun (NULL: the sun is static). */
 struct scenes {
     struct neph_scene *multiple, *single, *moving;
 };
 
-/* With all orders of scattering, if the model takes that, else with one, if that. A model with a
- * warm-up keeps frames, and may see a sun that sinks. */
+/* Render a model with multiple scattering if it supports that, else with single scattering. Only a
+ * model with a warm-up has a history, and may get the sinking sun. */
 static enum neph_status run_model(struct neph_light_study *study, struct neph_light_cell *cell,
                                   int index, const struct scenes *scenes, struct neph_diag *diag)
 {
@@ -112,7 +112,7 @@ static enum neph_status run_model(struct neph_light_study *study, struct neph_li
 
 /* ---- a cell ---------------------------------------------------------------------------------- */
 
-/* What a tenth of the pixels with media have more of; NaN where none has. */
+/* The 90th percentile of the optical depth over the pixels with media; NaN without any. */
 static enum neph_status find_depth(struct neph_light_cell *cell, struct neph_diag *diag)
 {
     int count = 0;
@@ -166,7 +166,7 @@ static enum neph_status trace_cell(const struct neph_light_study *study,
     }
     if (!status && !(neph_image_rgb(frames[0], "volume", first) &&
                      neph_image_rgb(frames[1], "volume", second)))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's picture has no light of media");
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's frame has no radiance of media");
     if (!status && study->request->only_cell < 0) {
         cell->noise = neph_noise_of_two(frames[0], frames[1]);
         status = find_pixels(study, scene, first, second, cell, diag);
@@ -210,7 +210,8 @@ static enum neph_status light_anew(const struct neph_light_study *study,
     return status;
 }
 
-/* What breaks is news of one cell; what ends the run goes on. */
+/* Measure a cell. An engine failure is recorded in the cell; errors that end the run are
+ * returned. */
 static enum neph_status try_cell(struct neph_light_study *study, const struct neph_scene *scene,
                                  const struct neph_relight *light, struct neph_light_cell *cell,
                                  struct neph_diag *diag)
@@ -240,7 +241,7 @@ static enum neph_status try_cell(struct neph_light_study *study, const struct ne
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the study ------------------------------------------------------------------------------- */
 
 int neph_light_cell_count(const struct neph_light_request *request)
 {
@@ -297,7 +298,7 @@ static enum neph_status run_cells(struct neph_light_study *study,
     return status;
 }
 
-/* All cells of an entry have one scene; data that is not here is news of them all. */
+/* All cells of an entry share one scene, so missing data affects all of them. */
 static enum neph_status run_entry(struct neph_light_study *study,
                                   const struct neph_light_entry *entry,
                                   struct neph_light_cell *cells, struct neph_diag *diag)
@@ -320,7 +321,7 @@ enum neph_status neph_light_measure(struct neph_light_study *study, struct neph_
     const struct neph_light_request *request = study->request;
     study->progress = neph_progress_start(study->run->quiet, 0);
     enum neph_status status = prepare(study, diag);
-    int first = 0; /* cell of the entry */
+    int first = 0; /* first cell of the entry */
     for (int i = 0; i < request->entry_count && !status; i++) {
         const int end = first + neph_light_entry_count(&request->entries[i]);
         if (request->only_cell < 0 || (request->only_cell >= first && request->only_cell < end))
@@ -329,7 +330,7 @@ enum neph_status neph_light_measure(struct neph_light_study *study, struct neph_
     }
     neph_progress_end(&study->progress);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }
 
@@ -369,7 +370,7 @@ void neph_light_verdict_add(struct neph_light_verdict *verdict, const struct nep
 
 void neph_light_verdict_end(struct neph_light_verdict *verdict)
 {
-    const double count = verdict->cell_count; /* 0 makes NaN of all but the worst */
+    const double count = verdict->cell_count; /* 0 gives NaN */
     verdict->mean_bias /= count;
     verdict->mean_signed_bias /= count;
     verdict->mean_rms /= count;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The plot is drawn here and not by Vega, so that a study on a machine without node has it.
+ * Draws the plot of the light study without Vega, so that it needs no Node.
  */
 #include "harness/experiments/light.h"
 
@@ -14,8 +14,8 @@ enum { TILE = 46, SQUARE = NEPH_LIGHT_BINS * TILE, LEFT = 80, TOP = 80, ACROSS =
 
 static const char *const dark = "#2b5c9e", *const bright = "#b5442c";
 
-/* A tile is as opaque as its ratio is off, fully at a factor of 4: blue is too dark, red too
- * bright. */
+/* The opacity of a tile grows with the error of its ratio, up to a factor of 4. Blue is too dark,
+ * red too bright. */
 static double opacity_of(double ratio)
 {
     return fmin(fabs(log2(fmax(ratio, 1e-3))) / 2.0, 1.0);
@@ -43,7 +43,7 @@ static void print_edge(double edge, FILE *out)
         fputs("∞", out);
 }
 
-/* Numbers stand at the lines between tiles. */
+/* The labels are at the lines between tiles. */
 static void draw_edges(enum neph_light_axis x, int left_px, int top_px, FILE *out)
 {
     for (int i = 0; i <= NEPH_LIGHT_BINS; i++) {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every part. */
 _Static_assert(NEPH_LIGHT_PARTS == 2, "a new kind");
 
 static const char *const part_names[NEPH_LIGHT_PARTS] = {"dense parts", "whole picture"};
@@ -19,14 +19,14 @@ static double degrees(double angle_rad)
     return angle_rad / NEPH_RAD_PER_DEG;
 }
 
-/* Where the sun stands as seen by the camera. */
+/* The side of the sun from the camera. */
 static const char *side_of(const struct neph_light_cell *cell)
 {
     const double from_ahead = fabs(degrees(cell->light.sun_azimuth_rad));
     return from_ahead < 60.0 ? "in front" : from_ahead <= 120.0 ? "beside" : "behind";
 }
 
-/* A column of each model. */
+/* A column for each model. */
 static void add_model_columns(const struct neph_light_study *study, struct neph_table *table)
 {
     for (int model = 0; model < study->request->models.count; model++)
@@ -47,12 +47,12 @@ static void print_head(const struct neph_light_study *study, FILE *out)
             request->shared.size.height_px, request->steps, request->noise, request->samples);
     if (request->sun_speed_deg_per_s > 0.0)
         fprintf(out,
-                "What remembers pictures has seen the sun sink by %g degrees a second, 60 "
-                "pictures a second, to its place.\n",
+                "Models with a history have rendered the sun sinking to its place by %g degrees a "
+                "second, at 60 frames a second.\n",
                 request->sun_speed_deg_per_s);
 }
 
-/* Once for each model: why it has nothing, or not what others have. */
+/* Print once for each model why it has no result, or only single scattering. */
 static void print_notes(const struct neph_light_study *study, FILE *out)
 {
     for (int model = 0; model < study->request->models.count; model++)
@@ -117,14 +117,14 @@ static json_t *verdict_json(const struct neph_light_study *study, int model,
                             VERDICT_FIELDS, &verdict);
 }
 
-/* ---- by the properties of cells -------------------------------------------------------------- */
+/* ---- groups of cells ------------------------------------------------------------------------- */
 
 enum key { KEY_SCENE, KEY_SUN, KEY_G, KEY_ALBEDO, KEY_DEPTH, KEYS };
 static const char *const key_titles[KEYS] = {"cloud", "sun", "g", "albedo", "optical depth"};
 
 enum { WORD_SIZE = 96 };
 
-/* Cells with this value of a key. */
+/* A group: the cells with this value of a key. */
 struct match {
     enum key key;
     char word[WORD_SIZE];
@@ -162,7 +162,7 @@ static bool is_match(const struct neph_light_cell *cell, const void *context)
     return strcmp(match_of(cell, match->key).word, match->word) == 0;
 }
 
-/* Whether no cell before has the word. */
+/* True when no earlier cell is in the group. */
 static bool is_first(const struct neph_light_study *study, int cell, const struct match *match)
 {
     for (int i = 0; i < cell; i++)
@@ -201,9 +201,9 @@ static void print_key(const struct neph_light_study *study, enum key key, enum n
     neph_publication_table(publication, &table);
 }
 
-/* ---- along the axes -------------------------------------------------------------------------- */
+/* ---- bins of the axes ------------------------------------------------------------------------ */
 
-/* All pixels of a bin of an axis. */
+/* All pixels in a bin of an axis. */
 static struct neph_light_sums sums_along(const struct neph_light_study *study, int model,
                                          enum neph_light_axis axis, int bin)
 {
@@ -302,18 +302,19 @@ static void print_text(const struct neph_light_study *study, struct neph_publica
             print_key(study, (enum key)key, (enum neph_light_part)part, publication);
     for (int axis = 0; axis < NEPH_LIGHT_AXES; axis++)
         print_axis(study, (enum neph_light_axis)axis, publication);
-    fprintf(publication->text,
-            "\nIn the next tables the sun's elevation and azimuth are in degrees, and azimuth "
-            "0 is where the camera looks, 180 behind it; a tenth of a cell's pixels with media "
-            "have more than its optical depth; noise is what the tracer's leaves of its mean, "
-            "in %%.\n");
+    fprintf(
+        publication->text,
+        "\n"
+        "In the next tables the sun's elevation and azimuth are in degrees, and azimuth 0 is the "
+        "direction of the camera, 180 behind it; a tenth of a cell's pixels with media have more "
+        "than its optical depth; noise is the standard error of the tracer's mean, in %%.\n");
     for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
         print_cells(study, (enum neph_light_part)part, publication);
 }
 
 /* ---- CSV ------------------------------------------------------------------------------------- */
 
-/* What is not finite is no number. */
+/* Values that are not finite become missing numbers. */
 static void add_finite(struct neph_table *table, int count, const double *values)
 {
     for (int i = 0; i < count; i++)
@@ -461,9 +462,9 @@ static json_t *make_json(const struct neph_light_study *study)
                      verdicts, "cells", cells, "axes", axes, "maps", maps);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------- */
+/* ---- complete output ------------------------------------------------------------------------- */
 
-/* The laws below the study. */
+/* Print the laws after the study. */
 static enum neph_status print_laws(const struct neph_light_study *study, FILE *out,
                                    struct neph_diag *diag)
 {
@@ -477,7 +478,7 @@ static enum neph_status print_laws(const struct neph_light_study *study, FILE *o
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* Cells in which one model is nearer than another in the mean, and the other way round. */
+/* Count the cells in which the |bias| of one model is smaller than the other's, and larger. */
 static void count_nearer(const struct neph_light_study *study, int model, int other, int *nearer,
                          int *farther)
 {
@@ -493,7 +494,7 @@ static void count_nearer(const struct neph_light_study *study, int model, int ot
     }
 }
 
-/* By the mean of |bias| in dense parts, the smallest first; models without a number last. */
+/* Sort by mean |bias| in dense parts, smallest first; models without a number last. */
 static void sort_models(const struct neph_light_study *study,
                         struct neph_light_verdict verdicts[NEPH_LIGHT_MODELS_MAX],
                         int order[NEPH_LIGHT_MODELS_MAX])

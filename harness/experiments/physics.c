@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph validate --suite physics`: engines against truth that needs no renderer.
+ * `neph validate --suite physics`: engines against references that need no renderer.
  */
 #include "harness/experiments/validate.h"
 
 #include "harness/physics/physics.h"
 
-/* In the report of a validation without scenes. */
+/* Put the suite into the report of a validation without scenes. */
 static void take(struct neph_physics *physics, struct neph_validation *validation)
 {
     validation->title = "Nephelometer physics suite";

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study post SCENE...`: what each stage of the picture chain, on and off, makes of the error
- * and the flicker of a real-time renderer.
+ * `neph study post SCENE...`: the influence of each stage of the post-processing chain on error and
+ * flicker of a real-time renderer, with the stage alone on the tone curve and removed from the
+ * whole chain.
  */
 #include "harness/experiments/experiments.h"
 
@@ -25,7 +26,7 @@ enum { ROWS_MAX = 40, SCENES_MAX = 32, SETTINGS_MAX = 400 };
 
 struct request {
     struct neph_cli_shared shared; /* operands: the scenes */
-    struct neph_cli_list chains;   /* words in their names; none: all */
+    struct neph_cli_list chains;   /* texts in their names; none: all chains */
     const char *preset;            /* of realtime: "NAME" or "NAME+KEY=VALUE+..." */
     int frames, warm_up, steps, seed;
     double rate_hz;
@@ -75,14 +76,14 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Put frames of the real-time renderer and their reference through the same picture "
-           "chains, each stage by itself and each removed from the whole chain, and print how "
-           "error and flicker change: before the tone curve, and as a display shows the "
-           "frames.\vThe reference is the ray marcher with the same lighting, averaged over 16 "
-           "rays a pixel. The reference gets no grain, which is noise and counts as noise. "
-           "Chains without automatic exposure have the exposure that automatic exposure would "
-           "find for the reference. Finished frames stay in DIR/store; DIR/post.svg is the "
-           "chart.\n\n"
+    .doc = "Put frames of the real-time renderer and their reference through the same "
+           "post-processing chains, each stage by itself and each removed from the whole chain, "
+           "and print how error and flicker change: before the tone curve, and as a display shows "
+           "the frames.\vThe reference is the ray marcher with the same lighting, averaged over 16 "
+           "rays a pixel. The reference gets no grain, which is noise and counts as noise. Chains "
+           "without automatic exposure have the exposure that automatic exposure would find for "
+           "the reference. Finished frames stay in DIR/store; DIR/post.svg is the chart.\n"
+           "\n"
            "Examples:\n"
            "  neph study post fence_backlit voxel_grid --markdown post.md\n"
            "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
@@ -91,7 +92,7 @@ static const struct neph_cli_syntax syntax = {
 
 /* ---- chains ---------------------------------------------------------------------------------- */
 
-/* The row that others are over. */
+/* The base row of the comparison. */
 #define BASE "Unreal's curve"
 #define WHOLE                                                                                      \
     "tone_map=unreal lut=on grain=1 vignette=0.5657 auto_exposure=on "                             \
@@ -148,12 +149,12 @@ struct study {
     const struct neph_experiment_run *run;
     struct neph_progress progress;
     struct neph_open_device *device;
-    struct neph_engine_info info;            /* of realtime */
-    struct neph_post_row rows[ROWS_MAX + 1]; /* that were chosen; ends with a NULL name */
+    struct neph_engine_info info;            /* of the realtime engine */
+    struct neph_post_row rows[ROWS_MAX + 1]; /* the chosen rows; ends with a NULL name */
     int row_count;
     char *names[SCENES_MAX]; /* of the scenes; owned */
     struct neph_post_numbers numbers[SCENES_MAX][ROWS_MAX];
-    int scene; /* at hand */
+    int scene; /* index of the current scene */
     struct neph_image **references;
 };
 
@@ -234,7 +235,7 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
     for (int i = 0; i < take->frame_count && !status; i++)
         if (!frames->images[i])
             status = neph_fail(diag, NEPH_ERR_INPUT,
-                               "so many frames of that size are not held in memory");
+                               "so many frames of that size do not fit in memory");
     if (!status)
         status = read_references(study, files, diag);
     const struct neph_post_film film = {
@@ -266,7 +267,7 @@ static enum neph_status run_scene(struct study *study, const struct neph_scene *
     enum neph_status status = neph_experiment_job(study->run, scene, &frames, &study->info,
                                                   &take.job, diag);
     study->progress.kind = KIND_REFERENCE;
-    if (!status) /* a step of this kind was expected of each scene */
+    if (!status) /* one step of this kind was already expected for each scene */
         neph_progress_expect(&study->progress, KIND_REFERENCE,
                              neph_reference_picture_count(scene, 0, take.frame_count) - 1, 0.0);
     if (!status)
@@ -363,7 +364,7 @@ static const struct neph_field numbers[] = {
 #undef AT
 enum { NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
 
-/* Which rows a table has. */
+/* The rows of a table. */
 enum part { ALONE, OF_WHOLE, ALL };
 
 static void add_rows(const struct study *study, int scene, enum part part, struct neph_table *table)
@@ -397,7 +398,7 @@ static void begin_table(const char *title, struct neph_table *table)
 static void print_table(const struct study *study, int scene, enum part part, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
-    begin_table(part == OF_WHOLE ? "out of the whole" : "alone, on the curve", &table);
+    begin_table(part == OF_WHOLE ? "out of the whole" : "each stage with the tone curve", &table);
     add_rows(study, scene, part, &table);
     if (table.cell_count > 0)
         fputc('\n', out);
@@ -446,7 +447,8 @@ static void print_csv(const struct study *study, struct neph_publication *public
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* A chain over the curve alone: factors of flicker and FLIP, geometric means over the scenes. */
+/* A chain relative to the tone curve by itself: factors of flicker and FLIP, geometric means over
+ * the scenes. */
 struct factors {
     int row;
     double seen, flip;
@@ -464,7 +466,8 @@ static double factor_of(const struct study *study, int row, int base, size_t at)
     return exp(sum / count);
 }
 
-/* Chains by what they make of flicker, the most first. Returns how many have a number. */
+/* Sort chains by their flicker factor, largest first. Returns the number of chains with a
+ * number. */
 static int sort_chains(const struct study *study, int base, struct factors list[ROWS_MAX])
 {
     int count = 0;
@@ -489,19 +492,19 @@ static void answer(const struct study *study, int base, struct neph_answer *answ
     struct factors list[ROWS_MAX];
     const int count = sort_chains(study, base, list);
     if (count == 0) {
-        neph_answer_add(answer, "not measured: no chain but the curve alone has a flicker");
+        neph_answer_add(answer, "not measured: no chain except the tone curve has a flicker");
         return;
     }
     const struct factors *most = &list[0], *least = &list[count - 1];
     neph_answer_add(answer,
-                    "most flicker: %s, %.3g times that of the curve alone; least: %s, %.3g "
+                    "most flicker: %s, %.3g times the flicker of the tone curve; least: %s, %.3g "
                     "times; %d chains over %d scene%s and 1 seed, no interval",
                     study->rows[most->row].name, most->seen, study->rows[least->row].name,
                     least->seen, count, scenes, scenes == 1 ? "" : "s");
     for (int i = 0; i < count; i++)
         if (i < EACH || i >= count - EACH)
             neph_answer_add(answer,
-                            "%s: flicker %.3g times, FLIP %.3g times that of the curve alone",
+                            "%s: flicker %.3g times, FLIP %.3g times the value of the tone curve",
                             study->rows[list[i].row].name, list[i].seen, list[i].flip);
 }
 
@@ -510,7 +513,7 @@ static enum neph_status write_results(const struct study *study,
 {
     struct neph_numbers_plot plot = {
         .rows = study->rows,
-        .over = "the curve alone",
+        .over = "the tone curve",
         .scene_count = study->request->shared.operand_count,
         .scenes = (const char *const *)study->names,
         .numbers = study->numbers[0],
@@ -539,10 +542,10 @@ static enum neph_status prepare(void *request, struct neph_diag *diag)
     const struct neph_cli_shared *shared = &post->shared;
     const struct neph_cli_size *size = &shared->size;
     if (!neph_take_fits(size->width_px, size->height_px, post->warm_up + post->frames)) {
-        neph_fail(diag, NEPH_ERR_USAGE,
-                  "%d frames of %d x %d pixels are more than 1 GiB, which is "
-                  "what is kept in memory",
-                  post->warm_up + post->frames, size->width_px, size->height_px);
+        neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "%d frames of %d x %d pixels need more than 1 GiB, the limit for frames in memory",
+            post->warm_up + post->frames, size->width_px, size->height_px);
         neph_hint(diag, "give fewer --frames, a shorter --warm-up, or a smaller --size");
         return NEPH_ERR_USAGE;
     }

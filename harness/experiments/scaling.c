@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph scaling SCENE`: how cost grows with pixels, steps, voxels, density and frames in a row.
+ * `neph scaling SCENE`: growth of the cost with pixels, steps, voxels, density and number of
+ * frames.
  */
 #include "harness/experiments/experiments.h"
 
@@ -10,29 +11,29 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_EXPONENT_VERDICTS == 4, "a new kind");
 
 struct request {
     struct neph_cli_shared shared;
     struct neph_scaling_params params;
     const char *against;
-    json_t *there; /* what `against` holds; owned */
+    json_t *there; /* contents of the file `against`; owned */
 };
 
 #define AT(member) .at = offsetof(struct request, member)
 static const struct neph_cli_option options[] = {
     {"preset", 0, NULL, "Preset of realtime, beside the march; PRESET+KEY=VALUE changes it",
      NEPH_CLI_ONE, AT(params.preset), "ours"},
-    {"other-device", 0, "FILE", "scaling.json of another device: times of the same pictures there",
+    {"other-device", 0, "FILE", "scaling.json of another device: times of the same frames there",
      NEPH_CLI_WORD, AT(against)},
-    {"untimed", 0, NULL, "No times: evaluations of density alone", NEPH_CLI_FLAG,
+    {"untimed", 0, NULL, "No times: only evaluations of density", NEPH_CLI_FLAG,
      AT(params.untimed)},
-    {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
+    {"retime", 0, NULL, "Repeat the timings that DIR/times.json has", NEPH_CLI_FLAG,
      AT(params.retimes)},
     {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
      1000000},
-    {.name = "size", .help = "Of the largest picture", .otherwise = "192x108"},
+    {.name = "size", .help = "Of the largest frame", .otherwise = "192x108"},
     {.name = "output",
      .help = "Folder of the store and of scaling.json",
      .otherwise = "out/scaling"},
@@ -142,8 +143,8 @@ static void print_lines(const struct neph_scaling *scaling, FILE *out)
         fprintf(out, "All media have closed forms: engine exact marches no ray, and evaluates no "
                      "density, whatever there is of them.\n");
     fprintf(out,
-            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": "
-            "within %.2g of what is wanted.\n",
+            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": within "
+            "%.2g of the expected exponent.\n",
             NEPH_EXPONENT_SAME);
 }
 
@@ -190,7 +191,7 @@ static json_t *scaling_json(const struct neph_scaling *scaling)
 
 /* ---- another device -------------------------------------------------------------------------- */
 
-/* The seconds there of the same picture; NaN: it was not timed. */
+/* The time of the same frame on the other device; NaN: not timed. */
 static double seconds_there(const json_t *document, const char *series, const char *axis, double x)
 {
     const json_t *lines = json_object_get(document, "lines");
@@ -268,7 +269,7 @@ static void answer(const struct neph_scaling *scaling, struct neph_answer *answe
                     scaling->scene, counts[NEPH_EXPONENT_EXPECTED],
                     2 * scaling->line_count - counts[NEPH_EXPONENT_NONE],
                     counts[NEPH_EXPONENT_OTHER], counts[NEPH_EXPONENT_UNTOLD]);
-    for (int worst = 1; worst >= 0; worst--) /* what is not as expected comes first */
+    for (int worst = 1; worst >= 0; worst--) /* unexpected exponents first */
         for (int i = 0; i < scaling->line_count; i++) {
             const struct neph_scaling_line *line = &scaling->lines[i];
             const bool is_other = line->work_verdict == NEPH_EXPONENT_OTHER ||
@@ -282,7 +283,7 @@ static void answer(const struct neph_scaling *scaling, struct neph_answer *answe
         }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the experiment -------------------------------------------------------------------------- */
 
 static enum neph_status run(void *request_, const struct neph_experiment_run *run,
                             struct neph_publication *publication, struct neph_diag *diag)

@@ -13,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every part. */
 _Static_assert(NEPH_SCREEN_PARTS == 3, "a new kind");
 
 static const double scene_typical_s = 30.0;
 
-/* Layers of the truth and of models. */
+/* Layers of the reference and of models. */
 static const struct {
     const char *layer, *on_screen, *colour;
 } parts[NEPH_SCREEN_PARTS] = {
@@ -61,19 +61,19 @@ static enum neph_status render(const struct neph_screen_study *study,
 
 /* ---- parts of a frame ------------------------------------------------------------------------ */
 
-/* A model (NULL: none yet) is compared with the truth, or with a second truth in its place. */
+/* A model (NULL: none yet), compared with the reference, or with a second reference instead. */
 struct compared {
     const struct neph_image *truth, *second, *model;
 };
 
-/* What a part of the truth is made of, and what a model has of it (NULL: nothing). */
+/* The layers of a part in the reference and in a model (NULL: missing). */
 struct layers {
     float *truth[3], *on_screen[3], *variance[3], *colour[3], *depth;
     float *model[3], *second_colour[3], *model_colour[3];
     bool has_colour, has_model;
 };
 
-/* Colours of a second truth are those of its own pixels, of a screen those of the truth. */
+/* A second reference has colours of its own; a screen-space model uses the reference's. */
 static void find_colours(const struct neph_image *image, const char *layer, float *const truth[3],
                          float *colours[3])
 {
@@ -101,13 +101,13 @@ static bool find_layers(const struct compared *compared, enum neph_screen_part p
            neph_image_rgb(truth, variance, layers->variance);
 }
 
-/* A pixel, its channels added as they count. */
+/* A pixel, as weighted sums over its channels. */
 struct sample {
     double truth, on_screen, model;
-    double error, own, beyond, noise; /* absolute, channel by channel */
+    double error, own, beyond, noise; /* absolute differences, summed over channels */
 };
 
-/* False where the frame has no such part. */
+/* False when the frame has no such part in this pixel. */
 static bool sample_of(const struct layers *layers, size_t pixel, struct sample *sample)
 {
     double colours = 0.0;
@@ -136,10 +136,10 @@ static bool is_lost(enum neph_screen_part part, const struct sample *sample)
     return sample->beyond > NEPH_SCREEN_LOST * (part == NEPH_SCREEN_AO ? 0.5 : sample->truth);
 }
 
-/* Sums over pixels; light relative to all of it, occlusion to the number of pixels. */
+/* Sums over pixels. Light is later divided by all light, occlusion by the number of pixels. */
 struct sums {
     int pixels, lost;
-    double all, known, gone; /* what errors are relative to: of all pixels, known, lost */
+    double all, known, gone; /* denominators: all pixels, known, lost */
     double error, bias, own, known_error, lost_error, noise, beyond;
 };
 
@@ -206,14 +206,14 @@ static int reason_of(const double shares[NEPH_SCREEN_LOSSES])
     return reason;
 }
 
-/* A frame, and its parts as far as it has them. */
+/* A frame with the layers of the parts that it has. */
 struct parted {
     const float *depth;
     struct layers layers[NEPH_SCREEN_PARTS];
     bool has[NEPH_SCREEN_PARTS];
 };
 
-/* Why a pixel is lost, and that it is. */
+/* Find the reasons for a pixel's losses, and mark it if it is lost. */
 static void mark_pixel(const struct neph_screen_study *study, const struct neph_scene *scene,
                        const struct neph_camera *camera, const struct parted *truth, int p,
                        double shares[NEPH_SCREEN_PARTS][NEPH_SCREEN_LOSSES],
@@ -237,7 +237,8 @@ static void mark_pixel(const struct neph_screen_study *study, const struct neph_
     }
 }
 
-/* Shares are means over surfaces; solids lie as the first frame has them. */
+/* Mark all lost pixels. The shares are means over surfaces; solids are where the first frame has
+ * them. */
 static enum neph_status find_lost_pixels(const struct neph_screen_study *study,
                                          const struct neph_scene *scene,
                                          const struct neph_image *frame,
@@ -268,7 +269,7 @@ static enum neph_status find_lost_pixels(const struct neph_screen_study *study,
     return NEPH_OK;
 }
 
-/* The frame under the marks: half as bright as it is, and lighter. */
+/* The grey image under the marks: half the brightness, plus an offset. */
 static enum neph_status show(const struct neph_scene *scene, const struct neph_image *frame,
                              uint8_t *grey, struct neph_diag *diag)
 {
@@ -300,17 +301,17 @@ static void measure_gaps(const struct compared *compared,
     }
 }
 
-/* What is true of a scene: frame by frame, and by Cycles, where it is wanted and can. */
+/* The references of a scene: each frame, and Cycles if requested and supported. */
 struct known {
     struct neph_image *truth, *cycles; /* owned */
-    struct neph_image **frames;        /* owned; one, where the scene is static */
-    int count, frame_count;            /* of the sequence; of `frames` */
+    struct neph_image **frames;        /* owned; a single frame for a static scene */
+    int count, frame_count;            /* frames of the sequence; elements of `frames` */
 };
 
 /* ---- flicker --------------------------------------------------------------------------------- */
 
-/* How many of the wanted frames the scene has, and how many of them differ. A solid that is turned
- * once, and stays so, has a motion, too. */
+/* Set the number of frames that the scene has, and the number of distinct ones. A solid with a
+ * single, constant rotation counts as motion, too. */
 static void count_frames(const struct neph_scene *scene, int wanted, struct known *known)
 {
     const bool moves = scene->frame_count > 1 &&
@@ -342,7 +343,7 @@ static void free_frames(struct neph_image **frames, int count)
     free(frames);
 }
 
-/* A model's sequence; `*ms`: the median that the device takes for a frame. */
+/* Render a model's sequence; `*ms` is the median time of the device for a frame. */
 static enum neph_status render_sequence(const struct neph_screen_study *study, int model,
                                         const struct neph_scene *scene, struct neph_image **frames,
                                         int count, double *ms, struct neph_diag *diag)
@@ -364,7 +365,7 @@ static enum neph_status render_sequence(const struct neph_screen_study *study, i
     return status;
 }
 
-/* As Unreal's curve shows it at the exposure that an eye finds for the truth. */
+/* Measure display errors with Unreal's tone curve, at the automatic exposure of the reference. */
 static enum neph_status measure_frames(const struct neph_screen_study *study,
                                        const struct neph_scene *scene, const struct known *known,
                                        struct neph_image *const *frames,
@@ -422,7 +423,8 @@ static enum neph_status run_model(struct neph_screen_study *study, int model, in
                : measure_flicker(study, model, scene, known, &study->flicker[s][model], diag);
 }
 
-/* Cycles finds no light that a mirror throws; where it cannot, the scene has no second truth. */
+/* Render the second reference. Cycles does not find light that a mirror reflects onto surfaces;
+ * scenes that it cannot render have no second reference. */
 static enum neph_status run_cycles(const struct neph_screen_study *study,
                                    const struct neph_scene *scene, struct known *known,
                                    struct neph_screen_scene *result, struct neph_diag *diag)
@@ -445,7 +447,7 @@ static enum neph_status run_cycles(const struct neph_screen_study *study,
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-/* What of the truth is lost, and where; it needs no model. */
+/* Measure the lost parts of the reference, which need no model. */
 static enum neph_status measure_truth(struct neph_screen_study *study,
                                       const struct neph_scene *scene,
                                       const struct neph_image *truth,
@@ -489,7 +491,7 @@ static enum neph_status run_scene(struct neph_screen_study *study, int s, struct
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the study ------------------------------------------------------------------------------- */
 
 static enum neph_status prepare_truth(const struct neph_screen_study *study,
                                       const struct neph_engine *engine, int samples,
@@ -546,6 +548,6 @@ enum neph_status neph_screen_measure(struct neph_screen_study *study, struct nep
     neph_progress_end(&study->progress);
     neph_device_release(study->device);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }

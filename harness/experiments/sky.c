@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph study sky [SCENE]`: models of a planet's atmosphere side by side with a tracer's light of
- * all orders, by elevation of the sun, altitude of the camera and direction. In each cell, a sun
- * and an altitude, two wide frames look towards the sun and away from it; tiles of their pixels are
- * directions.
+ * `neph study sky [SCENE]`: models of a planet's atmosphere compared with a path tracer, by
+ * elevation of the sun, altitude of the camera and direction. A cell is one sun and one altitude.
+ * In each cell two wide frames look towards the sun and away from it; a direction is a tile of
+ * their pixels.
  *
- * A direction is off by the sum over the channels of |model - truth| over the sum of the truth, so
- * that colours count, and dark ones by what they are. The truth is rendered twice, with two seeds;
- * what a direction of it would be off by its own noise is half their difference.
+ * The error of a direction is the sum over channels of |model - reference| over the sum of the
+ * reference, so that colour errors count, and dark directions count relative to their light. The
+ * reference is rendered with two seeds; half the difference is its noise.
  */
 #include "harness/experiments/experiments.h"
 
@@ -26,20 +26,20 @@
 
 enum { LIST_MAX = 16, VIEWS = 2, WHY_SIZE = 200 };
 
-/* Towards the sun and away from it; from -35 to 75 degrees in the middle of a frame, in its
- * corners to the zenith. */
+/* Towards the sun and away from it. The centre column of a frame covers elevations of -35 to 75
+ * degrees, its corners reach the zenith. */
 static const double view_azimuths_deg[VIEWS] = {0.0, 180.0};
 static const double view_pitch_deg = 20.0, view_fov_deg = 110.0;
 static const double cell_typical_s = 20.0;
 
-/* What issue and design ask for, down to a sun of so many degrees. */
+/* Target values of the project, for suns at or above this elevation. */
 static const double mean_wanted = 0.02, worst_wanted = 0.10, lowest_sun_deg = 5.0;
 
 struct request {
     struct neph_cli_shared shared; /* operands: a scene */
     struct neph_cli_list models, suns, altitudes;
-    const char *truth; /* tracer, oracle, exact; or a model with finer settings, for what its tables
-                          leave, without noise: ENGINE+KEY=VALUE+... */
+    const char *truth; /* tracer, oracle, exact; or ENGINE+KEY=VALUE+..., a model with finer
+                          settings, for the error of its tables without noise */
     int samples, steps, tile_px;
     struct neph_scene *scene; /* owned */
 };
@@ -49,8 +49,8 @@ static const struct neph_cli_option options[] = {
     {"model", 0, NULL, "Models to compare with the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
-     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
-     "tables leave, without noise",
+     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for the error of its "
+     "tables, without noise",
      NEPH_CLI_WORD, AT(truth), "tracer"},
     {"elevations", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
      "90,60,30,15,10,5,2,0,-1,-2", .maximum = LIST_MAX},
@@ -104,7 +104,7 @@ static void finish(void *request)
     neph_scene_destroy(((struct request *)request)->scene);
 }
 
-/* A cell; altitudes run fastest. */
+/* A job for each cell; the altitude varies fastest. */
 static bool part(void *request_, int index)
 {
     struct request *request = request_;
@@ -117,21 +117,21 @@ static bool part(void *request_, int index)
     return true;
 }
 
-/* Over the directions of a cell, weighted by their solid angles. */
+/* Errors over the directions of a cell, weighted by solid angle. */
 struct gap {
-    double mean, worst; /* of what directions are off by */
-    double bias;        /* sum of the model over sum of the truth, less 1 */
-    double worst_elevation_deg, worst_azimuth_deg; /* of that direction; azimuth from the sun's */
-    double worst_noise;                            /* of the truth there */
-    double render_s;                               /* of both frames */
-    char because[WHY_SIZE];                        /* why there is nothing; "" when there is */
+    double mean, worst; /* relative error of a direction */
+    double bias;        /* sum of the model over sum of the reference, minus 1 */
+    double worst_elevation_deg, worst_azimuth_deg; /* the worst direction; azimuth from the sun's */
+    double worst_noise;                            /* noise of the reference there */
+    double render_s;                               /* both frames */
+    char because[WHY_SIZE];                        /* reason for a missing result; "" otherwise */
 };
 
 struct cell {
     double sun_deg, altitude_m;
     int direction_count;
-    double noise;   /* of the truth, mean over directions */
-    double truth_s; /* that both frames of each view took */
+    double noise;   /* of the reference, mean over directions */
+    double truth_s; /* render time of both frames of each view */
     struct gap gaps[NEPH_LIGHT_MODELS_MAX];
 };
 
@@ -139,14 +139,14 @@ struct study {
     const struct request *request;
     const struct neph_experiment_run *run;
     struct neph_progress progress;
-    struct neph_light_model truth; /* of any rung */
+    struct neph_light_model truth; /* of any reference level */
     struct neph_light_model models[NEPH_LIGHT_MODELS_MAX];
-    char settings[NEPH_LIGHT_MODELS_MAX][400]; /* of the models, in full */
+    char settings[NEPH_LIGHT_MODELS_MAX][400]; /* complete settings of the models */
     struct cell *cells;                        /* owned */
     int cell_count;
 };
 
-/* A cell at work: the scenes of its views, and the truth of two seeds in each. */
+/* The scenes of a cell's views, and their reference frames of two seeds. */
 struct sight {
     struct neph_scene *scenes[VIEWS];
     struct neph_image *truths[VIEWS][2];
@@ -168,7 +168,7 @@ static enum neph_status render(const struct study *study, const struct neph_ligh
     return neph_light_model_render(by, &shot, study->run->store, frame, seconds, diag);
 }
 
-/* A truth without chance is its own second. */
+/* Render the reference. A deterministic reference is rendered once and used as both seeds. */
 static enum neph_status trace(const struct study *study, struct sight *sight, struct cell *cell,
                               struct neph_diag *diag)
 {
@@ -184,7 +184,7 @@ static enum neph_status trace(const struct study *study, struct sight *sight, st
 
 struct tile {
     double light[3];
-    double solid_angle; /* in units of its own */
+    double solid_angle; /* in arbitrary units */
     struct neph_vec3 direction;
 };
 
@@ -212,7 +212,7 @@ static struct tile tile_of(const struct study *study, const struct neph_scene *s
     return tile;
 }
 
-/* Sum over channels of |a - b|, and of a. */
+/* Sum over channels of |a - b|. */
 static double distance_of(const double a[3], const double b[3])
 {
     return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2]);
@@ -227,7 +227,7 @@ struct sums {
     double weight, off, noise, model, truth;
 };
 
-/* `model` NULL: the truth's own noise alone. */
+/* Add a direction; `model` NULL: only the noise of the reference. */
 static void add_tile(const struct tile *first, const struct tile *second, const struct tile *model,
                      struct sums *sums, struct gap *gap)
 {
@@ -255,7 +255,8 @@ static void add_tile(const struct tile *first, const struct tile *second, const 
                              NEPH_RAD_PER_DEG;
 }
 
-/* `frame` NULL: the truth's own noise alone. */
+/* Add all directions of a view; `frame` NULL: only the noise of the reference. Returns their
+ * number. */
 static int add_view(const struct study *study, const struct sight *sight, int view,
                     const struct neph_image *frame, struct sums *sums, struct gap *gap)
 {
@@ -339,7 +340,7 @@ static enum neph_status run_cell(struct study *study, struct cell *cell, struct 
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the study ------------------------------------------------------------------------------- */
 
 static enum neph_status parse_truth(struct study *study, struct neph_diag *diag)
 {
@@ -350,10 +351,10 @@ static enum neph_status parse_truth(struct study *study, struct neph_diag *diag)
     const struct neph_engine *engine = neph_engine_find(strsep(&rest, "+"));
     enum neph_status status = NEPH_OK;
     if (!engine || (engine->rung > NEPH_RUNG_TRACER && !rest))
-        status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "'%s' is no truth: exact, oracle and tracer are, or a model with finer "
-                           "settings",
-                           study->request->truth);
+        status = neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "'%s' is not a truth: use exact, oracle, tracer, or a model with finer settings",
+            study->request->truth);
     else
         *truth = neph_light_model_of(engine, study->run->device);
     if (!status && neph_engine_samples(engine) >= 0)
@@ -400,13 +401,13 @@ static enum neph_status run_cells(struct study *study, struct neph_diag *diag)
     }
     neph_progress_end(&study->progress);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-/* Whether a cell is one of those that a model must be good in; and whether it is. */
+/* True when the limits apply to this cell. */
 static bool is_limited(const struct cell *cell)
 {
     return cell->sun_deg >= lowest_sun_deg;
@@ -460,7 +461,9 @@ static void print_model(const struct study *study, int model, struct neph_public
     fprintf(out, "\n**%s**\n\n`%s`\n\n", study->request->models.words[model],
             study->settings[model]);
     neph_publication_table(publication, &table);
-    fprintf(out, "\n%.3g s a picture, tables included.\n",
+    fprintf(out,
+            "\n"
+            "%.3g s a frame, tables included.\n",
             seconds / (2.0 * fmax(1.0, study->cell_count)));
 }
 
@@ -470,9 +473,10 @@ static void print_text(const struct study *study, struct neph_publication *publi
     const struct neph_cli_size *size = &request->shared.size;
     fprintf(publication->text,
             "neph %s, %s of %s on %s: %d samples, %dx%d, directions of %dx%d pixels.\n"
-            "A direction is off by the sum over channels of abs(model - truth) over the sum of the "
-            "truth; means over directions by\ntheir solid angles; noise is what the truth is off "
-            "by itself. Wanted from %g degrees on: mean <= %g %%, worst <= %g %%.\n",
+            "The error of a direction is the sum over channels of abs(model - truth) over the sum "
+            "of the truth; means over directions by\n"
+            "their solid angles; noise is the error between two truths. Wanted from %g degrees on: "
+            "mean <= %g %%, worst <= %g %%.\n",
             NEPH_VERSION, request->scene->name, request->truth, study->truth.info.device,
             request->samples, size->width_px, size->height_px, request->tile_px, request->tile_px,
             lowest_sun_deg, 100.0 * mean_wanted, 100.0 * worst_wanted);
@@ -480,10 +484,10 @@ static void print_text(const struct study *study, struct neph_publication *publi
         print_model(study, model, publication);
 }
 
-/* A model over the cells that have numbers. */
+/* A model over the cells with numbers. */
 struct summary {
     double mean, worst;
-    int cells, limited, good; /* with numbers; of these with a limit, and within it */
+    int cells, limited, good; /* with numbers; of these with a limit; of these within it */
 };
 
 static struct summary summarize(const struct study *study, int model)
@@ -503,7 +507,7 @@ static struct summary summarize(const struct study *study, int model)
     return made;
 }
 
-/* Models by their mean error, the smallest first; those without a number last. */
+/* Models by mean error, smallest first; models without a number last. */
 static void answer_models(const struct study *study, double noise, struct neph_answer *answer)
 {
     struct summary models[NEPH_LIGHT_MODELS_MAX];
@@ -528,7 +532,7 @@ static void answer_models(const struct study *study, double noise, struct neph_a
                             study->cells[0].gaps[order[i]].because);
         else
             neph_answer_add(answer,
-                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d cells; "
+                            "%s%s: error %.2f %% in the mean, %.1f %% at most, over %d cells; "
                             "within the limits in %d of %d%s",
                             is_best ? "nearest: " : "", name, 100.0 * of->mean, 100.0 * of->worst,
                             of->cells, of->good, of->limited,

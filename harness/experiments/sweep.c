@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph sweep SCENE`: what engines and their settings cost over a scene, and what they are off by.
+ * `neph sweep SCENE`: cost and error of engines and their settings in a scene.
  */
 #include "base/path.h"
 #include "harness/experiments/experiments.h"
@@ -26,11 +26,11 @@ enum { SEEDS_MAX = 16 };
 
 struct request {
     struct neph_cli_shared shared;
-    struct neph_sweep_params params; /* with its seed, the first of `seeds` */
+    struct neph_sweep_params params; /* its seed is the first of `seeds` */
     const char *plan_name;
     struct neph_cli_list only;
-    double error; /* of the answer */
-    int seeds;    /* -1: one sweep */
+    double error; /* target error of the answer */
+    int seeds;    /* -1: a single sweep */
     struct neph_sweep_plan plan;
 };
 
@@ -80,21 +80,21 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
     .check = check,
-    .doc =
-        "Render one scene with several engines and settings, and say which is the cheapest at an "
-        "error and how many steps are enough.\v"
-        "Errors are against the truth: engine exact where it can render the scene, else the "
-        "tracer, whose noise is printed. The error of a real-time method against the ray marcher "
-        "with the same lighting, its flicker and its half-life after a step of the sun are "
-        "separate numbers. Times are measured in rounds over all points: keep the machine quiet. "
-        "Frames are kept in DIR/store and not rendered twice, times in DIR/times.json. "
-        "NEPH_VULKAN_DEVICE names the device.\n\n"
-        "DIR/sweep/index.html has the charts, DIR/sweep.json all numbers.\n\n"
-        "Examples:\n"
-        "  neph sweep voxel_grid\n"
-        "  neph sweep cloud_below --error 0.05 --only march,ours\n"
-        "  neph sweep voxel_grid --plan sweep --only march,seed --csv -\n"
-        "  neph sweep voxel_grid --untimed --seeds 3 -o out/fronts",
+    .doc = "Render one scene with several engines and settings, and say which is the cheapest at "
+           "an error and how many steps are enough.\vErrors are against the truth: engine exact "
+           "where it can render the scene, else the tracer, with its noise printed. The error of a "
+           "real-time method against the ray marcher with the same lighting, its flicker and its "
+           "half-life after a step of the sun are separate numbers. Times are measured in rounds "
+           "over all points: keep the machine quiet. Frames are kept in DIR/store and not rendered "
+           "twice, times in DIR/times.json. NEPH_VULKAN_DEVICE names the device.\n"
+           "\n"
+           "DIR/sweep/index.html has the charts, DIR/sweep.json all numbers.\n"
+           "\n"
+           "Examples:\n"
+           "  neph sweep voxel_grid\n"
+           "  neph sweep cloud_below --error 0.05 --only march,ours\n"
+           "  neph sweep voxel_grid --plan sweep --only march,seed --csv -\n"
+           "  neph sweep voxel_grid --untimed --seeds 3 -o out/fronts",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -142,7 +142,7 @@ static enum neph_status write_files(const struct neph_report_folder *page, const
     return status;
 }
 
-/* `sweep` is to be finished in any case. */
+/* Run one sweep. Always free `sweep` with neph_sweep_finish(). */
 static enum neph_status run_in(const char *folder, const struct neph_sweep_params *asked,
                                struct neph_sweep *sweep, struct neph_diag *diag)
 {
@@ -154,7 +154,8 @@ static enum neph_status run_in(const char *folder, const struct neph_sweep_param
     struct neph_times times = {NULL};
     struct neph_sweep_params params = *asked;
     struct neph_store *store = NULL;
-    struct neph_report_folder *page = NULL; /* opened first: a folder of others is refused early */
+    struct neph_report_folder *page = NULL; /* opened first, so that a foreign folder is refused
+                                               early */
     enum neph_status status = neph_arena_check(&arena, diag);
     params.times = &times;
     if (!status)
@@ -202,7 +203,7 @@ static void print_point(const struct neph_sweep_point *point, FILE *out)
             look ? "  " : "", look ? look : "");
 }
 
-/* On one's front, by their cost: time where there is one, else work. */
+/* Order of points on a front: by time if both have one, else by density evaluations. */
 static int by_cost(const void *a_, const void *b_)
 {
     const struct neph_sweep_point *a = *(const struct neph_sweep_point *const *)a_,
@@ -214,7 +215,7 @@ static int by_cost(const void *a_, const void *b_)
     return (of_a > of_b) - (of_a < of_b);
 }
 
-/* "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128" */
+/* Prints "front of error: ours steps=8, fitted octaves steps=16, tracer samples=128". */
 static void print_front(const struct neph_sweep *sweep, enum neph_sweep_number number, FILE *out)
 {
     const struct neph_sweep_point *points[NEPH_SWEEP_POINTS_MAX];
@@ -248,13 +249,16 @@ static void print_sweep(const struct neph_sweep *sweep, FILE *out)
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         print_front(sweep, (enum neph_sweep_number)n, out);
     fprintf(out,
-            "\n*: on the front of its column: nothing cheaper is as good.\n"
-            "error: relative RMSE against the truth, the model's gap included; shortcut: "
-            "against the march of\nits own model; flicker: contrast seen over threshold; "
-            "four: what repeats every four frames, of\nwhite; half-life [frames] after a step "
-            "of the sun.\n%d of %d points measured",
+            "\n"
+            "*: on the front of its column: nothing cheaper is as good.\n"
+            "error: relative RMSE against the truth, the model's gap included; shortcut: against "
+            "the march of\n"
+            "its own model; flicker: contrast seen over threshold; four: flicker that repeats "
+            "every four frames, of\n"
+            "white; half-life [frames] after a step of the sun.\n"
+            "%d of %d points measured",
             neph_sweep_measured_count(sweep), sweep->point_count);
-    fprintf(out, "; truth %.0f s, the rest %.0f s", sweep->truth_s, sweep->measure_s);
+    fprintf(out, "; truth %.0f s, all others %.0f s", sweep->truth_s, sweep->measure_s);
     if (sweep->load > 1.5 * neph_processor_count())
         fprintf(out, "; the machine was busy (load %.1f): times are those of a busy machine",
                 sweep->load);
@@ -295,7 +299,7 @@ static void print_csv(const struct neph_sweep *sweep, FILE *out)
     }
 }
 
-/* ---- one, or several with other seeds -------------------------------------------------------- */
+/* ---- one sweep, or several with different seeds ---------------------------------------------- */
 
 static enum neph_status run_one(const struct request *request, struct neph_publication *publication,
                                 struct neph_diag *diag)

@@ -14,8 +14,8 @@
 
 /* ---- tiers ----------------------------------------------------------------------------------- */
 
-/* A cloud is by the engines of all orders of scattering, of which those that take steps through it
- * leave out its transmittance, which Cycles needs most of its time for. */
+/* The cloud scene uses engines with multiple scattering. Cycles renders its radiance only: the
+ * transmittance would take most of its time. */
 static const char *const cloud_engines[] = {"tracer",   "march_octaves", "march_octaves_fitted",
                                             "realtime", "cycles",        NULL};
 static const char *const cloud_settings[] = {"tracer:samples=128", "realtime:lighting=traced",
@@ -27,8 +27,9 @@ static const char *const fog_engines[] = {"exact",  "tracer", "march", "realtime
 
 static const char *const shaft_settings[] = {"tracer:samples=128", NULL};
 
-/* What a report shows best, large: a cloud of all orders and shafts in fog. Small, since they only
- * have numbers to show: a fog and a slab with closed forms. */
+/* Large frames: the scenes that look best in a report, a cloud with multiple scattering and light
+ * shafts in fog. Small frames: scenes that only contribute numbers, a fog and a slab with closed
+ * forms. */
 static const struct neph_scene_plan quick_scenes[] = {
     {"cumulus", 320, 180, cloud_engines, cloud_settings, cloud_light_only},
     {"colonnade", 320, 180, fog_engines, shaft_settings, NULL},
@@ -56,7 +57,7 @@ static const struct neph_validate_tier tiers[TIER_COUNT] = {
         {.name = "full", .width_px = 192, .height_px = 108, .budget_s = 300.0, .chart_repeats = 3},
 };
 
-/* NULL: there is none. */
+/* NULL: unknown tier. */
 static const struct neph_validate_tier *find_tier(const char *name)
 {
     for (int i = 0; i < TIER_COUNT; i++)
@@ -65,7 +66,7 @@ static const struct neph_validate_tier *find_tier(const char *name)
     return NULL;
 }
 
-/* Without --tier scenes that are named get all engines, as in the full tier. */
+/* Without --tier, named scenes get all engines, as in the full tier. */
 const struct neph_validate_tier *neph_validate_tier(const struct neph_validate_request *request)
 {
     if (request->tier)
@@ -102,7 +103,7 @@ static const struct neph_cli_option options[] = {
      .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
     {"on-device", 0, NULL,
      "Of the stress tests: only count bad values, in all images of every frame, on the device "
-     "(preset off, which has none: in its pictures); nothing is kept",
+     "(preset off, which has none: in its frames); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, on_device)},
     {.name = "jobs",
      .help = "Processes that render at the same time: scenes, checks of the physics suite, or "
@@ -111,12 +112,10 @@ static const struct neph_cli_option options[] = {
      .minimum = 1,
      .maximum = NEPH_STRESS_JOBS_MAX},
     {"pictures", 0, "WHICH",
-     "Of the stress tests: results that the page has pictures of: failed (default), changed, all, "
-     "none",
+     "Of the stress tests: results with images on the page: failed (default), changed, all, none",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, pictures)},
     {"page-limit", 0, NULL,
-     "Of the stress tests: the most that the page may take; the worst results have their pictures "
-     "first "
+     "Of the stress tests: the most that the page may take; the worst results get images first "
      "(default: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, page_limit_mb), .minimum = 1,
      .maximum = 1000000},
@@ -140,8 +139,8 @@ static const struct neph_cli_option options[] = {
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, no_charts)},
     {"budget", 0, "S",
-     "Seconds that Blender or POV-Ray may take for one picture; what needs more gets fewer "
-     "samples, or is reported as not fitting (default: 300; quick: 60)",
+     "Seconds that Blender or POV-Ray may take for one frame; a longer render gets fewer samples, "
+     "or is reported as not fitting (default: 300; quick: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
     {.name = "blender"},
@@ -165,7 +164,7 @@ static const struct {
               {"stress", &neph_experiment_stress},
               {"failure", &neph_experiment_stress_by_old_name}};
 
-/* NULL: there is no such suite. */
+/* NULL: unknown suite. */
 static const struct neph_experiment *choose(const void *request_)
 {
     const struct neph_validate_request *request = request_;
@@ -186,7 +185,7 @@ static bool is_stress(const struct neph_validate_request *request)
     return chosen == &neph_experiment_stress || chosen == &neph_experiment_stress_by_old_name;
 }
 
-/* What belongs to the stress tests, and what does not. */
+/* Reject options of the stress tests without that suite, and other options with it. */
 static void check_stress(const struct neph_validate_request *request,
                          const struct argp_state *state)
 {
@@ -206,7 +205,7 @@ static void check_stress(const struct neph_validate_request *request,
                           "NAME+KEY=VALUE");
     if (request->pictures &&
         neph_stress_pictures_of(request->pictures) == NEPH_STRESS_PICTURES_COUNT)
-        argp_error(state, "there are no pictures '%s'; there are failed, changed, all and none",
+        argp_error(state, "--pictures has no value '%s'; it has failed, changed, all and none",
                    request->pictures);
 }
 
@@ -249,33 +248,33 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Run scenes (default: those of the quick tier) over engines, measure each against the "
-        "highest rung of truth, check the gates, and write DIR/report/index.html: from the first "
-        "scene on, so that it can be watched.\v"
-        "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
-        "goes on where it stopped. Both folders are neph's own: one of that name that neph did "
-        "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
-        "and the report is that of the run that wrote it last. A missing engine is reported as "
-        "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
-        "could be compared. Exit code 0 is about the frames that were compared: an engine that is "
-        "missing or did not fit its budget does not change it, and the verdict names it.\n\n"
-        "Examples:\n"
-        "  neph validate\n"
-        "  neph validate --tier full --budget 120\n"
-        "  neph validate fence_backlit --size 320x180\n"
-        "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
-        "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
-        "  neph validate --suite physics --jobs 4 -o out/physics\n"
-        "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
-        "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
-        "  neph validate --suite stress --only fog_seam -e povray --pictures all",
+    .doc = "Run scenes (default: those of the quick tier) over engines, measure each against the "
+           "highest level of truth, check the gates, and write DIR/report/index.html: from the "
+           "first scene on, so that it can be watched.\vFinished frames are kept in DIR/store and "
+           "used again; an interrupted or killed run goes on where it stopped. Both folders are "
+           "neph's own: one of that name that neph did not make is refused. Runs at the same time "
+           "may share DIR: each frame is stored once, and the report is that of the run that wrote "
+           "it last. A missing engine is reported as missing and the others go on. Exit code 1: a "
+           "gate failed, an engine broke, or nothing could be compared. Exit code 0 is about the "
+           "frames that were compared: an engine that is missing or did not fit its budget does "
+           "not change it, and the verdict names it.\n"
+           "\n"
+           "Examples:\n"
+           "  neph validate\n"
+           "  neph validate --tier full --budget 120\n"
+           "  neph validate fence_backlit --size 320x180\n"
+           "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
+           "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
+           "  neph validate --suite physics --jobs 4 -o out/physics\n"
+           "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
+           "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
+           "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };
 
 const struct neph_experiment neph_experiment_validate = {
     .syntax = &syntax, .request_size = sizeof(struct neph_validate_request), .choose = choose};
 
-/* ---- the report of the catalogue and of the physics suite ------------------------------------ */
+/* ---- report of the catalogue and the physics suite ------------------------------------------- */
 
 enum neph_status neph_validate_open_report(void *request_, struct neph_diag *diag)
 {
@@ -323,11 +322,10 @@ static void tell(const struct neph_validation *validation, const char *folder, F
             validation->physics ? "rows" : "frames", counts->reported, counts->expected,
             counts->compared);
     if (counts->ungated > 0)
-        fprintf(
-            out,
-            "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
-            "of the truth's\n",
-            counts->ungated);
+        fprintf(out,
+                "gates: of %d no gate limits the radiance: its mean must be within a factor of two "
+                "of the truth\n",
+                counts->ungated);
     fputs("verdict: ", out);
     neph_validation_print_verdict(validation, out);
     fprintf(out, "\nreport: %s/index.html\n", folder);
@@ -342,16 +340,15 @@ static enum neph_status judge(const struct neph_validation *validation, struct n
         return neph_fail(reason, NEPH_ERR_INTERNAL, "%d of %d results are not in the report",
                          counts->expected - counts->reported, counts->expected);
     if (counts->compared == 0) {
-        neph_fail(reason, NEPH_ERR_GATE, "nothing was compared with a truth: that is no verdict");
+        neph_fail(reason, NEPH_ERR_GATE, "nothing was compared with a truth: there is no verdict");
         neph_hint(reason, "a run needs an engine that is the truth of its scenes (exact, oracle, "
                           "tracer) and another; the report says why frames are missing");
         return NEPH_ERR_GATE;
     }
     return neph_fail(reason, NEPH_ERR_GATE,
-                     validation->physics
-                         ? "an engine that claims to be the truth is off, or an engine broke; the "
-                           "report names it"
-                         : "a gate failed or an engine broke; the report names it");
+                     validation->physics ? "an engine that claims to be the truth deviates, or an "
+                                           "engine failed; the report names it"
+                                         : "a gate failed or an engine broke; the report names it");
 }
 
 static enum neph_status write_junit(const struct neph_validation *validation, const char *path,

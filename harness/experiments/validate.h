@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `neph validate` is several experiments on one request: --suite names the one that is run.
+ * `neph validate` consists of several experiments with one request; --suite selects the experiment.
  */
 #ifndef NEPH_HARNESS_EXPERIMENTS_VALIDATE_H
 #define NEPH_HARNESS_EXPERIMENTS_VALIDATE_H
@@ -19,48 +19,49 @@ struct neph_validate_request {
     bool no_charts, on_device, only_engine;
     /* Opened by `prepare`, closed by `finish`. */
     char *page_folder;
-    struct neph_report *report;   /* of the catalogue and of the physics suite */
-    struct neph_stress_page page; /* of the stress tests */
+    struct neph_report *report;   /* for the catalogue and the physics suite */
+    struct neph_stress_page page; /* for the stress tests */
 };
 
-/* How much of the main job is run. */
+/* The extent of a run. */
 struct neph_validate_tier {
     const char *name;
-    const struct neph_scene_plan *scenes; /* of the catalogue, the last without a name; NULL: all of
-                                             it, alike */
-    const char *const *engines; /* NULL-terminated; NULL: every engine that is no shortcut */
+    const struct neph_scene_plan *scenes; /* of the catalogue, ends without a name; NULL: the whole
+                                             catalogue, all scenes alike */
+    const char *const *engines; /* NULL-terminated; NULL: every engine but the real-time methods */
     int width_px, height_px;    /* of the scenes' frames */
-    double budget_s;            /* of each frame of an external renderer */
+    double budget_s;            /* for each frame of an external renderer */
     const char *const *charts;  /* ids, NULL-terminated; NULL: all */
     int chart_repeats;          /* renders of each point of a chart */
-    bool with_times;            /* the speeds of the scenes' frames are measured, too */
+    bool with_times;            /* measure the speeds of the scenes' frames as well */
 };
 
 extern const struct neph_experiment neph_experiment_catalog;
 extern const struct neph_experiment neph_experiment_physics;
 extern const struct neph_experiment neph_experiment_stress;
-/* For --suite failure, the name of the stress tests until one release ago. */
+/* For --suite failure, the previous release's name of the stress tests. */
 extern const struct neph_experiment neph_experiment_stress_by_old_name;
 
-/* The tier of a request, also of one without --tier. */
+/* The tier of a request, with or without --tier. */
 const struct neph_validate_tier *neph_validate_tier(const struct neph_validate_request *request);
 
-/* The results that have pictures on the stress tests' page, by the word of the option;
- * NEPH_STRESS_PICTURES_COUNT: there is no such word. */
+/* The selection of images on the stress tests' page, by the word of its option;
+ * NEPH_STRESS_PICTURES_COUNT: unknown word. */
 enum neph_stress_pictures neph_stress_pictures_of(const char *word);
 
-/* ---- of the catalogue and of the physics suite ----------------------------------------------- */
+/* ---- catalogue and physics suite ------------------------------------------------------------- */
 
-/* `prepare` and `finish` of these two: the report. */
+/* `prepare` and `finish` of these two experiments: open and close the report. */
 enum neph_status neph_validate_open_report(void *request, struct neph_diag *diag);
 void neph_validate_close_report(void *request);
 
-/* A validation of the engines that the request names, of no scene yet. */
+/* Parameters of a validation with the request's engines, without scenes. */
 struct neph_validate_params neph_validate_params_of(const struct neph_validate_request *request,
                                                     const struct neph_experiment_run *run);
 
-/* Show the report of a validation that ended with `status`, and publish its results and verdict.
- * The page of an interrupted run has the results so far. Returns `status`, or the page's own. */
+/* Publish the report, the results and the verdict of a validation that ended with `status`. The
+ * page of an interrupted run has the results so far. Returns `status`, or the error of
+ * publishing. */
 enum neph_status neph_validate_publish(const struct neph_validate_request *request,
                                        struct neph_validation *validation,
                                        struct neph_publication *publication,

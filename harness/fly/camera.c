@@ -8,15 +8,15 @@
 #include <string.h>
 
 static const double crossing_s = 2.0;
-/* So near to straight up there is no longer a side that is right. */
+/* Limit of the elevation: at 90 degrees the right-hand direction is undefined. */
 static const double elevation_max_rad = 89.0 * NEPH_RAD_PER_DEG;
 static const double speed_min_m_per_s = 1e-3, speed_max_m_per_s = 1e5;
-/* As far as a scene file may put a camera. */
+/* The largest camera coordinate that a scene file may have. */
 static const double far_m = 1e6;
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-/* To the box, or, inside it, its thinnest side; +inf where it has no end. */
+/* Distance to the box, or, inside it, its shortest side; +inf for an unbounded side. */
 static double size_of(const struct neph_bounds *bounds, struct neph_vec3 point_m)
 {
     const struct neph_vec3 sides_m = neph_vec3_sub(bounds->max_m, bounds->min_m);
@@ -50,7 +50,7 @@ struct neph_fly_camera neph_fly_camera_of(const struct neph_scene *scene)
 
 /* ---- motion ---------------------------------------------------------------------------------- */
 
-/* Rodrigues, about a unit axis. */
+/* Rotate about a unit axis (Rodrigues' formula). */
 static struct neph_vec3 rotate(struct neph_vec3 v, struct neph_vec3 axis, double angle_rad)
 {
     const struct neph_vec3 across = neph_vec3_cross(axis, v);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* From where on letters of single dots are too small to read. */
+/* From WIDTH_OF_LARGE_TEXT_PX on, letters with dots of one pixel are too small to read. */
 enum { WIDTH_MIN_PX = 640, WIDTH_OF_LARGE_TEXT_PX = 1280, MARGIN_DOTS = 2 };
 
 enum neph_status neph_canvas_init(struct neph_canvas *canvas, int width_px, int height_px,
@@ -66,7 +66,7 @@ enum { GLYPH_COUNT = 128 };
 
 static const uint8_t box[NEPH_GLYPH_HEIGHT] = {0x1f, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1f};
 
-/* Drawn for this program. */
+/* The font, drawn for this program. */
 static const uint8_t glyphs[GLYPH_COUNT][NEPH_GLYPH_HEIGHT] = {
     [' '] = {0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00},
     ['!'] = {0x04, 0x04, 0x04, 0x04, 0x04, 0x00, 0x04},
@@ -149,7 +149,7 @@ const uint8_t *neph_font_glyph(char letter)
 
 /* ---- text ------------------------------------------------------------------------------------ */
 
-/* Pixels of a dot. */
+/* Side of a font dot, in pixels. */
 static int dot_of(const struct neph_canvas *canvas)
 {
     return 1 + canvas->width_px / WIDTH_OF_LARGE_TEXT_PX;

@@ -4,14 +4,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Each notch makes the speed a quarter higher. */
+/* speed factor of a notch of the wheel */
 static const double speed_per_notch = 1.25;
 static const double fast_factor = 4.0;
 
-/* In the order of `held`: two and two along an axis. */
+/* The order of `held`: two opposite directions for each axis. */
 static const char ways[NEPH_FLY_WAYS] = {'d', 'a', 'e', 'q', 'w', 's'};
 
-/* Digits are presets. */
+/* The digit keys choose presets. */
 static const struct {
     int key;
     struct neph_fly_order order;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * From keys and mouse to what is meant by them. Knows no window and no scene.
+ * Translates key and mouse events into commands and camera motion. Independent of window and scene.
  */
 #ifndef NEPH_HARNESS_FLY_CONTROLS_H
 #define NEPH_HARNESS_FLY_CONTROLS_H
@@ -12,7 +12,7 @@
 
 enum neph_fly_command {
     NEPH_FLY_NOTHING,
-    NEPH_FLY_PRESET, /* `number` is the preset's place */
+    NEPH_FLY_PRESET, /* `number` is the index of the preset */
     NEPH_FLY_MARCH,
     NEPH_FLY_REALTIME,
     NEPH_FLY_WIPE,
@@ -31,7 +31,7 @@ enum neph_fly_command {
     NEPH_FLY_COMMAND_COUNT,
 };
 
-/* A row of the help; keys of the table below. A NULL text ends it. */
+/* A row of the on-screen help, from the table below, which ends with a NULL text. */
 struct neph_fly_help {
     const char *keys, *text;
 };
@@ -48,21 +48,22 @@ enum { NEPH_FLY_WAYS = 6, NEPH_FLY_ORDERS_MAX = 32 };
 struct neph_controls {
     bool held[NEPH_FLY_WAYS];
     bool is_fast, turns, is_captured, drags;
-    double turn_right_share, turn_up_share; /* of the window's height, since the last motion */
-    double wheel;                           /* notches, since the last motion */
-    double split_share;                     /* of the window's width: where the wipe is split */
+    double turn_right_share, turn_up_share; /* in window heights, since the last motion */
+    double wheel;                           /* notches since the last motion */
+    double split_share;                     /* in window widths: position of the split line */
     struct neph_fly_order orders[NEPH_FLY_ORDERS_MAX];
     int order_count;
 };
 
-/* Orders beyond NEPH_FLY_ORDERS_MAX between two frames are dropped. */
+/* Take an event. Commands beyond NEPH_FLY_ORDERS_MAX between two frames are dropped. */
 void neph_controls_take(struct neph_controls *controls, const struct neph_fly_event *event);
 
-/* The oldest order, removed; NEPH_FLY_NOTHING: there is none. */
+/* Remove and return the oldest command; NEPH_FLY_NOTHING: there is none. */
 struct neph_fly_order neph_controls_next(struct neph_controls *controls);
 
-/* What is held and turned since the last call. A mouse that moves by the window's height turns the
- * camera by its vertical field of view: what is under the pointer stays there. */
+/* The motion since the last call, from pressed keys and mouse motion. A mouse motion of one window
+ * height turns the camera by its vertical field of view, so the point under the pointer stays
+ * there. */
 struct neph_fly_motion neph_controls_motion(struct neph_controls *controls, double time_s,
                                             double vertical_fov_rad);
 

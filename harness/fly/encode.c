@@ -7,17 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Buckets are all floats of the same upper 16 bits: 128 to an octave. A code is at least 0.7 % of
- * its value wide (1 / 255 of a curve no steeper than x^(1/2.4), or 12.92 x below it), so a bucket
- * has at most two borders in it. */
+/* A bucket contains all floats with the same upper 16 bits: 128 buckets per octave. A code covers
+ * at least 0.7 % of its value (1 / 255 of a curve no steeper than x^(1/2.4), or the linear part
+ * with slope 12.92), so a bucket contains at most two code borders. */
 enum { BUCKET_COUNT = 0x3f81, BUCKET_SHIFT = 16, CODE_MAX = 255 };
 
 struct neph_encoder {
-    float border[CODE_MAX + 2];  /* the least value that has the code; +inf beyond the last */
-    uint8_t least[BUCKET_COUNT]; /* code of the least value of a bucket, up to that of 1.0 */
+    float border[CODE_MAX + 2];  /* smallest value with the code; +inf after the last code */
+    uint8_t least[BUCKET_COUNT]; /* code of a bucket's smallest value, for buckets up to 1.0 */
 };
 
-/* The inverse of the sRGB curve. */
+/* Decode the sRGB curve. */
 static double linear_of(double encoded)
 {
     return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);

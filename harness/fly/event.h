@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a person does to a window, without the words of any library.
+ * Input events of the window, independent of the window library.
  */
 #ifndef NEPH_HARNESS_FLY_EVENT_H
 #define NEPH_HARNESS_FLY_EVENT_H
 
-/* Letters, digits and signs are themselves, in lower case; these are the others. */
+/* Letters (in lower case), digits and signs are their own character codes; the other keys are
+ * these. */
 enum neph_fly_key {
     NEPH_FLY_KEY_NONE = 0,
     NEPH_FLY_KEY_TAB = '\t',
@@ -22,7 +23,7 @@ enum neph_fly_event_kind {
     NEPH_FLY_BUTTON_UP,
     NEPH_FLY_MOUSE_MOVED,
     NEPH_FLY_WHEEL,
-    NEPH_FLY_FOCUS_LOST, /* keys that are held are no longer ours to see */
+    NEPH_FLY_FOCUS_LOST, /* releases of pressed keys no longer arrive */
     NEPH_FLY_CLOSED,
 };
 
@@ -35,10 +36,10 @@ enum neph_fly_button {
 struct neph_fly_event {
     enum neph_fly_event_kind kind;
     int key;                     /* enum neph_fly_key, or a character */
-    enum neph_fly_button button; /* of _BUTTON_DOWN and _UP */
-    double x_share;              /* where in the window, 0 left, 1 right */
-    double dx_share, dy_share;   /* moved by so much of the window's height; down is positive */
-    double wheel;                /* notches, away from the person is positive */
+    enum neph_fly_button button; /* for _BUTTON_DOWN and _BUTTON_UP */
+    double x_share;              /* position in the window, 0 left, 1 right */
+    double dx_share, dy_share;   /* motion in window heights; down is positive */
+    double wheel;                /* notches, positive away from the user */
 };
 
 #endif

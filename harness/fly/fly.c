@@ -24,13 +24,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
 _Static_assert(NEPH_FLY_COMMAND_COUNT == 17, "a new kind");
 
 enum { NOTICE_SIZE = 256, NOTICE_FRAMES = 120 };
 
-/* A frame that takes longer moves the camera by this much: nobody sees where it goes. */
+/* Limit of the camera's time step: a slow frame must not make the camera jump. */
 static const double step_max_s = 0.25;
 static const double exposure_step_ev = 0.5, exposure_max_ev = 40.0;
 
@@ -40,24 +40,24 @@ struct fly {
     struct neph_studio *studio;
     struct neph_controls controls;
     struct neph_fly_camera camera;
-    struct neph_camera_key shown; /* the camera of the last picture */
+    struct neph_camera_key shown; /* camera of the last frame */
     struct neph_view view;
     struct neph_canvas canvas;
-    struct neph_image *image; /* the last picture; owned */
+    struct neph_image *image; /* last frame; owned */
     struct neph_fly_times frame_times, render_times;
     struct neph_fly_passes passes;
     double frame_start_s, frame_s, render_s;
     int frame_count;
-    int scene_frame;         /* of sun and wind */
-    double scene_part;       /* how much of the next one has passed */
-    bool is_scene_frame_new; /* since the picture before */
+    int scene_frame;         /* frame number of the scene, for sun and wind */
+    double scene_part;       /* elapsed part of the next scene frame, 0..1 */
+    bool is_scene_frame_new; /* since the last rendered frame */
     bool is_paused, shows_help, shows_passes, takes_screenshot, leaves;
     bool records;
     struct neph_fly_path path;
     char notice[NOTICE_SIZE];
-    int notice_frames;          /* left */
+    int notice_frames;          /* frames left to show it */
     json_t *files;              /* owned */
-    enum neph_status unwritten; /* the first file that could not be written, and why */
+    enum neph_status unwritten; /* the first error of writing a file, and its message */
     struct neph_diag why_unwritten;
 };
 
@@ -66,7 +66,7 @@ static const struct neph_scene *scene_of(const struct fly *fly)
     return fly->params->studio.scene;
 }
 
-/* ---- words ----------------------------------------------------------------------------------- */
+/* ---- notices ----------------------------------------------------------------------------- */
 
 static void notice(struct fly *fly, const char *what, const char *text)
 {
@@ -113,7 +113,8 @@ static void end_recording(struct fly *fly)
     neph_arena_finish(&arena);
 }
 
-/* The frames of a path are counted from the scene's first on, as those of its file will be. */
+/* Start or end a recording. The scene restarts at its first frame, as it will in the recorded
+ * file. */
 static void record(struct fly *fly)
 {
     if (fly->records) {
@@ -128,7 +129,7 @@ static void record(struct fly *fly)
     fly->is_paused = false;
 }
 
-/* The frame as the engine has made it, and what is shown of it, without the text. */
+/* Write the rendered frame as EXR, and the view without text as PNG. */
 static void take_screenshot(struct fly *fly)
 {
     static const char *const suffixes[] = {".exr", ".png", NULL};
@@ -151,9 +152,10 @@ static void take_screenshot(struct fly *fly)
     neph_arena_finish(&arena);
 }
 
-/* ---- orders ---------------------------------------------------------------------------------- */
+/* ---- commands ---------------------------------------------------------------------------- */
 
-/* Another engine or none: a preset that cannot render the scene is no reason to leave. */
+/* Finish a change of engine or preset. If the new one cannot render the scene, a notice says so and
+ * the old one stays. */
 static enum neph_status settle(struct fly *fly, enum neph_status status, struct neph_diag *diag)
 {
     if (status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_USAGE) {
@@ -176,7 +178,7 @@ static enum neph_status choose_preset(struct fly *fly, int number, struct neph_d
     return NEPH_OK;
 }
 
-/* A second time: the picture again. */
+/* Show a view; a second call of the same kind returns to the plain frame. */
 static void show(struct fly *fly, enum neph_view_kind kind)
 {
     fly->view.kind = fly->view.kind == kind ? NEPH_VIEW_PICTURE : kind;
@@ -190,7 +192,8 @@ static void expose(struct fly *fly, double step_ev)
     neph_view_forget(&fly->view);
 }
 
-/* A recorded camera moves on in each frame, and a scene file cannot stop sun and wind alone. */
+/* Pause sun and wind. Refused while recording: the recorded camera has a key for each frame, and a
+ * scene file cannot pause only sun and wind. */
 static void pause_time(struct fly *fly)
 {
     if (fly->records)
@@ -285,7 +288,8 @@ static enum neph_status follow_orders(struct fly *fly, struct neph_diag *diag)
     return status;
 }
 
-/* Since the frame before: the times are of frames that were shown and followed by another. */
+/* Time since the last frame [s], limited to step_max_s. Frame times include only frames that were
+ * shown and followed by another frame. */
 static double tick(struct fly *fly)
 {
     const double now_s = neph_wall_s();
@@ -297,7 +301,7 @@ static double tick(struct fly *fly)
     return fly->params->keys ? 1.0 / scene_of(fly)->frame_rate_hz : fmin(step_max_s, fly->frame_s);
 }
 
-/* Where an engine does not reach, the camera does not go. */
+/* Render; where the engine cannot render the new camera, return to the last one. */
 static enum neph_status render_or_turn_back(struct fly *fly, struct neph_image **image,
                                             struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -310,7 +314,7 @@ static enum neph_status render_or_turn_back(struct fly *fly, struct neph_image *
     return neph_studio_render(fly->studio, &fly->camera.key, fly->scene_frame, image, cost, diag);
 }
 
-/* Where there is no march to hold the picture against, it is shown alone. */
+/* Draw the view; without a ray-marched reference, draw the plain frame. */
 static enum neph_status draw(struct fly *fly, bool rests, struct neph_diag *diag)
 {
     enum neph_status status = neph_view_draw(&fly->view, fly->studio, fly->image, rests, diag);
@@ -359,8 +363,8 @@ static enum neph_status present(struct fly *fly, struct neph_diag *diag)
     return neph_window_show(fly->window, fly->canvas.rgb, diag);
 }
 
-/* Sun and wind go by the clock, but never more than a frame at a time: what a history is made of
- * must not leap on a slow device. */
+/* Advance sun and wind by the clock, by at most one scene frame per rendered frame: a larger step
+ * on a slow device would break the reprojection of the history. */
 static void pass_time(struct fly *fly, double time_s)
 {
     const double frames = time_s * scene_of(fly)->frame_rate_hz;
@@ -396,7 +400,7 @@ static enum neph_status next_frame(struct fly *fly, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* Ctrl-C breaks a frame off, and what was recorded is still to be written. */
+/* Run until the end. Ctrl-C interrupts a frame; the recorded path is written after that. */
 static enum neph_status loop(struct fly *fly, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -412,7 +416,7 @@ static enum neph_status loop(struct fly *fly, struct neph_diag *diag)
     return status ? status : fly->unwritten;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------------- */
 
 static json_t *error_json(const struct neph_view *view)
 {
@@ -471,7 +475,7 @@ static void destroy(struct fly *fly)
     free(fly);
 }
 
-/* The window comes first: where there is none, nobody waits for a device. */
+/* The window is opened before the device, so that a missing display is reported without delay. */
 static enum neph_status open_all(struct fly *fly, struct neph_diag *diag)
 {
     const struct neph_studio_params *studio = &fly->params->studio;

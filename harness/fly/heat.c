@@ -45,17 +45,17 @@ enum neph_status neph_heat_error(const struct neph_image *reference, const struc
 
 /* ---- flicker --------------------------------------------------------------------------------- */
 
-/* So many pixels are looked at in a few hundredths of a second. */
+/* Number of pixels that are analysed in a few hundredths of a second. */
 enum { PIXELS_MAX = 40000, CYCLES_MAX = NEPH_HEAT_FRAMES / NEPH_FLICKER_CYCLE };
 
 struct neph_heat_flicker {
-    int width_px, height_px; /* of the pictures */
-    int step;                /* of the grid of pixels that are looked at, odd */
-    int columns, rows;       /* of that grid */
-    int padded;              /* columns as flicker_sums.h pads them */
-    int frame_count;         /* since it was forgotten, without end */
-    double *lumas;           /* by frame of the ring, row, column */
-    float *gathered[3];      /* a row of the grid in linear colours */
+    int width_px, height_px; /* of the frames */
+    int step;                /* step of the grid of analysed pixels, odd */
+    int columns, rows;       /* size of that grid */
+    int padded;              /* columns, padded as in flicker_sums.h */
+    int frame_count;         /* since the last reset; not limited to the ring's size */
+    double *lumas;           /* index: frame in the ring, row, column */
+    float *gathered[3];      /* a row of the grid, linear */
     struct neph_arena arena;
 };
 
@@ -146,14 +146,15 @@ static void add_up_row(const struct neph_heat_flicker *flicker, int row, int fra
                (size_t)flicker->padded * sizeof(double));
     for (int cycle = 0; cycle < frame_count / NEPH_FLICKER_CYCLE; cycle++)
         weights[cycle] = neph_flicker_weights_of(cycle * NEPH_FLICKER_CYCLE, frame_count);
-    for (int frame = frame_count - 1; frame >= 0; frame--) /* the sums are of differences */
+    for (int frame = frame_count - 1; frame >= 0; frame--) /* the sums are of differences to the
+                                                            * oldest frame */
         for (int x = 0; x < flicker->padded; x++)
             rows[frame][x] -= rows[0][x];
     neph_flicker_sums_add(sums, row, frame_count / NEPH_FLICKER_CYCLE, weights,
                           (const double *const *)rows);
 }
 
-/* The sums of all pixels that are looked at; false when memory is short. */
+/* Sums of all analysed pixels; false: memory is short. */
 static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
                    struct neph_arena *arena, struct neph_flicker_sums *sums)
 {
@@ -168,7 +169,7 @@ static bool add_up(const struct neph_heat_flicker *flicker, int frame_count,
     return true;
 }
 
-/* a4 of the grid's pixels, and what they say together. */
+/* Compute a4 of each pixel of the grid, and its mean and share. */
 static void find_a4(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
                     struct neph_heat_a4 *a4, float *map)
 {
@@ -188,7 +189,7 @@ static void find_a4(const struct neph_heat_flicker *flicker, const struct neph_f
     a4->share_1 = (double)above / (flicker->rows * flicker->columns);
 }
 
-/* Each pixel takes that of the grid which is before it. */
+/* Enlarge the map: each pixel takes the value of the grid point to its upper left. */
 static void spread(const struct neph_heat_flicker *flicker, const uint8_t *small, uint8_t *rgb)
 {
     for (int y = 0; y < flicker->height_px; y++)
@@ -199,7 +200,7 @@ static void spread(const struct neph_heat_flicker *flicker, const uint8_t *small
 static bool draw(const struct neph_heat_flicker *flicker, const struct neph_flicker_sums *sums,
                  struct neph_arena *arena, struct neph_heat_a4 *a4, uint8_t *rgb)
 {
-    static const double scale = 16.0 / 255.0; /* that of the metric's own map */
+    static const double scale = 16.0 / 255.0; /* the scale of the metric's own map */
     const size_t count = (size_t)flicker->rows * (size_t)flicker->columns;
     float *map = neph_arena_zeroed(arena, count, sizeof(*map));
     uint8_t *small = neph_arena_zeroed(arena, count, 3);

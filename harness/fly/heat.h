@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Maps over a picture while it is flown: its error against a reference, and how it flickers at the
- * period of four frames before a camera at rest. `neph compare` and `neph flicker` measure; these
- * show.
+ * Error and flicker maps for `neph fly`: the error of a frame against a reference, and the flicker
+ * at the period of four frames of a static camera. They are for viewing; `neph compare` and `neph
+ * flicker` measure.
  */
 #ifndef NEPH_HARNESS_FLY_HEAT_H
 #define NEPH_HARNESS_FLY_HEAT_H
@@ -12,9 +12,9 @@
 
 #include <stdint.h>
 
-/* `*error` is of all colour channels jointly. The colours of neph_display_difference(), whose
- * scale is `white_share` of what is white at this exposure. `rgb` as there. NEPH_ERR_ENGINE: one
- * of the two has no radiance, or another size. */
+/* Draw the error in the colours of neph_display_difference(); its scale is `white_share` of display
+ * white at this exposure. `*error` covers all colour channels jointly. `rgb`: width * height * 3
+ * bytes. NEPH_ERR_ENGINE: an image has no radiance, or the sizes differ. */
 enum neph_status neph_heat_error(const struct neph_image *reference, const struct neph_image *test,
                                  double exposure_ev, double white_share,
                                  struct neph_relative_error *error, uint8_t *rgb,
@@ -22,33 +22,33 @@ enum neph_status neph_heat_error(const struct neph_image *reference, const struc
 
 enum { NEPH_HEAT_FRAMES = 64, NEPH_HEAT_FRAMES_MIN = 16 };
 
-/* The display's luma of the last 64 frames, of every pixel or, in large pictures, of every 3rd or
- * 5th, .. of a row and column: an odd step meets all 4 x 4 places of a tile. */
+/* The display luma of the last 64 frames. In large frames only every 3rd, 5th, .. row and column is
+ * analysed: an odd step reaches all 4 x 4 positions of a tile. */
 struct neph_heat_flicker;
 
-/* Free with _destroy. */
+/* Free with neph_heat_flicker_destroy(). */
 enum neph_status neph_heat_flicker_create(int width_px, int height_px,
                                           struct neph_heat_flicker **flicker,
                                           struct neph_diag *diag);
 void neph_heat_flicker_destroy(struct neph_heat_flicker *flicker);
 
-/* Another view or another exposure: what there was is of no more use. */
+/* Forget all frames, after a change of view or exposure. */
 void neph_heat_flicker_forget(struct neph_heat_flicker *flicker);
 
-/* The next frame. NEPH_ERR_ENGINE: without radiance, or of another size. */
+/* Add a frame. NEPH_ERR_ENGINE: it has no radiance, or another size. */
 enum neph_status neph_heat_flicker_add(struct neph_heat_flicker *flicker,
                                        const struct neph_image *frame, double exposure_ev,
                                        struct neph_diag *diag);
 
 struct neph_heat_a4 {
-    int frame_count; /* whole cycles of four of those there are, at most 64 */
-    double mean;     /* of a4, display white is 1 */
-    double share_1;  /* of the pixels looked at, with an a4 above 1/255 */
+    int frame_count; /* number of analysed frames: whole cycles of four, at most 64 */
+    double mean;     /* mean of a4; display white is 1 */
+    double share_1;  /* part of the analysed pixels with a4 above 1/255 */
 };
 
-/* Metric flicker.a4 of the frames that there are, by metrics/extractors/flicker_spectrum.h, as a
- * map from black to pale yellow at 16/255. False, and nothing is written: there are fewer than
- * NEPH_HEAT_FRAMES_MIN, or memory is short. */
+/* Compute metric flicker.a4 of the added frames (metrics/extractors/flicker_spectrum.h) and draw it
+ * as a map from black to pale yellow at 16/255. False, with nothing written: fewer than
+ * NEPH_HEAT_FRAMES_MIN frames, or memory is short. */
 bool neph_heat_flicker_show(const struct neph_heat_flicker *flicker, struct neph_heat_a4 *a4,
                             uint8_t *rgb);
 

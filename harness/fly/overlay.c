@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
 
 enum { LINE_SIZE = 256, FIRST_FREE_LINE = 3 };
@@ -70,7 +70,8 @@ static void put_help(struct neph_canvas *canvas, int line)
         snprintf(text, sizeof(text), "%-14s %s", row->keys, row->text);
         neph_canvas_text(canvas, line++, plain, text);
     }
-    char presets[LINE_SIZE] = "presets       "; /* "0 off  1 seed  2 fixed ..": each at its key */
+    char presets[LINE_SIZE] = "presets       "; /* "0 off  1 seed  2 fixed ..": the key of each
+                                                 * preset */
     const struct neph_preset *preset = neph_engine_realtime.presets;
     for (int i = 0; preset[i].name; i++) {
         const size_t used = strlen(presets);

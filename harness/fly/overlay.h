@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The text over a picture.
+ * Draws the text over a frame.
  */
 #ifndef NEPH_HARNESS_FLY_OVERLAY_H
 #define NEPH_HARNESS_FLY_OVERLAY_H
@@ -15,9 +15,9 @@ struct neph_overlay {
     const char *scene, *engine;
     const struct neph_view *view;
     double speed_m_per_s, frame_s, render_s;
-    const struct neph_fly_passes *passes; /* NULL: not wanted */
+    const struct neph_fly_passes *passes; /* NULL: not shown */
     bool is_paused, shows_help;
-    int recorded_frames; /* below 0: nothing is recorded */
+    int recorded_frames; /* below 0: no recording */
     const char *notice;  /* NULL: none */
 };
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A scene's name has at most 64 bytes: so much is left for "_path_9999". */
+/* A scene name has at most 64 bytes; the base name leaves room for "_path_9999". */
 enum { NAME_SIZE = 65, NAME_MAX_BYTES = 54, TITLE_MAX_BYTES = 120 };
 
 static const char title_end[] = "; a camera flown by hand";
@@ -40,7 +40,7 @@ const char *neph_fly_free_name(const char *folder, const char *name, const char 
     }
 }
 
-/* What the scene of a path has in place of the scene's own. */
+/* The scene of a path: the original with the camera, name and title replaced. */
 static struct neph_scene scene_of(const struct neph_fly_path *path, const struct neph_scene *scene,
                                   char *name, char *title)
 {

@@ -20,7 +20,7 @@ struct word {
     int key, frame_count;
 };
 
-/* The key at the start of a word, and how many bytes name it. */
+/* The key that a word starts with; `*size`: bytes of its name. */
 static int key_of(const char *text, size_t *size)
 {
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
@@ -37,7 +37,7 @@ static const char *skip_spaces(const char *text)
     return text + strspn(text, " \t\n");
 }
 
-/* The number behind a '*', up to `end`; 0 when it is none. */
+/* The number from a '*' up to `end`; 0: not a number. */
 static int count_of(const char *text, const char *end)
 {
     char *rest;
@@ -45,7 +45,7 @@ static int count_of(const char *text, const char *end)
     return count >= 1 && count <= FRAMES_MAX && rest == end ? (int)count : 0;
 }
 
-/* Reads a word and moves on to the next; false when it is none. */
+/* Read a word and advance to the next one; false: not a valid word. */
 static bool read_word(const char **text, struct word *word)
 {
     const char *end = *text + strcspn(*text, " \t\n");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Keys that are pressed by a text, frame by frame: the same flight again, for tests and timings.
+ * Scripted keys, frame by frame: repeats the same flight, for tests and timings.
  */
 #ifndef NEPH_HARNESS_FLY_SCRIPT_H
 #define NEPH_HARNESS_FLY_SCRIPT_H
@@ -10,16 +10,17 @@
 
 #include <stdbool.h>
 
-/* Which key goes down before a frame and which goes up; NEPH_FLY_KEY_NONE: none. */
+/* The key that is pressed and the key that is released before a frame; NEPH_FLY_KEY_NONE: none. */
 struct neph_fly_strokes {
     int down, up;
 };
 
-/* "w*60 x p": W held for 60 frames, then X for one, then P. The keys are a character, or space,
- * tab, esc, home; '.' is none, a wait. NEPH_ERR_USAGE names the word that is none. */
+/* Check a script. "w*60 x p" presses W for 60 frames, then X for one, then P. A key is a character,
+ * or space, tab, esc, home; '.' is a frame without a key. NEPH_ERR_USAGE names the first invalid
+ * word. */
 enum neph_status neph_fly_script_check(const char *script, struct neph_diag *diag);
 
-/* The strokes before a frame, 0-based, of a script that is right. */
+/* The key events before a frame, counted from 0. The script must be valid. */
 struct neph_fly_strokes neph_fly_script_at(const char *script, int frame);
 
 #endif

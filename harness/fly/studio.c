@@ -9,10 +9,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* So many frames have to be the same before a picture of 16 rays is worth its time. */
+/* Static frames before the reference is rendered with 16 rays per pixel, which is slow. */
 enum { REST_FRAMES = 4 };
 
-/* A job, and what it is told of its engine. */
+/* A job with the description of its engine. */
 struct seat {
     struct neph_job job;
     struct neph_engine_info info;
@@ -20,23 +20,23 @@ struct seat {
 
 struct neph_studio {
     struct neph_studio_params params;
-    struct neph_scene scene; /* borrows all but the camera's key */
+    struct neph_scene scene; /* borrows all but the camera key */
     struct neph_camera_key camera;
     struct seat live;
-    struct neph_settings realtime; /* of the preset in force */
+    struct neph_settings realtime; /* settings of the current preset */
     const char *preset;            /* NULL: the defaults */
     char name[64];
 
-    struct seat reference; /* job.engine NULL: not asked for yet */
+    struct seat reference; /* job.engine NULL: not opened yet */
     struct neph_settings rays[NEPH_REFERENCE_RAYS_COUNT];
-    struct neph_image *picture; /* of the reference, or NULL; owned */
-    int picture_rays_per_px;    /* of that */
+    struct neph_image *picture; /* last reference frame, or NULL; owned */
+    int picture_rays_per_px;    /* of `picture` */
     struct neph_camera_key picture_camera;
     int picture_frame;
-    int same_count; /* frames in a row that were the same as the one before */
+    int same_count; /* number of consecutive frames equal to their predecessor */
 };
 
-/* ---- what is looked at ----------------------------------------------------------------------- */
+/* ---- the live renderer ----------------------------------------------------------------------- */
 
 static enum neph_status settings_of(const struct neph_studio *studio, const char *preset,
                                     struct neph_settings *settings, struct neph_diag *diag)
@@ -52,7 +52,7 @@ static enum neph_status settings_of(const struct neph_studio *studio, const char
     return status;
 }
 
-/* A seat of engine realtime, not opened. */
+/* A job of engine realtime, not opened. */
 static struct seat realtime_seat(const struct neph_studio *studio,
                                  const struct neph_settings *settings)
 {
@@ -68,7 +68,7 @@ static struct seat realtime_seat(const struct neph_studio *studio,
     return seat;
 }
 
-/* Take a seat in place of the one there is; on failure that stays. */
+/* Open a job and replace the live one; after an error the live one stays. */
 static enum neph_status take_seat(struct neph_studio *studio, struct seat *seat,
                                   struct neph_diag *diag)
 {
@@ -112,7 +112,8 @@ enum neph_status neph_studio_choose_preset(struct neph_studio *studio, const cha
     return NEPH_OK;
 }
 
-/* The march that realtime with its settings of now is held against. */
+/* A job of the ray marcher with the same model: the reference of realtime with its current
+ * settings. */
 static enum neph_status march_seat(const struct neph_studio *studio, enum neph_reference_rays rays,
                                    struct seat *seat, struct neph_diag *diag)
 {
@@ -144,7 +145,7 @@ const struct neph_job *neph_studio_job(const struct neph_studio *studio)
     return &studio->live.job;
 }
 
-/* ---- life ------------------------------------------------------------------------------------ */
+/* ---- open and close -------------------------------------------------------------------------- */
 
 static void borrow_scene(struct neph_studio *studio)
 {
@@ -166,7 +167,7 @@ enum neph_status neph_studio_open(const struct neph_studio_params *params, const
     if (!made)
         return neph_fail_memory(diag);
     made->params = *params;
-    made->same_count = -1; /* the first picture has none before it */
+    made->same_count = -1; /* the first frame has no predecessor */
     borrow_scene(made);
     const enum neph_status status = neph_studio_choose_preset(made, preset, diag);
     if (status)
@@ -186,7 +187,7 @@ void neph_studio_close(struct neph_studio *studio)
     free(studio);
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 enum neph_status neph_studio_render(struct neph_studio *studio,
                                     const struct neph_camera_key *camera, int frame,
@@ -222,7 +223,8 @@ static enum neph_status open_reference(struct neph_studio *studio, struct neph_d
     return status;
 }
 
-/* Whether the picture of the reference is of this moment, with so many rays at least. */
+/* Whether the stored reference shows the current camera and scene time, with at least so many
+ * rays. */
 static bool has_picture(const struct neph_studio *studio, int rays_per_px)
 {
     return studio->picture && studio->picture_rays_per_px >= rays_per_px &&

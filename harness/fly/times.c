@@ -26,7 +26,7 @@ double neph_fly_times_median_s(const struct neph_fly_times *times)
     return neph_percentile(values, (size_t)count, 0.5);
 }
 
-/* "march" of "march_gpu_ms"; false: it is no pass. */
+/* The pass name in a statistic, "march" of "march_gpu_ms"; false: not the time of a pass. */
 static bool pass_of(const char *number, char name[NEPH_IMAGE_NAME_MAX])
 {
     const size_t length = strlen(number), end = sizeof(pass_end) - 1;

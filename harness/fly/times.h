@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * How long frames take, and each of their passes.
+ * Times of the last frames and of their passes.
  */
 #ifndef NEPH_HARNESS_FLY_TIMES_H
 #define NEPH_HARNESS_FLY_TIMES_H
@@ -9,20 +9,20 @@
 
 enum { NEPH_FLY_TIMES_MAX = 4096, NEPH_FLY_PASSES_MAX = 32 };
 
-/* The last NEPH_FLY_TIMES_MAX of them. */
+/* The times of the last NEPH_FLY_TIMES_MAX frames. */
 struct neph_fly_times {
     double seconds[NEPH_FLY_TIMES_MAX];
-    int count; /* since the start, without end */
+    int count; /* of all frames added so far */
 };
 
-/* Not finite: not measured, and left out. */
+/* Add a time; a value that is not finite means "not measured" and is left out. */
 void neph_fly_times_add(struct neph_fly_times *times, double seconds);
 
-/* NaN: there is none. */
+/* The median; NaN: no times. */
 double neph_fly_times_median_s(const struct neph_fly_times *times);
 
-/* The passes of the frames of one engine, each a mean that forgets with 1/8 a frame. Start from
- * {0}, and again with another engine. */
+/* Times of the passes of one engine: exponential averages with weight 1/8 for the newest frame.
+ * Start from {0}, and again after a change of engine. */
 struct neph_fly_passes {
     int count;
     struct {
@@ -31,7 +31,7 @@ struct neph_fly_passes {
     } passes[NEPH_FLY_PASSES_MAX];
 };
 
-/* By the attributes "neph.stats.NAME_gpu_ms" of a frame. */
+/* Read the times from a frame's attributes "neph.stats.NAME_gpu_ms". */
 void neph_fly_passes_take(struct neph_fly_passes *passes, const struct neph_image *frame);
 
 #endif

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_VIEW_KIND_COUNT == 4, "a new kind");
 
-/* A map of flicker is drawn anew after so many frames: it costs more than most of them. */
+/* The flicker map is redrawn every so many frames: it costs more than most frames. */
 enum { A4_EVERY_FRAMES = 8 };
 
 enum neph_status neph_view_init(struct neph_view *view, int width_px, int height_px,
@@ -59,7 +59,7 @@ static enum neph_status encode(const struct neph_view *view, const struct neph_i
                             view->width_px, view->height_px, view->exposure_ev, rgb, diag);
 }
 
-/* The march takes the place of what is right of the line. */
+/* Replace the pixels right of the split line by the ray-marched reference. */
 static void wipe(const struct neph_view *view)
 {
     const int split_px = (int)lround(view->split_share * view->width_px);
@@ -88,7 +88,7 @@ static enum neph_status draw_beside_march(struct neph_view *view, struct neph_st
                            view->rgb, diag);
 }
 
-/* The picture itself until there are frames enough. */
+/* Draw the flicker map; the plain frame until there are enough frames. */
 static enum neph_status draw_flicker(struct neph_view *view, const struct neph_image *image,
                                      bool rests, struct neph_diag *diag)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * In place of window_sdl.c where SDL's headers were not there to build with.
+ * Replaces window_sdl.c if neph was built without SDL's headers.
  */
 #include "harness/fly/window.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The one place that knows SDL 2.
+ * The window through SDL 2. No other file includes SDL.
  */
 #include "harness/fly/window.h"
 
@@ -11,7 +11,7 @@
 
 static const char library_name[] = "libSDL2-2.0.so.0";
 
-/* What is used of it. */
+/* The used functions of SDL. */
 /* clang-format off */
 #define SDL_FUNCTIONS(of) \
     of(Init) of(Quit) of(GetError) of(SetHint) of(GetCurrentVideoDriver) \
@@ -31,11 +31,11 @@ struct sdl {
 
 struct neph_window {
     struct sdl sdl;
-    bool is_ready; /* SDL, to be quit */
+    bool is_ready; /* SDL is initialised, so it needs SDL_Quit() */
     SDL_Window *window;
     SDL_Renderer *renderer;
     SDL_Texture *texture;
-    int width_px, height_px; /* of the pictures */
+    int width_px, height_px; /* of the frames */
 };
 
 /* ---- the library ----------------------------------------------------------------------------- */
@@ -73,10 +73,10 @@ bool neph_window_has_library(void)
     return library != NULL;
 }
 
-/* ---- life ------------------------------------------------------------------------------------ */
+/* ---- open and close -------------------------------------------------------------------------- */
 
-/* SDL falls back on drivers without a screen, in whose windows a person would see nothing; who
- * names one in $SDL_VIDEODRIVER means it. */
+/* Whether the video driver has a screen. SDL falls back to drivers without one, whose windows are
+ * invisible; a driver named in $SDL_VIDEODRIVER is accepted as it is. */
 static bool has_screen(const struct sdl *sdl)
 {
     static const char *const blind[] = {"dummy", "offscreen", "evdev"};
@@ -87,7 +87,8 @@ static bool has_screen(const struct sdl *sdl)
     return !is_blind || getenv("SDL_VIDEODRIVER");
 }
 
-/* Ctrl-C is ours; a picture of few pixels is to show them. */
+/* Initialise SDL: signal handlers off, because neph handles Ctrl-C; nearest-neighbour scaling, so
+ * that pixels stay visible. */
 static enum neph_status start(struct neph_window *window, struct neph_diag *diag)
 {
     const struct sdl *sdl = &window->sdl;
@@ -152,7 +153,7 @@ void neph_window_close(struct neph_window *window)
         sdl->DestroyWindow(window->window);
     if (window->is_ready)
         sdl->Quit();
-    /* The library stays open: its own libraries leave threads behind that would lose their code. */
+    /* The library stays loaded: threads of its own dependencies may still run its code. */
     free(window);
 }
 
@@ -203,7 +204,7 @@ static enum neph_fly_button button_of(int button)
                                         : NEPH_FLY_BUTTON_OTHER;
 }
 
-/* The renderer has turned the pointer's place into pixels of the picture. */
+/* Convert a mouse event. The SDL renderer has already scaled the position to frame pixels. */
 static bool take_mouse(const struct neph_window *window, const SDL_Event *from,
                        struct neph_fly_event *event)
 {
@@ -226,7 +227,7 @@ static bool take_mouse(const struct neph_window *window, const SDL_Event *from,
     return from->type == SDL_MOUSEBUTTONDOWN || from->type == SDL_MOUSEBUTTONUP;
 }
 
-/* False: it is none of ours. */
+/* Convert an event; false: the event is not used. */
 static bool take(const struct neph_window *window, const SDL_Event *from,
                  struct neph_fly_event *event)
 {
@@ -265,7 +266,7 @@ void neph_window_push_key(struct neph_window *window, int key, bool is_down)
     window->sdl.PushEvent(&event);
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 enum neph_status neph_window_show(struct neph_window *window, const uint8_t *rgb,
                                   struct neph_diag *diag)

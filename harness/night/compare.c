@@ -7,21 +7,21 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_FOUND_COUNT == 14, "a new kind");
 _Static_assert(NEPH_JUDGED_COUNT == 5, "a new kind");
 
-/* One number of tonight with all that it is held against. */
+/* One number of this run, with the earlier numbers that it is compared with. */
 struct candidate {
     const char *name, *step, *environment;
     bool is_picture;
-    int64_t accepted; /* night; 0: none */
+    int64_t accepted; /* number of the baseline run; 0: none */
     struct neph_series series;
-    double *past, *errors; /* of the arena, as is `aside` */
+    double *past, *errors; /* allocated in the arena, as is `aside` */
     bool *aside;
-    bool was_measured;               /* by the accepted night */
-    const char *other_environment;   /* of the accepted night, where it is another */
-    double other_value, other_error; /* and the number that was measured in it */
+    bool was_measured;               /* by the baseline run */
+    const char *other_environment;   /* the baseline run's environment, if different */
+    double other_value, other_error; /* the baseline's number in that environment */
     bool other_size;
 };
 
@@ -32,7 +32,7 @@ struct work {
     int count;
     int64_t against;
     double alpha;
-    const struct neph_night_scope *scope; /* NULL: all of the plan was asked for */
+    const struct neph_night_scope *scope; /* NULL: the whole plan */
 };
 
 /* ---- findings -------------------------------------------------------------------------------- */
@@ -44,7 +44,8 @@ static void find(struct work *work, enum neph_found found, const char *series, c
     neph_night_add_finding(work->comparison, &finding);
 }
 
-/* What is shown by the series `example`, "" for none, and compared with the night `accepted`. */
+/* Add a finding that the page illustrates by the series `example` ("": none) and compares with the
+ * run `accepted`. */
 static void find_by(struct work *work, enum neph_found found, const char *series, const char *step,
                     const char *words, const char *example, int64_t accepted)
 {
@@ -78,7 +79,7 @@ static enum neph_status accepted_night(struct work *work, const char *series, in
                                diag);
 }
 
-/* A number as it is in the database. */
+/* A number in the database. */
 struct row {
     const char *name, *step, *kind, *environment;
     double value, standard_error;
@@ -128,7 +129,8 @@ static enum neph_status read_candidates(struct work *work, struct neph_diag *dia
     return status ? status : neph_arena_check(arena, diag);
 }
 
-/* A program that calls a fixed number a drawn one is held to the rule of the accepted night. */
+/* The kind of the baseline run applies, so that a program cannot weaken its test by declaring a
+ * fixed number as drawn. */
 static void take_accepted_kind(struct candidate *c, const char *word)
 {
     const enum neph_series_kind kind = neph_series_kind_of(word);
@@ -136,8 +138,9 @@ static void take_accepted_kind(struct candidate *c, const char *word)
         c->series.kind = kind;
 }
 
-/* The accepted night and those after the accepted night of all, so that means over scenes are over
- * the same nights; a place for each, also for those without the number. */
+/* Read the earlier numbers of a candidate: one element for its baseline run and for each run after
+ * the overall baseline; NaN for a run without the number. All series thus cover the same runs, as
+ * means over scenes require. */
 static enum neph_status read_past(struct work *work, struct candidate *c, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
@@ -177,7 +180,7 @@ static enum neph_status read_past(struct work *work, struct candidate *c, struct
             c->other_environment = is_there && !same
                                        ? neph_arena_text(arena, neph_query_text(query, 2))
                                        : NULL;
-            c->aside[0] = false; /* it was accepted as it is */
+            c->aside[0] = false; /* accepted by the user, changed or not */
             c->other_value = neph_query_real(query, 0);
             c->other_error = neph_query_real(query, 1);
             take_accepted_kind(c, neph_query_text(query, 5));
@@ -211,7 +214,7 @@ static enum neph_status check_against(struct work *work, struct neph_diag *diag)
         status = neph_history_has(work->index, work->against, &has, diag);
     return status || has
                ? status
-               : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
+               : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no finished nightly run %lld",
                            (long long)work->against);
 }
 
@@ -231,7 +234,7 @@ static enum neph_status read_all(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* ---- what is no number ----------------------------------------------------------------------- */
+/* ---- findings that are not about a number ---------------------------------------------------- */
 
 static enum neph_status find_failed_steps(struct work *work, struct neph_diag *diag)
 {
@@ -255,20 +258,20 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
     case NEPH_LOSS_STEP:
         return lost->other
                    ? neph_arena_format(arena,
-                                       "the accepted night has measured it, and tonight's plan has "
-                                       "no step '%s'; tonight measures the same scene as '%s'",
+                                       "the accepted run measured it, but this run's plan has no "
+                                       "step '%s'; step '%s' measures the same scene",
                                        lost->step, lost->other)
                    : neph_arena_format(arena,
                                        "the accepted night has measured it, and tonight's plan has "
                                        "no step '%s'",
                                        lost->step);
     case NEPH_LOSS_SERIES:
-        return "the accepted night has measured it, and tonight has not";
+        return "the accepted run measured it, and this run did not";
     case NEPH_LOSS_OVERDUE:
-        return neph_arena_format(arena, "it was not measured for %lld nights",
+        return neph_arena_format(arena, "the last %lld runs did not measure it",
                                  (long long)lost->nights);
     case NEPH_LOSS_EDITED:
-        break; /* told once for all numbers of the scene */
+        break; /* reported once for the scene, by find_edits() */
     }
     return NULL;
 }
@@ -297,7 +300,7 @@ static enum neph_status find_missing(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* What became of the accepted version of a scene that was edited. */
+/* The result of rendering the accepted version of an edited scene. */
 static const char *words_of_edit(const struct work *work, const struct neph_night_edit *edit)
 {
     for (int i = 0; work->scope && i < work->scope->edit_count; i++) {
@@ -317,14 +320,14 @@ static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
                                                     work->against, arena, &edits, &count, diag);
     for (int i = 0; i < count && !status; i++)
         find_by(work, NEPH_FOUND_EDITED, edits[i].before, edits[i].step,
-                neph_arena_format(arena, "its scene was edited, %d numbers are those of %s: %s",
+                neph_arena_format(arena, "its scene was edited, and %d numbers belong to %s: %s",
                                   edits[i].count, edits[i].after, words_of_edit(work, &edits[i])),
                 "", edits[i].accepted);
     return status;
 }
 
-/* Whether the scene of a step has tonight the terms of the night that counts for its gates, which
- * may have been accepted by themselves. */
+/* True when the scene's terms equal those of the run that is the baseline for its gates. Gates may
+ * have been accepted separately from other series. */
 static enum neph_status are_terms_accepted(struct work *work, const char *step, const char *version,
                                            const char *terms, bool *accepted,
                                            struct neph_diag *diag)
@@ -341,7 +344,8 @@ static enum neph_status are_terms_accepted(struct work *work, const char *step, 
     return status;
 }
 
-/* Gates and the like are in no hash, so that these series go on. */
+/* Report changed terms: gates, exposure and the like are not in the scene's hash, so they start no
+ * new series. */
 static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
 {
     struct neph_arena *arena = &work->comparison->arena;
@@ -360,13 +364,13 @@ static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
         status = are_terms_accepted(work, s->step, version, s->terms, &accepted, diag);
         if (!status && !accepted)
             find_by(work, NEPH_FOUND_EDITED, version, s->step,
-                    "its gates, its exposure or what is measured of it over time were edited", "",
+                    "its gates, its exposure or its measurements over time were edited", "",
                     work->comparison->baseline);
     }
     return status;
 }
 
-/* Each step is named once. */
+/* A changed size is reported once for each step. */
 static bool is_first_of_step(const struct work *work, int at)
 {
     for (int i = 0; i < at; i++)
@@ -382,21 +386,21 @@ static void find_in_pictures(struct work *work)
         const struct candidate *c = &work->candidates[i];
         if (c->other_size && is_first_of_step(work, i))
             find(work, NEPH_FOUND_SIZE, c->step, c->step,
-                 "its frames are of another size than those of the accepted night");
+                 "its frames differ in size from the frames of the accepted run");
         const double before = c->other_environment ? c->other_value : c->past ? c->past[0] : NAN;
         if (c->is_picture && c->series.past_count > 0 && before > 0.0 && !(c->series.tonight > 0.0))
             find_by(work, NEPH_FOUND_BLANK, c->name, c->step,
                     c->series.tonight < 0.0
-                        ? "it has pixels that are no numbers, and in the accepted night it had none"
-                        : "all its pixels are equal, and in the accepted night they were not",
+                        ? "it has pixels that are not numbers, and had none in the accepted run"
+                        : "all its pixels are equal, and they were not in the accepted run",
                     c->name, c->accepted);
     }
 }
 
-/* ---- words ----------------------------------------------------------------------------------- */
+/* ---- texts of findings ----------------------------------------------------------------------- */
 
-/* "+3.00 %", or "+3.00 % of 0.001" where the baseline is less than its unit; of a signed number
- * "by 3.00 % further from 0". */
+/* "+3.00 %"; "+3.00 % of 0.001" when the baseline is smaller than its unit; "by 3.00 % further from
+ * 0" for a signed number. */
 static const char *change_words(struct neph_arena *arena, const struct candidate *c,
                                 const struct neph_judgement *j)
 {
@@ -420,8 +424,8 @@ static const char *words_of(struct neph_arena *arena, const struct candidate *c,
 
 /* ---- another environment --------------------------------------------------------------------- */
 
-/* A number of another environment that is worse all the same fails the night: a regression does not
- * pass because a version was raised together with it. */
+/* A number that is worse in another environment fails the run: a raised version must not hide a
+ * regression. */
 static void compare_elsewhere(struct work *work, const struct candidate *c)
 {
     struct neph_arena *arena = &work->comparison->arena;
@@ -437,7 +441,7 @@ static void compare_elsewhere(struct work *work, const struct candidate *c)
     find_number(work, NEPH_FOUND_WORSE_ELSEWHERE, c, words, &change);
 }
 
-/* The last comparable night is too long ago. */
+/* Report a number that has not been comparable for more than neph_lost_after_nights runs. */
 static void find_overdue(struct work *work, const struct candidate *c)
 {
     int last = c->series.past_count - 1;
@@ -447,8 +451,8 @@ static void find_overdue(struct work *work, const struct candidate *c)
     if (c->other_environment && nights > neph_lost_after_nights)
         find_by(work, NEPH_FOUND_LOST, c->name, c->step,
                 neph_arena_format(&work->comparison->arena,
-                                  "it was not compared for %d nights: %s, accepted was %s", nights,
-                                  c->environment, c->other_environment),
+                                  "the last %d runs did not compare it: %s, accepted was %s",
+                                  nights, c->environment, c->other_environment),
                 c->name, c->accepted);
 }
 
@@ -465,12 +469,12 @@ static void look_elsewhere(struct work *work)
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* Why a number is not judged; NULL: it is for the judge to say. */
+/* The reason why a number is not judged; NULL: it is judged. */
 static const char *why_not(struct neph_night_comparison *comparison, const struct candidate *c)
 {
     if (c->accepted == 0 || !c->was_measured) {
         comparison->fresh++;
-        return "new: no accepted night has it";
+        return "new: not in an accepted run";
     }
     if (c->other_size)
         return "another size";
@@ -495,14 +499,14 @@ static void take_judgement(struct work *work, const struct candidate *c,
     row->judgement = *j;
     if (j->judged == NEPH_JUDGED_NOT) {
         comparison->young++;
-        row->why = neph_arena_format(&comparison->arena, "%d of %d nights", j->nights,
+        row->why = neph_arena_format(&comparison->arena, "%d of %d runs", j->nights,
                                      neph_series_rule(c->series.kind)->nights);
     }
     if (found_of[j->judged] != NEPH_FOUND_COUNT)
         find_number(work, found_of[j->judged], c, words_of(&comparison->arena, c, j), j);
 }
 
-/* The scene that moved the most; of equals the first. */
+/* The scene with the largest change; the first one of equals. */
 static const struct neph_series *example_of(const struct neph_series *series, int count,
                                             const struct neph_pool *pool,
                                             const struct neph_verdicts *verdicts)
@@ -550,13 +554,12 @@ static void take_pools(struct work *work, const struct neph_series *series, int 
         find(work, NEPH_FOUND_STALE, stale->truth, "",
              neph_arena_format(
                  arena,
-                 "%d of %d series against %s moved, of %d renderers that share no program: "
-                 "look at %s before these",
+                 "%d of %d series against %s moved, of %d independent renderers: check %s first",
                  stale->moved, stale->all, stale->truth, stale->families, stale->truth));
     }
 }
 
-/* Which versions changed, once each, with how many series that concerns. */
+/* Report each changed environment once, with the number of its series. */
 static void find_environments(struct work *work)
 {
     struct neph_arena *arena = &work->comparison->arena;
@@ -578,7 +581,7 @@ static void find_environments(struct work *work)
     }
 }
 
-/* Those that are judged come to lie together, in the order of `rows`. */
+/* Collect the series to judge. rows[i] is the index of series[i] in the comparison. */
 static int choose_judged(struct work *work, struct neph_series *series, int *rows)
 {
     int count = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A night of the store's history against the nights that were accepted: which of its numbers may be
- * compared with which, what judge.h says of them, and what is not a number at all: missing frames,
- * another size, a blank picture.
+ * Compares a nightly run in the store's history with the baseline, the last accepted run: selects
+ * the numbers that are comparable, passes them to judge.h, and adds findings that are not about a
+ * number, such as missing series, changed frame sizes and blank frames.
  */
 #ifndef NEPH_HARNESS_NIGHT_COMPARE_H
 #define NEPH_HARNESS_NIGHT_COMPARE_H
@@ -14,47 +14,47 @@
 
 #include <stdint.h>
 
-/* In the order in which they are told. From NEPH_FOUND_BETTER on they fail no night. */
+/* Sorted by severity. NEPH_FOUND_BETTER and the kinds after it do not fail a run. */
 enum neph_found {
-    NEPH_FOUND_STEP,    /* a step broke, or did not end in time */
-    NEPH_FOUND_HISTORY, /* what was accepted is torn, missing or not as it was written */
-    NEPH_FOUND_BITS,    /* the same program gave other numbers when it was run once more */
-    NEPH_FOUND_STALE,   /* many series of a truth moved: the truth is suspected */
-    NEPH_FOUND_BLANK,   /* a picture is empty that was not, or has pixels that are no numbers */
-    NEPH_FOUND_MISSING, /* its step was done, and did not give the number */
-    NEPH_FOUND_LOST, /* its step is not in the plan, or it was not compared for too many nights */
+    NEPH_FOUND_STEP,    /* a step failed or exceeded its time limit */
+    NEPH_FOUND_HISTORY, /* records of an accepted run are truncated, missing or modified */
+    NEPH_FOUND_BITS,    /* a repeated step of the same program gave other numbers */
+    NEPH_FOUND_STALE,   /* many series of a reference moved: the reference is suspected */
+    NEPH_FOUND_BLANK,   /* a frame became blank, or has NaN or infinite pixels */
+    NEPH_FOUND_MISSING, /* the step is done, without this series */
+    NEPH_FOUND_LOST,    /* the step is not planned, or too many runs have not compared it */
     NEPH_FOUND_SIZE,
     NEPH_FOUND_WORSE,
-    NEPH_FOUND_WORSE_ELSEWHERE, /* in another environment */
-    NEPH_FOUND_EDITED,          /* a scene, so that its series are others */
+    NEPH_FOUND_WORSE_ELSEWHERE, /* worse than in another environment */
+    NEPH_FOUND_EDITED,          /* the scene was edited, which starts new series */
     NEPH_FOUND_BETTER,
     NEPH_FOUND_ENVIRONMENT, /* other versions or another device: not compared */
-    NEPH_FOUND_MOVED,       /* by less than matters */
+    NEPH_FOUND_MOVED,       /* changed by less than the threshold */
     NEPH_FOUND_COUNT,
 };
 
 const char *neph_found_word(enum neph_found found);
 bool neph_found_fails(enum neph_found found);
 
-/* Texts are of the arena. Numbers are NaN where there are none. */
+/* Texts are allocated in the arena. Missing numbers are NaN. */
 struct neph_finding {
     enum neph_found found;
-    const char *series; /* or step, or truth, or "engine, metric, all scenes" */
-    const char *step;   /* "" of what is of several */
-    const char *words;  /* what was found, in a sentence */
+    const char *series; /* or a step, a reference, or "engine, metric, all scenes" */
+    const char *step;   /* "" for a finding over several steps */
+    const char *words;  /* the finding as a sentence */
     double tonight, baseline, change, p, floor;
-    double standard_error; /* of tonight's number, as its engine tells it */
-    const char *example;   /* the series to show it by; "" when there is none */
-    int64_t accepted;      /* the night that it is held against; 0: none */
-    const double *trend;   /* of a mean over scenes: 1 + its change, on each night from the accepted
-                              one to this; NULL: it is that of the series */
+    double standard_error; /* of `tonight`, as the engine reports it */
+    const char *example;   /* a series that illustrates the finding; "": none */
+    int64_t accepted;      /* number of the run that it is compared with; 0: none */
+    const double *trend;   /* for a mean over scenes: 1 + its change in each run from the baseline
+                              to this one; NULL: use the course of the series */
     int trend_count;
 };
 
-/* What became of each number. */
+/* The result for one number. */
 struct neph_compared {
     const char *series, *step;
-    const char *why; /* it is not judged; else "" */
+    const char *why; /* reason why it is not judged; otherwise "" */
     double tonight;
     struct neph_judgement judgement;
 };
@@ -62,41 +62,42 @@ struct neph_compared {
 /* Start from {0}; free with neph_night_comparison_finish(). */
 struct neph_night_comparison {
     struct neph_arena arena;
-    int64_t night, baseline; /* the accepted night of all; 0: there is none */
+    int64_t night, baseline; /* `baseline`: last acceptance of all series; 0: none */
     struct neph_finding *findings;
     int finding_count, finding_room;
     struct neph_compared *series;
     int series_count;
-    int compared, chances;       /* comparisons made, means over scenes included */
-    int fresh, elsewhere, young; /* not compared: new series, another environment, too few nights */
-    int not_run; /* series of the baseline whose steps are in the plan and were not run tonight */
-    bool passes; /* something was compared, and no finding fails it */
+    int compared, chances;       /* `compared`: number of comparisons, means over scenes included;
+                                    `chances`: those with noise */
+    int fresh, elsewhere, young; /* series of the baseline with planned steps that were not run */
+    int not_run;                 /* baseline series whose steps are planned and were not run */
+    bool passes;                 /* at least one comparison, and no finding that fails */
 };
 
-/* Compare a night with the last that was accepted, or with night `against` where that is not 0.
- * `scope` NULL: no step was left out of the plan. Errors: as of database.h; NEPH_ERR_NOT_FOUND:
- * there is no such night. */
+/* Compare a run with the baseline, or with run `against` unless that is 0. `scope` NULL: no step
+ * was left out of the plan. NEPH_ERR_NOT_FOUND: there is no such run. Other errors: see
+ * database.h. */
 enum neph_status neph_night_compare(struct neph_database *index, int64_t night, int64_t against,
                                     const struct neph_night_scope *scope, double alpha,
                                     struct neph_night_comparison *comparison,
                                     struct neph_diag *diag);
 
-/* What a comparison comes to, in words: "pass", "passes" and the like. */
+/* The verdict in words: "pass" and "passes", and so on. */
 struct neph_night_verdict {
     const char *word, *verb;
 };
 
 struct neph_night_verdict neph_night_verdict(const struct neph_night_comparison *comparison);
 
-/* A finding without numbers, and of no accepted night. */
+/* A finding without numbers and without a baseline run. */
 struct neph_finding neph_finding(enum neph_found found, const char *series, const char *step,
                                  const char *words);
 
-/* Say whether the night passes, by its findings. */
+/* Set `passes` from the findings. */
 void neph_night_settle(struct neph_night_comparison *comparison);
 
-/* Add what somebody else has found, and judge anew whether the night passes. When memory is short,
- * neph_arena_check() of its arena says so. */
+/* Add a finding of another check and update `passes`. When memory is short, neph_arena_check() of
+ * the comparison's arena returns an error. */
 void neph_night_add_finding(struct neph_night_comparison *comparison,
                             const struct neph_finding *finding);
 

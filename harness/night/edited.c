@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The accepted versions of scenes that were edited since, rendered once more by tonight's program
- * from the store's copies (scene_copy.h), so that an edit does not hide a regression.
+ * Renders the accepted versions of edited scenes with the current program, from the store's copies
+ * (scene_copy.h), so that an edit does not hide a regression.
  */
 #include "harness/night/work.h"
 
@@ -17,18 +17,18 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What became of an accepted version that was rendered. */
+/* The text of a finding after the accepted version was rendered. */
 static const char *words_of(struct neph_night_work *work, const char *copy)
 {
     return neph_arena_format(&work->night->arena,
-                             "tonight's program has rendered the accepted version once more, from "
-                             "'%s', and its numbers are compared with the accepted ones",
+                             "this run's program rendered the accepted version again, from '%s', "
+                             "and its numbers are compared with the accepted numbers",
                              copy);
 }
 
-/* ---- the project's files with another version of a scene ------------------------------------- */
+/* ---- a data folder with another version of a scene ------------------------------------------- */
 
-/* A folder of links to all that is in `from`, but for the entry `but`. */
+/* Make the folder `to` with a link to each entry of `from` except the entry `but`. */
 static enum neph_status link_entries(const char *from, const char *to, const char *but,
                                      struct neph_arena *arena, struct neph_diag *diag)
 {
@@ -47,10 +47,11 @@ static enum neph_status link_entries(const char *from, const char *to, const cha
     return status;
 }
 
-/* The folder of the catalogue, below scenes/, that a scene is in. */
+/* The subfolder of scenes/ that contains a scene. */
 static const char *folder_of(const char *data, const char *scene, struct neph_arena *arena)
 {
-    static const char *const names[] = {"stress", "failure"}; /* now, and one release ago */
+    static const char *const names[] = {"stress", "failure"}; /* the current name and the previous
+                                                                 release's */
     for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
         const char *path = neph_arena_format(arena, "%s/scenes/%s/%s.yaml", data, names[i], scene);
         if (path && neph_path_exists(path))
@@ -59,7 +60,8 @@ static const char *folder_of(const char *data, const char *scene, struct neph_ar
     return "catalog";
 }
 
-/* Make `folder` what NEPH_DATA_DIR may name. */
+/* Make `folder` a data folder for NEPH_DATA_DIR: links to the project's files, and the copy in
+ * place of the scene's current file. `*path` is the path of the copy. */
 static enum neph_status make_data(const char *folder, const struct neph_history_scene *scene,
                                   const char *copy, struct neph_arena *arena, const char **path,
                                   struct neph_diag *diag)
@@ -89,7 +91,8 @@ static enum neph_status make_data(const char *folder, const struct neph_history_
     return status;
 }
 
-/* The copy may have been edited, and a volume that it names may be another by now. */
+/* The scene must still have its recorded hash: the copy may have been edited, or a volume file that
+ * it refers to may have been replaced. */
 static enum neph_status check_version(const char *path, const struct neph_history_scene *scene,
                                       struct neph_diag *diag)
 {
@@ -107,8 +110,9 @@ static enum neph_status check_version(const char *path, const struct neph_histor
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* What the store has of an edit: whether its accepted version was rendered tonight, and the scene
- * that the accepted night has measured; without a name when that is not known. */
+/* Read the state of an edit from the store: `*done` when this run has rendered the accepted
+ * version; `*scene` is the scene of the baseline run, without a name when the store has no record
+ * of it. */
 static enum neph_status look_up(struct neph_night_work *work, const struct neph_night_edit *edit,
                                 bool *done, struct neph_history_scene *scene,
                                 struct neph_diag *diag)
@@ -134,7 +138,7 @@ static enum neph_status look_up(struct neph_night_work *work, const struct neph_
     return status;
 }
 
-/* A step sees what the user gave to the night, and other files of the project. */
+/* A copy of the run's environment in which NEPH_DATA_DIR names the folder `data`. */
 static enum neph_status settle(const struct neph_night_work *work, const char *data,
                                struct neph_step_place *place, struct neph_diag *diag)
 {
@@ -166,8 +170,9 @@ static enum neph_status measure(struct neph_night_work *work, int index, const c
     return status;
 }
 
-/* Numbers of the stress tests are named by the hash that the scene has in the project, as its
- * results have none. What is of another version than the accepted one is left out. */
+/* Put the hash of the accepted version into the names of the numbers. Results of stress tests
+ * contain no hash, so they were named after the scene's current file. Numbers of other versions are
+ * removed. */
 static void name_accepted(const struct neph_night_edit *edit,
                           const struct neph_history_scene *scene, struct neph_arena *arena,
                           struct neph_night_numbers *numbers)
@@ -228,7 +233,7 @@ static enum neph_status render(struct neph_night_work *work, const struct neph_h
     return status;
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- all edits ------------------------------------------------------------------------------- */
 
 static enum neph_status render_edit(struct neph_night_work *work, struct neph_night_edit *edit,
                                     struct neph_diag *diag)

@@ -21,7 +21,8 @@ bool neph_is_same_environment(const char *a, const char *b)
     return *a == *b;
 }
 
-/* What an environment says of the samples of a frame: between the first "; " and the truth. */
+/* The note of an environment, which describes the samples of a frame: the text between the first ";
+ * " and "; against". Returns its length. */
 static size_t find_note(const char *environment, const char **note)
 {
     const char *against = strstr(environment, "; against ");

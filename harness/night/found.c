@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * The findings of a comparison, in the order in which they are told, and what they come to.
+ * The findings of a comparison, sorted worst first, and the verdict that follows from them.
  */
 #include "harness/night/compare.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_FOUND_COUNT == 14, "a new kind");
 
 static const char *const found_words[] = {
@@ -37,7 +37,7 @@ bool neph_found_fails(enum neph_found found)
     return found < NEPH_FOUND_BETTER;
 }
 
-/* Worst first: by what it is, then by how far above its floor. */
+/* Order: worst kind first; within a kind by change divided by floor, largest first. */
 static int by_weight(const struct neph_finding *a, const struct neph_finding *b)
 {
     if (a->found != b->found)

@@ -27,7 +27,7 @@ static const struct neph_record_form night_form = {sizeof(struct neph_night_jobs
                                                     JOBS(started_utc), WHO(plan), WHO(revision),
                                                     WHO(program), WHO(host)}};
 
-/* What a job leaves of its step. */
+/* The result file of a step. */
 #define STEP(member) NEPH_RECORD_FIELD(struct neph_history_step, member)
 static const struct neph_record_form step_form = {
     sizeof(struct neph_history_step),
@@ -52,7 +52,8 @@ static const char *folder_of(struct neph_arena *arena, const char *output)
     return neph_arena_format(arena, "%s/nightly/jobs", output);
 }
 
-/* NULL without an error: there is none, or it is no document of this form. */
+/* Read a JSON file. `*document` is NULL without an error when the file is missing or has another
+ * format. */
 static enum neph_status read_json(const char *path, const char *format, json_t **document,
                                   struct neph_diag *diag)
 {
@@ -63,7 +64,7 @@ static enum neph_status read_json(const char *path, const char *format, json_t *
     return status == NEPH_ERR_NOT_FOUND ? NEPH_OK : status;
 }
 
-/* Takes the document over. */
+/* Write a JSON file; takes ownership of the document. */
 static enum neph_status write_json(const char *path, json_t *document, struct neph_diag *diag)
 {
     const enum neph_status status = neph_json_write(document, JSON_INDENT(1), path, diag);
@@ -71,7 +72,7 @@ static enum neph_status write_json(const char *path, json_t *document, struct ne
     return status;
 }
 
-/* ---- a night --------------------------------------------------------------------------------- */
+/* ---- a run ----------------------------------------------------------------------------------- */
 
 enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *arena,
                                       struct neph_night_jobs *jobs, bool *found,
@@ -91,8 +92,8 @@ enum neph_status neph_night_jobs_read(const char *output, struct neph_arena *are
     return neph_arena_check(arena, diag);
 }
 
-/* By which its jobs are found again, whoever asks: no other night has it, in this output or in
- * another. */
+/* Make a job name from the output folder, the run's number and its start time, so that it is unique
+ * across folders and runs. */
 static enum neph_status name_jobs(struct neph_night_jobs *jobs, const char *output,
                                   struct neph_diag *diag)
 {
@@ -151,7 +152,7 @@ void neph_night_jobs_finish(struct neph_night_jobs *jobs)
     jobs->steps = NULL;
 }
 
-/* First the file that makes it a night. */
+/* Removes night.json first: without that file there is no run to resume. */
 enum neph_status neph_night_jobs_forget(const char *output, struct neph_diag *diag)
 {
     const struct neph_path folder = neph_path_in(output, "nightly/jobs"),
@@ -174,8 +175,7 @@ enum neph_status neph_night_jobs_check(const struct neph_night_jobs *jobs,
     return neph_night_jobs_is_of(jobs, who)
                ? NEPH_OK
                : neph_fail(diag, NEPH_ERR_USAGE,
-                           "no jobs were sent for this night, by this program, from '%s'",
-                           jobs->folder);
+                           "'%s' has no jobs of this nightly run and this program", jobs->folder);
 }
 
 bool neph_night_jobs_find(const struct neph_night_jobs *jobs, const char *step,
@@ -188,7 +188,7 @@ bool neph_night_jobs_find(const struct neph_night_jobs *jobs, const char *step,
     return told != NULL;
 }
 
-/* ---- what a step has measured ---------------------------------------------------------------- */
+/* ---- result files ---------------------------------------------------------------------------- */
 
 static const char *record_path(const struct neph_night_jobs *jobs,
                                const struct neph_night_step *step)
@@ -240,9 +240,9 @@ enum neph_status neph_night_jobs_look(const struct neph_night_jobs *jobs,
     return status ? status : neph_arena_check(arena, diag);
 }
 
-/* ---- running one ----------------------------------------------------------------------------- */
+/* ---- running a step -------------------------------------------------------------------------- */
 
-/* A folder of its own for what the step writes, in which the store is that of all. */
+/* Link the shared store into the step's own working folder. */
 static enum neph_status link_store(const char *output, const char *work, struct neph_diag *diag)
 {
     char *store = realpath(neph_path_in(output, "store").text, NULL);
@@ -301,7 +301,8 @@ enum neph_status neph_night_jobs_run(const struct neph_night_jobs *jobs,
     struct neph_night_job job;
     bool done = false;
     if (!neph_night_jobs_find(jobs, step->name, &job))
-        return neph_fail(diag, NEPH_ERR_USAGE, "tonight there is no job for step '%s'", step->name);
+        return neph_fail(diag, NEPH_ERR_USAGE, "this nightly run has no job for step '%s'",
+                         step->name);
     enum neph_status status = neph_night_jobs_look(jobs, step, &done, &record, &numbers, diag);
     if (status || done)
         return status;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_JUDGED_COUNT == 5, "a new kind");
 _Static_assert(NEPH_SERIES_KINDS == 3, "a new kind");
 
@@ -24,12 +24,12 @@ static const char *const judged_words[] = {
     [NEPH_JUDGED_BETTER] = "better",  [NEPH_JUDGED_WORSE] = "worse",
 };
 
-/* In a fixed series, what another compiler or processor may change without anybody having changed
- * anything is no change. */
+/* Relative differences of a fixed series below this are no change: another compiler or processor
+ * may cause them. */
 static const double rounding = 1e-9;
 
-/* A truth is suspected when as many of its series moved, of as many families of
- * engines. */
+/* A reference is suspected when at least half of its series moved, at least five series exist, and
+ * the moved series belong to at least two families of engines. */
 static const double stale_share = 0.5;
 enum { STALE_FAMILIES = 2, STALE_SERIES = 5 };
 
@@ -53,17 +53,17 @@ const char *neph_judged_word(enum neph_judged judged)
     return judged_words[judged];
 }
 
-/* ---- what a baseline is ---------------------------------------------------------------------- */
+/* ---- estimates from the baseline ------------------------------------------------------------- */
 
-/* A mean without outliers, the deviation of a single night about it, and how much both are worth.
- */
+/* Trimmed mean of the baseline, deviation of a single run, correlation of consecutive runs, degrees
+ * of freedom. */
 struct centre {
     int count;
     double mean, deviation, correlation, dof;
 };
 
-/* The deviation of a normal variable whose outer shares g are pulled in to where they begin, z:
- * its square is 1 - 2 g - 2 z phi(z) + 2 g z^2. */
+/* The standard deviation of a normal variable after winsorizing a share g on either side, with z
+ * the (1 - g) quantile: sqrt(1 - 2 g - 2 z phi(z) + 2 g z^2). */
 static double winsorized_deviation(double g)
 {
     if (!(g > 0.0))
@@ -72,10 +72,10 @@ static double winsorized_deviation(double g)
     return sqrt(1.0 - 2.0 * g - 2.0 * z * density + 2.0 * g * z * z);
 }
 
-/* The correlation of neighbours, in order, each held within low..high; never negative. The
- * estimate of a short series is too low by (1 + 4 r) / n (Kendall, Biometrika 41, 1954), which is
- * added, and so is its standard error 1 / sqrt(n): what remembers longer than it looks is not to
- * alarm. */
+/* First-order autocorrelation of values clamped to low..high; 0 <= r <= 0.95. The estimate from a
+ * short series is biased by -(1 + 4 r) / n (Kendall, Biometrika 41, 1954). This bias is removed,
+ * and the standard error 1 / sqrt(n) is added: an underestimated correlation would raise false
+ * alarms. */
 static double correlation_of(const double *values, int count, double mean, double low, double high)
 {
     double products = 0.0, squares = 0.0, last = 0.0;
@@ -89,7 +89,7 @@ static double correlation_of(const double *values, int count, double mean, doubl
     return fmin(fmax(found + (1.0 + 4.0 * found) / count + 1.0 / sqrt(count), 0.0), 0.95);
 }
 
-/* How many independent values `count` nights are worth to a mean. */
+/* The number of independent values with the same information about the mean as `count` runs. */
 static double worth_of(int count, double correlation)
 {
     return fmax(count * (1.0 - correlation) / (1.0 + correlation), 1.0);
@@ -115,7 +115,8 @@ static struct centre centre_of(const double *values, int count)
     }
     centre.mean = sum / (count - 2 * cut);
     centre.correlation = correlation_of(values, count, winsorized, low, high);
-    /* The variance within a short correlated series is that of one value less that of the mean. */
+    /* The expected variance within a short correlated series is the variance of a value minus the
+     * variance of the mean. */
     const double worth = worth_of(count, centre.correlation);
     const double within = fmax(1.0 - 1.0 / worth, 0.1);
     centre.deviation = sqrt(squares / count / within) / winsorized_deviation((double)cut / count);
@@ -126,14 +127,14 @@ static struct centre centre_of(const double *values, int count)
 
 /* ---- a series' numbers ----------------------------------------------------------------------- */
 
-/* Durations as logarithms; NaN and nonsense stay out. */
+/* Logarithm of a duration, or the value itself; NaN for a duration that is not positive. */
 static double level(const struct neph_series *series, double value)
 {
     return series->kind == NEPH_SERIES_TIMED ? log(value > 0.0 ? value : NAN) : value;
 }
 
-/* Append what is a number. What was drawn stays as it is while the program does: the same bits
- * again are no other draw, and would make a series look steadier than it is. */
+/* Append a finite value. In a drawn series a repetition of the same bits is skipped: the program
+ * was unchanged, so it is no new sample and would make the spread too small. */
 static void append(double *values, int *count, double value, enum neph_series_kind kind)
 {
     const bool again = kind == NEPH_SERIES_DRAWN && *count > 0 && value == values[*count - 1];
@@ -141,7 +142,7 @@ static void append(double *values, int *count, double value, enum neph_series_ki
         values[(*count)++] = value;
 }
 
-/* The first nights, as levels; `count` at most NEPH_JUDGE_WINDOW. */
+/* The levels of the first baseline runs, at most NEPH_JUDGE_WINDOW; returns their number. */
 static int baseline_values(const struct neph_series *series, double values[NEPH_JUDGE_WINDOW])
 {
     int count = 0;
@@ -151,7 +152,7 @@ static int baseline_values(const struct neph_series *series, double values[NEPH_
     return count;
 }
 
-/* The last nights, tonight first, as levels. */
+/* The levels of the last runs, this run first; returns their number. */
 static int recent_values(const struct neph_series *series, double values[NEPH_JUDGE_WEEK])
 {
     int count = 0;
@@ -163,7 +164,7 @@ static int recent_values(const struct neph_series *series, double values[NEPH_JU
 
 /* ---- tests ----------------------------------------------------------------------------------- */
 
-/* A look at a series: by how much its level changed, and the error of that. */
+/* One test of a series: the change of its level, and the standard error of that change. */
 struct look {
     double difference, error, dof; /* dof infinite: normal */
 };
@@ -176,7 +177,8 @@ static double p_of(const struct look *look)
     return isfinite(look->dof) ? neph_student_p(t, look->dof) : neph_normal_p(t);
 }
 
-/* Tonight, or the least deviant of the last `nights` where they all deviate to one side. */
+/* Test of the last `nights` runs: their least deviation when all deviate to one side, otherwise
+ * 0. */
 static struct look look_at_nights(const struct centre *centre, const double *recent, int nights)
 {
     double least = recent[0] - centre->mean;
@@ -191,7 +193,8 @@ static struct look look_at_nights(const struct centre *centre, const double *rec
     return (struct look){least, centre->deviation * sqrt(1.0 + 1.0 / worth), centre->dof};
 }
 
-/* The median of the last seven nights, whose variance is pi / 2 times that of a mean. */
+/* Test of the median of the last seven runs. The variance of a median is pi / 2 times the variance
+ * of a mean. */
 static struct look look_at_week(const struct centre *centre, const double *recent)
 {
     double nights[NEPH_JUDGE_WEEK];
@@ -203,7 +206,7 @@ static struct look look_at_week(const struct centre *centre, const double *recen
                          centre->dof};
 }
 
-/* By standard errors alone, against the accepted night. */
+/* Test by standard errors only, against the baseline run. */
 static struct look look_by_errors(const struct neph_series *series)
 {
     const double error = hypot(series->standard_error, series->past_errors[0]);
@@ -212,13 +215,13 @@ static struct look look_by_errors(const struct neph_series *series)
 
 /* ---- one series ------------------------------------------------------------------------------ */
 
-/* What is known of a series before the correction. */
+/* The result for a series before Holm's correction. */
 struct trial {
     bool judged, by_chance;
     double baseline; /* a level */
-    double p;        /* of the surer of its looks, paid for */
+    double p;        /* smaller p of its tests, doubled when there are two */
     double difference;
-    struct look soon; /* of tonight, which says what could have been seen */
+    struct look soon; /* test of the latest runs, for the smallest detectable change */
     int nights;
 };
 
@@ -242,7 +245,7 @@ static struct trial try_fixed(const struct neph_series *series)
                           .nights = 1};
 }
 
-/* By nights alone. */
+/* Test by the spread of the runs only. */
 static struct trial try_nights(const double *values, int count, const double *recent,
                                int recent_count, int needed)
 {
@@ -273,7 +276,7 @@ static struct trial try_series(const struct neph_series *series)
     if (series->past_count < 1 || !isfinite(level(series, series->tonight)) ||
         !isfinite(level(series, series->past[0])))
         return (struct trial){.judged = false};
-    /* What is drawn and gave the same bits as the accepted night has no noise that is known. */
+    /* A drawn number with the bits of the baseline run has no sampling noise between the two. */
     if (series->kind == NEPH_SERIES_FIXED ||
         (series->kind == NEPH_SERIES_DRAWN && series->tonight == series->past[0]))
         return try_fixed(series);
@@ -308,7 +311,7 @@ static bool is_worse(const struct trial *trial, const struct neph_series *series
     return fabs(trial->baseline + trial->difference) > fabs(trial->baseline);
 }
 
-/* The least difference that a look calls more than chance. */
+/* The smallest difference that a test finds significant. */
 static double seen_from(const struct look *look, double level_alpha)
 {
     return look->error * (isfinite(look->dof) ? neph_student_critical(level_alpha, look->dof)
@@ -360,7 +363,7 @@ static void add_pool(const struct neph_series *series, struct neph_pool *pools, 
             .engine = series->engine, .metric = series->metric, .kind = series->kind};
 }
 
-/* How far a member was from its baseline at a night (-1: tonight); NaN: it has no number. */
+/* Relative change of a member from its baseline in a run (-1: this run); NaN: no number. */
 static double member_change(const struct neph_series *series, int night)
 {
     const double value = level(series, night < 0 ? series->tonight : series->past[night]);
@@ -369,8 +372,8 @@ static double member_change(const struct neph_series *series, int night)
                                              : (value - before) / fmax(fabs(before), series->unit);
 }
 
-/* The mean over the same scenes in every night: one that comes and goes would move it. NaN when a
- * scene has no number of that night. */
+/* Mean change over the pool's scenes in a run. The scenes are the same in every run, because a
+ * scene that comes and goes would move the mean. NaN when a scene has no number in that run. */
 static double pool_change(const struct neph_series *series, int count, const struct neph_pool *pool,
                           const bool *is_in, int night)
 {
@@ -381,8 +384,8 @@ static double pool_change(const struct neph_series *series, int count, const str
     return pool->scenes >= 2 ? sum / pool->scenes : NAN;
 }
 
-/* The nights of the pool, and which scenes are in its mean: those of as many nights, with a number
- * of tonight and of the accepted night. */
+/* Choose the scenes of a pool: those with a number in this run and in the baseline run, and with
+ * the largest number of runs. Returns that number. */
 static int choose_members(const struct neph_series *series, int count, struct neph_pool *pool,
                           bool *is_in)
 {
@@ -400,7 +403,7 @@ static int choose_members(const struct neph_series *series, int count, struct ne
     return nights;
 }
 
-/* For the page that shows them; NULL when memory is short. */
+/* Store the course of the pool for the page; NULL when memory is short. */
 static void keep_nights(const struct neph_series *series, int count, struct neph_pool *pool,
                         const bool *is_in, int nights, struct neph_arena *arena)
 {
@@ -412,8 +415,9 @@ static void keep_nights(const struct neph_series *series, int count, struct neph
     pool->night_count = nights + 1;
 }
 
-/* Its changes are small numbers about 0, for all kinds. The accepted night is 0 by its making and
- * no part of it. Nights on which a scene has no number are left out. */
+/* Judge a pool by the spread of its changes, which are small numbers about 0 for all kinds. The
+ * change of the baseline run is 0 by definition and is left out, as are runs in which a scene has
+ * no number. */
 static struct trial try_pool(const struct neph_series *series, int count, struct neph_pool *pool,
                              bool *is_in, struct neph_arena *arena)
 {
@@ -432,7 +436,7 @@ static struct trial try_pool(const struct neph_series *series, int count, struct
     return try_nights(values, value_count, recent, recent_count, rules[pool->kind].needed);
 }
 
-/* ---- a truth that moved ---------------------------------------------------------------------- */
+/* ---- references that moved ------------------------------------------------------------------- */
 
 static bool has_changed(const struct neph_judgement *judgement)
 {
@@ -503,9 +507,9 @@ static void tally(const struct neph_judgement *judgement, struct neph_verdicts *
 }
 
 struct work {
-    struct trial *trials; /* of the series, and then of the pools */
-    double *p, *adjusted; /* of those in which chance has a part */
-    bool *is_in;          /* the mean of its pool */
+    struct trial *trials; /* of the series, followed by the pools */
+    double *p, *adjusted; /* of the trials with noise */
+    bool *is_in;          /* the series is part of its pool */
 };
 
 static void try_all(const struct neph_series *series, int count, struct neph_verdicts *verdicts,
@@ -535,7 +539,7 @@ static void judge_all(const struct neph_series *series, int count, double alpha,
         const double p = trial->judged && trial->by_chance ? work->adjusted[at++] : trial->p;
         struct neph_judgement *judgement = i < count ? &verdicts->series[i]
                                                      : &verdicts->pools[i - count].judgement;
-        /* A pool as if it were a series: its levels are changes, its baseline is 1. */
+        /* A pool is judged as a series: its levels are changes, its baseline is 1. */
         const struct neph_series pool = {
             .kind = i < count ? series[i].kind : verdicts->pools[i - count].kind, .unit = 1.0};
         *judgement = judge_trial(trial, i < count ? &series[i] : &pool, p, alpha, chances);
@@ -547,7 +551,7 @@ static void judge_all(const struct neph_series *series, int count, double alpha,
 enum neph_status neph_judge(const struct neph_series *series, int count, double alpha,
                             struct neph_verdicts *verdicts, struct neph_diag *diag)
 {
-    const size_t room = 2 * (size_t)count + 1; /* as many pools as series, at most */
+    const size_t room = 2 * (size_t)count + 1; /* at most as many pools as series */
     *verdicts = (struct neph_verdicts){.series = NULL};
     struct neph_arena *arena = &verdicts->arena;
     struct work work = {neph_arena_zeroed(arena, room, sizeof(*work.trials)),

@@ -20,8 +20,8 @@ struct search {
     int tonight_count;
     struct neph_lost_list *lost;
     int room;
-    bool of_plan; /* only what tonight's own steps have measured counts, and not what accepted
-                     versions of edited scenes gave */
+    bool of_plan; /* use only numbers of this run's own steps, without those of the accepted
+                     versions of edited scenes */
 };
 
 enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
@@ -67,7 +67,7 @@ static bool is_of_tonight(const struct search *search, const char *name)
            bsearch(&name, search->tonight, (size_t)search->tonight_count, sizeof(name), by_name);
 }
 
-/* "catalog/fog@15da7c6d/march/..." in parts: what is before the hash, and what is after it. */
+/* Split "catalog/fog@15da7c6d/march/..." into the part before the hash, the hash, and the rest. */
 static bool split(const char *name, size_t *head, const char **hash, const char **rest)
 {
     const char *at = strchr(name, '@');
@@ -77,8 +77,9 @@ static bool split(const char *name, size_t *head, const char **hash, const char 
     return *rest != NULL;
 }
 
-/* The same series of another version of the scene; else, with `of_version`, a number of the same
- * version under another name or in another suite. NULL: there is none. */
+/* A series of this run that replaces `name`: the same series of another version of the scene; with
+ * `of_version` any series of the same version under another name or in another suite. NULL:
+ * none. */
 static const char *find_other(const struct search *search, const char *name, bool of_version)
 {
     size_t head, other_head;
@@ -94,16 +95,16 @@ static const char *find_other(const struct search *search, const char *name, boo
     return NULL;
 }
 
-/* ---- what is lost ---------------------------------------------------------------------------- */
+/* ---- lost series ----------------------------------------------------------------------------- */
 
-/* A series that is not among those of tonight. */
+/* A baseline series that this run has not measured. */
 struct absent {
     const char *name, *step;
-    int64_t accepted, last; /* the night that counts, and the last one that measured it */
+    int64_t accepted, last; /* number of the baseline run, and of the last run that measured it */
     bool is_timed;
 };
 
-/* False: the night that counts for it has not measured it, so that it is not expected. */
+/* `*expected` is false when the baseline run of the series has not measured it. */
 static enum neph_status read_absent(const struct search *search, const char *name,
                                     struct absent *absent, bool *expected, struct neph_diag *diag)
 {
@@ -121,7 +122,7 @@ static enum neph_status read_absent(const struct search *search, const char *nam
         "iis", search->night, absent->accepted, name);
     if (neph_query_next(query)) {
         const char *step = neph_query_text(query, 0), *end = strstr(step, neph_as_accepted);
-        /* An edit that was accepted ends the comparison with the version before it. */
+        /* Acceptance of an edit ends the comparison with the version before it. */
         *expected = !end || absent->accepted != search->baseline;
         absent->step = end ? neph_arena_format(search->arena, "%.*s", (int)(end - step), step)
                            : neph_arena_text(search->arena, step);
@@ -132,7 +133,7 @@ static enum neph_status read_absent(const struct search *search, const char *nam
     return neph_query_end(query, NEPH_OK);
 }
 
-/* What became of a step tonight. */
+/* The state of a step in this run. */
 struct step_state {
     bool is_there, is_done, is_calibrated;
 };
@@ -183,7 +184,7 @@ static enum neph_status add(struct search *search, const struct absent *absent, 
     return NEPH_OK;
 }
 
-/* Whether the series in its place was accepted by itself. */
+/* `*accepted` is true when the series that replaces an edited one was accepted by its own name. */
 static enum neph_status is_accepted(const struct search *search, const char *name, bool *accepted,
                                     struct neph_diag *diag)
 {
@@ -199,8 +200,8 @@ static enum neph_status is_accepted(const struct search *search, const char *nam
     return status;
 }
 
-/* A number that the accepted version of an edited scene no longer has, rendered once more by
- * tonight's program, is missing. Durations are not measured once more. */
+/* This run has also rendered the accepted version of an edited scene. A number that is absent there
+ * is missing, not merely edited. Durations of accepted versions are not measured. */
 static enum neph_status classify_edited(struct search *search, const struct absent *absent,
                                         const char *successor, struct neph_diag *diag)
 {
@@ -224,7 +225,7 @@ static enum neph_status classify(struct search *search, const struct absent *abs
     const char *successor = find_other(search, absent->name, false);
     const enum neph_status status = read_step(search, absent->step, &step, diag);
     if (status || (step.is_there && !step.is_done))
-        return status; /* that the step failed is said once */
+        return status; /* a failed step is reported once, by itself */
     if (successor)
         return classify_edited(search, absent, successor, diag);
     if (step.is_done && (!absent->is_timed || step.is_calibrated))
@@ -246,8 +247,8 @@ static enum neph_status look_for(struct search *search, const char *name, struct
     return status || !expected ? status : classify(search, &absent, diag);
 }
 
-/* Look for the series of the accepted night, of nights that were accepted for one series since, and
- * of steps that were not done in the accepted night, for which an earlier one counts. */
+/* Check three groups of series: those of the baseline run; those accepted by name after it; and
+ * those of steps that the baseline run had not finished, for which an earlier acceptance counts. */
 static enum neph_status list_expected(struct search *search, struct neph_diag *diag)
 {
     struct neph_records names;
@@ -296,7 +297,7 @@ enum neph_status neph_lost_find(struct neph_database *index, int64_t night, int6
 
 /* ---- edits ----------------------------------------------------------------------------------- */
 
-/* "catalog/fog@15da7c6d" of a series. */
+/* "catalog/fog@15da7c6d": suite, scene and version in the name of a series. */
 static const char *version_of(struct neph_arena *arena, const char *series)
 {
     size_t head;

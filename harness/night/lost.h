@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The series that the accepted night has and a later night has not: lost with their step, missing
- * from a step that was done, replaced because their scene was edited, or not run for want of time.
+ * Finds the series of the baseline that a later run lacks: their step is gone, the step ran without
+ * measuring them, an edited scene replaced them, or their step was not run for lack of time.
  */
 #ifndef NEPH_HARNESS_NIGHT_LOST_H
 #define NEPH_HARNESS_NIGHT_LOST_H
@@ -12,59 +12,60 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* An accepted series that was not compared for more nights than this is lost, whatever the reason:
- * NEPH_JUDGE_WINDOW, the nights that a baseline is made of. */
+/* A series of the baseline that no run has compared for more than this number of runs counts as
+ * lost, whatever the reason. Equals NEPH_JUDGE_WINDOW, the number of runs in a baseline. */
 extern const int neph_lost_after_nights;
 
-/* The end of a step's name under which the accepted version of its edited scene is rendered. */
+/* Suffix of the name of the step that renders the accepted version of an edited scene. */
 extern const char neph_as_accepted[];
 
-/* A scene that was edited since a night was accepted. Texts are of the arena. */
+/* A scene that was edited after the baseline run. Texts are allocated in the arena. */
 struct neph_night_edit {
     const char *step;           /* "catalog fog" */
-    const char *before, *after; /* "catalog/fog@15da7c6d" and what tonight has in its place */
-    int64_t accepted;           /* the night */
+    const char *before, *after; /* "catalog/fog@15da7c6d" and the version of this run */
+    int64_t accepted;           /* number of the baseline run */
     int count;                  /* series that are replaced */
-    const char *words;          /* what became of the accepted version; NULL: nothing */
+    const char *words;          /* result of rendering the accepted version; NULL: not tried */
 };
 
-/* What a comparison is told of its night. */
+/* The part of the plan that a run covers, for its comparison. */
 struct neph_night_scope {
-    const char *const *planned; /* names of tonight's steps; NULL: no step was left out */
+    const char *const *planned; /* names of this run's steps; NULL: no step was left out */
     int planned_count;
-    const char *const *only; /* of a comparison with a chosen night: a step with none of these in */
-    int only_count;          /* its name was left out on purpose; 0: none was */
+    const char *const *only; /* for a comparison with a chosen run: steps that contain none of */
+    int only_count;          /* these texts were left out on purpose; 0: all steps count */
     const struct neph_night_edit *edits;
     int edit_count;
 };
 
 enum neph_loss {
-    NEPH_LOSS_STEP,    /* tonight's plan does not have its step */
-    NEPH_LOSS_SERIES,  /* its step was done */
-    NEPH_LOSS_EDITED,  /* tonight has the same series of an edited scene in its place */
-    NEPH_LOSS_OVERDUE, /* its step is in the plan, and it was not measured for too many nights */
+    NEPH_LOSS_STEP,    /* this run's plan has no such step */
+    NEPH_LOSS_SERIES,  /* its step is done, without this series */
+    NEPH_LOSS_EDITED,  /* this run has the same series of an edited scene instead */
+    NEPH_LOSS_OVERDUE, /* its step is planned, but has not measured it for too many runs */
 };
 
-/* Texts are of the arena. */
+/* Texts are allocated in the arena. */
 struct neph_lost_series {
-    const char *name, *step; /* that measured it in the accepted night */
+    const char *name, *step; /* the step that measured it in the baseline */
     enum neph_loss loss;
-    int64_t accepted; /* the night */
-    int64_t nights;   /* since it was last measured */
+    int64_t accepted; /* number of the baseline run */
+    int64_t nights;   /* number of runs since its last measurement */
     const char
-        *other; /* of an edited scene the series in its place; else a series of tonight of the
-                          same scene under another name or in another suite; NULL: none */
+        *other; /* the edited scene's series; else a series of this run with the same scene version
+                   under another name or suite; NULL: none */
 };
 
 struct neph_lost_list {
-    struct neph_lost_series *list; /* of the arena */
+    struct neph_lost_series *list; /* allocated in the arena */
     int count;
-    int left_out; /* of NEPH_LOSS_STEP, those of the accepted night of all */
+    int left_out; /* number of NEPH_LOSS_STEP entries of the overall baseline */
 };
 
-/* The night whose acceptance counts for a series, its own or that of all; `against` > 0: that. An
- * acceptance of all does not count for the numbers of a step that its night has not done: the one
- * before it does. 0: none. */
+/* The number of the baseline run of a series: the later one of its own acceptance and the last
+ * acceptance of all series ("*"); `against` > 0 overrides both. An acceptance of all skips the
+ * numbers of steps that its run had not finished; for these the acceptance before it counts. 0:
+ * none. */
 enum neph_status neph_accepted_night(struct neph_database *index, int64_t night, int64_t against,
                                      const char *series, int64_t *accepted, struct neph_diag *diag);
 
@@ -72,7 +73,7 @@ enum neph_status neph_lost_find(struct neph_database *index, int64_t night, int6
                                 const struct neph_night_scope *scope, struct neph_arena *arena,
                                 struct neph_lost_list *lost, struct neph_diag *diag);
 
-/* The scenes that were edited, each once, with no words yet; of the arena. */
+/* The edited scenes, each once, without `words`; allocated in the arena. */
 enum neph_status neph_lost_edits(struct neph_database *index, int64_t night, int64_t against,
                                  struct neph_arena *arena, struct neph_night_edit **edits,
                                  int *count, struct neph_diag *diag);

@@ -16,13 +16,15 @@
 #include <time.h>
 #include <unistd.h>
 
-/* The family's level: what the backtest in tests/harness/test_backtest.c is made with. */
+/* Significance level of all tests of a run together; the backtest in tests/harness/test_backtest.c
+ * uses the same value. */
 static const double alpha = 0.005;
 
-/* The share of the steps that are run a second time each night. */
+/* The share of the steps that each run repeats. */
 static const double again_share = 0.02;
 
-/* Whether a scene is the one that the numbers are of: its file may have changed since. */
+/* True when the numbers were measured on this version of the scene: its file may have changed while
+ * the step ran. */
 static bool is_measured(const struct neph_night_numbers *numbers,
                         const struct neph_history_scene *scene, struct neph_arena *arena)
 {
@@ -33,8 +35,8 @@ static bool is_measured(const struct neph_night_numbers *numbers,
     return false;
 }
 
-/* The scene of a step that is done, and a copy of its file. One that cannot be loaded any more is
- * left out: a later night then has no version to render once more. */
+/* Store the scene of a finished step with a copy of its file. A scene that can no longer be loaded
+ * is skipped; a later run then has no accepted version to render. */
 static enum neph_status keep_scene(struct neph_night_work *work, struct neph_database *index,
                                    const struct neph_night_step *step,
                                    const struct neph_night_numbers *numbers, struct neph_diag *diag)
@@ -105,19 +107,20 @@ static enum neph_status run_steps(struct neph_night_work *work, struct neph_diag
     return status;
 }
 
-/* ---- steps that jobs have run ---------------------------------------------------------------- */
+/* ---- results of jobs ------------------------------------------------------------------------- */
 
-/* What the job of a step has left; nothing, if it was too late for it, or had no job. */
+/* Read the result file of a step's job. Nothing is recorded for a step without a job, or for one
+ * that started too late. */
 static enum neph_status collect_step(struct neph_night_work *work, int index,
                                      struct neph_diag *diag)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
-    struct neph_history_step record = {.name = step->name,
-                                       .outcome = "failed",
-                                       .reason = "its job ended and left no result: "
-                                                 "nightly/logs/slurm-* has what Slurm said",
-                                       .size = "",
-                                       .calibration_s = NAN};
+    struct neph_history_step record = {
+        .name = step->name,
+        .outcome = "failed",
+        .reason = "its job ended without a result: see nightly/logs/slurm-*",
+        .size = "",
+        .calibration_s = NAN};
     struct neph_night_numbers numbers = {.count = 0};
     struct neph_night_job job;
     bool found = false;
@@ -141,7 +144,7 @@ static enum neph_status collect_steps(struct neph_night_work *work, struct neph_
     return status;
 }
 
-/* ---- once more ------------------------------------------------------------------------------- */
+/* ---- repeated steps -------------------------------------------------------------------------- */
 
 static void find_otherwise(struct neph_night_work *work, const char *series,
                            const struct neph_night_step *step, const char *words, double value)
@@ -152,7 +155,7 @@ static void find_otherwise(struct neph_night_work *work, const char *series,
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
-/* A number of the second run against that of the first. */
+/* Compare a number of the repeated step with the stored one. */
 static enum neph_status compare_number(struct neph_night_work *work, struct neph_database *index,
                                        const struct neph_night_step *step,
                                        const struct neph_measurement *m, struct neph_diag *diag)
@@ -189,7 +192,7 @@ static bool has_series(const struct neph_night_numbers *numbers, const char *ser
     return false;
 }
 
-/* What the first run gave and the second did not. */
+/* Report the numbers that the first run of a step has and the repetition lacks. */
 static enum neph_status find_lost(struct neph_night_work *work, struct neph_database *index,
                                   const struct neph_night_step *step,
                                   const struct neph_night_numbers *numbers, struct neph_diag *diag)
@@ -225,7 +228,7 @@ static enum neph_status compare_bits(struct neph_night_work *work,
     return status;
 }
 
-/* In an empty folder; `numbers` are of the arena. */
+/* Run a step again in an empty folder. `numbers` are allocated in the arena. */
 static enum neph_status measure_again(struct neph_night_work *work, int index,
                                       struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
@@ -239,7 +242,7 @@ static enum neph_status measure_again(struct neph_night_work *work, int index,
     return status;
 }
 
-/* As in neph_step_run(), only what ends the night is an error. */
+/* Returns an error only when the whole run must end, as neph_step_run(). */
 static enum neph_status run_again(struct neph_night_work *work, int index, struct neph_diag *diag)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
@@ -261,7 +264,8 @@ static enum neph_status run_again(struct neph_night_work *work, int index, struc
     return NEPH_OK;
 }
 
-/* In turn: another part of the plan each night. Durations are measured anew in any case. */
+/* Repeat a part of the plan that rotates with the run's number. Durations are left out: every run
+ * measures them again anyway. */
 static enum neph_status run_some_again(struct neph_night_work *work, struct neph_diag *diag)
 {
     const struct neph_night_plan *plan = &work->night->plan;
@@ -280,13 +284,13 @@ static enum neph_status run_some_again(struct neph_night_work *work, struct neph
     return status;
 }
 
-/* The frames that were used since the night began. */
+/* List the keys of the frames that were used after the start of the run. */
 static enum neph_status list_frames(struct neph_night_work *work, struct neph_database *index,
                                     json_t **frames, struct neph_diag *diag)
 {
     struct tm began = {0};
     if (!strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a nightly run without a start time");
     const int64_t start_s = timegm(&began);
     json_t *list = json_array();
     struct neph_query *query = neph_query(index, diag, "SELECT key FROM jobs ORDER BY key", "");
@@ -318,8 +322,8 @@ static enum neph_status keep_judgements(struct neph_night_work *work, struct nep
     return status;
 }
 
-/* Steps of the plan that were not run: when the night is accepted, an earlier acceptance goes on
- * for their numbers. */
+/* Record the planned steps that were not run. When this run is accepted, the acceptance before it
+ * remains valid for their numbers. */
 static enum neph_status keep_not_run(struct neph_night_work *work, struct neph_database *index,
                                      struct neph_diag *diag)
 {
@@ -362,11 +366,12 @@ static void find_in_history(const struct neph_history_fault *fault, void *contex
     struct neph_arena *arena = &work->night->comparison.arena;
     const struct neph_finding finding = neph_finding(
         NEPH_FOUND_HISTORY, neph_arena_text(arena, fault->document), "",
-        neph_arena_format(arena, "%s; `neph store check --repair` mends what it can", fault->why));
+        neph_arena_format(arena, "%s; `neph store check --repair` repairs the store where possible",
+                          fault->why));
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
-/* Numbers are compared with what was accepted, and not with what became of it. */
+/* Check that the records of accepted runs are unchanged before this run is compared with them. */
 static enum neph_status check_history(struct neph_night_work *work, struct neph_database *index,
                                       struct neph_diag *diag)
 {
@@ -378,7 +383,7 @@ static enum neph_status check_history(struct neph_night_work *work, struct neph_
                : neph_history_check_baseline(index, folder, find_in_history, work, diag);
 }
 
-/* The names of the plan's steps; of the night's arena. */
+/* The names of the plan's steps, allocated in the run's arena. */
 static const char *const *list_planned(struct neph_night_work *work)
 {
     const struct neph_night_plan *plan = &work->night->plan;
@@ -435,12 +440,13 @@ static enum neph_status run(struct neph_night_work *work, struct neph_diag *diag
     if (!status)
         status = show(work, diag);
     else if (night->is_interrupted)
-        show(work, NULL); /* that it was is what is to be told */
+        show(work, NULL); /* the error to report is the interruption */
     neph_progress_end(&work->progress);
     return status;
 }
 
-/* Jobs that were sent and this process do not work on one night. */
+/* Refuse to run while submitted jobs work on a run in the same folder; with --report read their
+ * files. */
 static enum neph_status read_jobs(struct neph_night_work *work, struct neph_diag *diag)
 {
     bool found = false;
@@ -451,12 +457,12 @@ static enum neph_status read_jobs(struct neph_night_work *work, struct neph_diag
     if (status || (!found && !reports))
         return status;
     if (!reports) {
-        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "jobs named %s are at work on a night in '%s'",
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "jobs named %s are working on a nightly run in '%s'",
                   work->jobs.name, work->params->output);
-        neph_hint(diag,
-                  "--executor slurm goes on with it; to forget it, scancel --name=%s, and "
-                  "remove '%s'",
-                  work->jobs.name, work->jobs.folder);
+        neph_hint(
+            diag,
+            "--executor slurm continues it; to discard it, scancel --name=%s, and remove '%s'",
+            work->jobs.name, work->jobs.folder);
         return NEPH_ERR_UNAVAILABLE;
     }
     return neph_night_jobs_check(&work->jobs, &who, diag);

@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * A night: steps of a plan, each run as a command of its own, their numbers kept in the store's
- * history, the whole compared with the accepted night. A night that was killed or interrupted goes
- * on where it stopped, with the same plan, program and revision.
+ * The nightly run ("night" in names and files): it runs the steps of a plan as child commands,
+ * stores their numbers in the store's history and compares them with the baseline, the last
+ * accepted run. For the verb `neph nightly`.
  *
- * As long as the program is the same its frames are not rendered again, but for a step or two in
- * turn, which must give the same numbers to the last bit in an empty folder.
+ * A run that was killed or interrupted continues with the next step, given the same plan, program
+ * and revision.
  *
- * Who runs the steps is the executor: this process, one after the other, or Slurm (send.h).
+ * While the program is unchanged its frames come from the store. Each run repeats 2 % of the steps,
+ * a different part of the plan every time, in an empty folder. A repeated step must reproduce its
+ * numbers bit for bit.
+ *
+ * The executor of the steps is this process, one step after the other, or Slurm (send.h).
  */
 #ifndef NEPH_HARNESS_NIGHT_NIGHT_H
 #define NEPH_HARNESS_NIGHT_NIGHT_H
 
 #include "harness/night/work.h"
 
-/* Run, compare, and keep. NEPH_OK also when it does not pass: the comparison says so.
- * NEPH_ERR_INTERRUPTED: what was done is kept. NEPH_ERR_UNAVAILABLE: another night is at work in
- * the folder. */
+/* Run the steps, compare the numbers, and store both. Returns NEPH_OK for a failed comparison as
+ * well: the verdict is in `night->comparison`. NEPH_ERR_INTERRUPTED: finished steps are kept.
+ * NEPH_ERR_UNAVAILABLE: another nightly run uses the folder. */
 enum neph_status neph_night_run(const struct neph_night_params *params, struct neph_store *store,
                                 struct neph_night *night, struct neph_diag *diag);
 void neph_night_finish(struct neph_night *night);

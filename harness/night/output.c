@@ -16,7 +16,7 @@ enum { TOLD = 3 }; /* findings in the paragraph */
 
 /* ---- growing text ---------------------------------------------------------------------------- */
 
-/* What is printed, with a step or a tier. */
+/* The context of the printing functions: a run, and the name of a step or tier. */
 struct printed {
     const struct neph_night *night;
     const char *word;
@@ -30,7 +30,8 @@ static int count_found(const struct neph_night *night, enum neph_found found)
     return count;
 }
 
-/* What renders a step's numbers again; "" of what is of several. */
+/* Prints the command that renders a step's numbers again; nothing for an unknown step ("" of a
+ * finding over several steps). */
 static void print_command(const struct neph_night *night, const char *step, FILE *out)
 {
     const struct neph_night_step *s = neph_night_plan_find(&night->plan, step);
@@ -58,20 +59,20 @@ static void print_counts(const struct neph_night *night, FILE *out)
     const struct neph_night_comparison *c = &night->comparison;
     fprintf(out, " %d comparisons", c->compared);
     if (c->baseline > 0)
-        fprintf(out, " with night %lld", (long long)c->baseline);
+        fprintf(out, " with run %lld", (long long)c->baseline);
     fprintf(out, ", %d of them with chance in them;", c->chances);
     for (int found = 0; found < NEPH_FOUND_COUNT; found++) {
         const int count = count_found(night, (enum neph_found)found);
         if (count > 0)
             fprintf(out, " %d %s,", count, neph_found_word((enum neph_found)found));
     }
-    fprintf(out, " %d new, %d of another environment, %d with too few nights, %d not run.",
-            c->fresh, c->elsewhere, c->young, c->not_run);
+    fprintf(out, " %d new, %d of another environment, %d with too few runs, %d not run.", c->fresh,
+            c->elsewhere, c->young, c->not_run);
     fprintf(out, " Steps: %d of %d, %d once more, in %.1f min.", night->done_count,
             night->plan.count, night->again_count, night->seconds / 60.0);
 }
 
-/* A step that is done has a reason when some of its numbers are not used. */
+/* Reasons of steps that are done: some of their numbers are not used. */
 static void print_reasons(const struct neph_night *night, FILE *out)
 {
     for (int i = 0; i < night->plan.count; i++) {
@@ -96,7 +97,7 @@ static void print_findings(const struct neph_night *night, FILE *out)
     if (c->finding_count > TOLD)
         fprintf(out, " And %d more, in nightly.json.", c->finding_count - TOLD);
     if (c->baseline == 0)
-        fprintf(out, " No night was accepted yet: look at this one, and then `neph baseline accept "
+        fprintf(out, " No run was accepted yet: check this one, and then `neph baseline accept "
                      "--why TEXT`.");
 }
 
@@ -205,7 +206,8 @@ static bool is_of_series(const struct neph_night *night, const char *name)
     return false;
 }
 
-/* Findings of what is no series of tonight: steps, truths, missing numbers, means over scenes. */
+/* Findings without a row in the series table: steps, references, missing numbers, means over
+ * scenes. */
 static void add_others(const struct neph_night *night, struct neph_junit *junit)
 {
     for (int i = 0; i < night->comparison.finding_count; i++) {

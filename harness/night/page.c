@@ -15,23 +15,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_parts parts = {.title = "Nephelometer night",
+static const struct neph_page_parts parts = {.title = "Nephelometer nightly run",
                                              .files = {"night.html", "night.js"}};
 
 enum {
     TREND_NIGHTS = 60,
-    LEAST_NIGHTS = 3 /* from so many on the nights have a spread */
+    LEAST_NIGHTS = 3 /* least number of runs for an estimate of the spread */
 };
 
 struct neph_night_page {
-    struct neph_report_folder *folder; /* NULL until something is published */
+    struct neph_report_folder *folder; /* NULL before the first publication */
     struct neph_store *store;
     const char *tier;
     struct neph_path path;
     size_t limit_bytes;
 };
 
-/* One publication. */
+/* The state of one publication. */
 struct work {
     struct neph_night_page *page;
     const struct neph_night *night;
@@ -40,7 +40,7 @@ struct work {
     struct neph_night_pictures pictures;
 };
 
-/* ---- a series over the nights ---------------------------------------------------------------- */
+/* ---- a series over the runs ------------------------------------------------------------------ */
 
 struct point {
     int64_t night;
@@ -53,7 +53,7 @@ static const struct neph_record_form point_form = {
     {POINT(night), NEPH_RECORD_OPTIONAL(struct point, value),
      NEPH_RECORD_OPTIONAL(struct point, standard_error), POINT(environment), POINT(judgement)}};
 
-/* The last nights, oldest first. */
+/* The last TREND_NIGHTS runs, oldest first. */
 static enum neph_status trend_of_series(struct work *work, const char *series, json_t **trend,
                                         struct neph_diag *diag)
 {
@@ -88,8 +88,9 @@ static enum neph_status trend_of_mean(struct work *work, const struct neph_findi
     return status;
 }
 
-/* Where 95 of 100 nights without a change would lie: from the logarithms of the nights from the
- * accepted one to the last, as if they did not hang together. JSON null of too few. */
+/* The range that contains 95 of 100 unchanged runs: a t interval of the logarithms from the
+ * baseline run to the run before this one, without regard to their correlation. JSON null for too
+ * few runs. */
 static json_t *range_json(const json_t *trend, int64_t accepted, int64_t tonight)
 {
     double sum = 0.0, squares = 0.0;
@@ -135,13 +136,13 @@ static enum neph_status frame_of(struct work *work, const char *series, int64_t 
                             "si", series, night);
 }
 
-/* A text, or null where there is none. */
+/* A text, or JSON null for "". */
 static json_t *word_json(const char *text)
 {
     return text[0] ? json_string(text) : json_null();
 }
 
-/* Move what one object has to another. */
+/* Move all members of `more` into `object`; takes ownership of `more`. */
 static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag *diag)
 {
     enum neph_status status = neph_json_check(more, diag);
@@ -151,7 +152,7 @@ static enum neph_status take_all(json_t *object, json_t *more, struct neph_diag 
     return status;
 }
 
-/* A mean has the step of the scene that it is shown by. */
+/* The step of a finding; for a mean over scenes the step of its example. */
 static const char *step_of(const struct work *work, const struct neph_finding *f)
 {
     const struct neph_night_comparison *c = &work->night->comparison;
@@ -196,7 +197,7 @@ static enum neph_status set_pictures(struct work *work, const struct neph_findin
     return status ? status : neph_json_put(json, "shown", shown, diag);
 }
 
-/* What a reader needs of a finding, beside what nightly.json says. */
+/* Add the fields that the page shows for a finding and nightly.json does not contain. */
 static enum neph_status explain(struct work *work, const struct neph_finding *f, json_t *json,
                                 struct neph_diag *diag)
 {
@@ -247,7 +248,8 @@ static enum neph_status read_frames(struct work *work, json_t *frames, struct ne
     return neph_query_end(query, status);
 }
 
-/* "pictures": tonight's by SUITE/SCENE/ENGINE; "scenes": what each is. */
+/* Fill "pictures", the images of this run by SUITE/SCENE/ENGINE, and "scenes", their titles and
+ * exposures. */
 static enum neph_status draw_scenes(struct work *work, json_t *document, struct neph_diag *diag)
 {
     json_t *frames = json_object(), *drawn = json_object();
@@ -335,7 +337,8 @@ void neph_night_page_close(struct neph_night_page *page)
     free(page);
 }
 
-/* Not before there is something to show: another night may be at work there. */
+/* Created with the first publication, because another nightly run may use the folder before
+ * that. */
 static enum neph_status have_folder(struct neph_night_page *page, struct neph_diag *diag)
 {
     if (page->folder)

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The share of pixels whose difference may lie beyond the scale. */
+/* The largest share of pixels that the scale of a difference image may clip. */
 static const double beyond_share = 0.01;
 
 enum neph_status neph_night_pictures_begin(struct neph_night_pictures *pictures,
@@ -42,7 +42,7 @@ void neph_night_pictures_end(struct neph_night_pictures *pictures)
 static json_t *describe(const char *name)
 {
     struct neph_scene *scene = NULL;
-    if (neph_data_load_scene(name, &scene, NULL)) /* it is no more, or it is of another folder */
+    if (neph_data_load_scene(name, &scene, NULL)) /* deleted, or not of the catalogue */
         return json_pack("{s:s, s:f}", "title", name, "exposure_ev", 0.0);
     json_t *json = json_pack("{s:o, s:f}", "title", neph_json_cleaned(scene->title), "exposure_ev",
                              neph_scene_display(scene)->exposure_ev);
@@ -65,12 +65,13 @@ static enum neph_status exposure_of(struct neph_night_pictures *pictures, const 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 struct frame {
-    struct neph_image *image; /* NULL: there is none to be shown */
+    struct neph_image *image; /* NULL: there is no frame to show */
     char *path;
     float *planes[3];
 };
 
-/* What cannot be read is none: somebody may clean the store. */
+/* Read a frame from the store. An unreadable frame counts as missing: the store may be cleaned at
+ * any time. */
 static void open_frame(struct neph_night_pictures *pictures, const char *key, struct frame *frame)
 {
     json_t *record = NULL;
@@ -105,7 +106,8 @@ static double luminance(const struct frame *frame, size_t pixel)
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* Count a picture that was drawn; one too many is removed, and `*fits` false. */
+/* Add the size of a new image file to the total. A file that exceeds the limit is removed, and
+ * `*fits` becomes false. */
 static enum neph_status count_picture(struct neph_night_pictures *pictures, const char *name,
                                       const char *path, bool *fits, struct neph_diag *diag)
 {
@@ -122,7 +124,8 @@ static enum neph_status count_picture(struct neph_night_pictures *pictures, cons
     return neph_json_put(pictures->counted, name, json_true(), diag);
 }
 
-/* Draw unless it is there: `reference` NULL: the frame as it is, else its difference from it. */
+/* Write the PNG file unless it exists: the frame itself, or with `reference` the difference from
+ * it. */
 static enum neph_status draw(const char *path, const struct frame *frame,
                              const struct frame *reference, double exposure_or_scale,
                              struct neph_diag *diag)
@@ -137,7 +140,8 @@ static enum neph_status draw(const char *path, const struct frame *frame,
                      : neph_display_png(path, width_px, height_px, planes, exposure_or_scale, diag);
 }
 
-/* `*picture`: its name in the page's folder, or JSON null where the limit leaves no room. */
+/* Make an image of the page. `*picture` is its name in the page's folder, or JSON null when the
+ * size limit is reached. */
 static enum neph_status hang(struct neph_night_pictures *pictures, const char *name,
                              const struct frame *frame, const struct frame *reference,
                              double exposure_or_scale, json_t **picture, struct neph_diag *diag)
@@ -187,7 +191,7 @@ enum neph_status neph_night_pictures_one(struct neph_night_pictures *pictures, c
 
 /* ---- differences ----------------------------------------------------------------------------- */
 
-/* 1, 2 or 5 times a power of ten, not below `least`. */
+/* The least of 1, 2, 5 times a power of ten that is not below `least`. */
 static double even_above(double least)
 {
     const double power = pow(10.0, floor(log10(least)));
@@ -260,7 +264,7 @@ static json_t *frame_json(json_t *picture, const struct frame *frame)
                         : json_null();
 }
 
-/* The accepted frame is 0, tonight's 1. */
+/* Frame 0 is the baseline's, frame 1 this run's. */
 static enum neph_status show_pair(struct neph_night_pictures *pictures, const char *keys[2],
                                   const struct frame frames[2], double exposure_ev, json_t **shown,
                                   struct neph_diag *diag)

@@ -10,25 +10,25 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every suite. */
 _Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
 
 enum { STEPS_MAX = 512 };
 
-/* Words of series and steps in documents of nights, which are never changed: the stress tests keep
- * the word that they had in the first of them. */
+/* First words of series and steps. Documents of earlier runs contain these words and are never
+ * rewritten, so the stress tests keep their first name, "failure". */
 static const char *const suite_names[] = {
     [NEPH_NIGHT_CATALOG] = "catalog", [NEPH_NIGHT_PHYSICS] = "physics",
     [NEPH_NIGHT_STRESS] = "failure",  [NEPH_NIGHT_SWEEP] = "sweep",
     [NEPH_NIGHT_SPEED] = "speed",
 };
 
-/* The words of a suite before and after the name of scene or check, and what a step costs and gives
- * as far as nobody has measured it. A tier only adds steps: those of the quick one are the same in
- * the full one, so that their series go on. */
+/* For each suite: the arguments before and after the name of a scene or check, and the estimated
+ * cost and number of series before any measurement. The full tier only adds steps: the steps of the
+ * quick tier are identical in it, so their series continue. */
 static const struct {
     const char *before, *after;
-    const char *size; /* NULL: its own */
+    const char *size; /* NULL: the suite's own size */
     double guess_s;
     int guess_series;
 } suites[] = {
@@ -44,17 +44,18 @@ static const struct {
     [NEPH_NIGHT_SPEED] = {"benchmark", "-e march,realtime", "192x108", 30.0, 2},
 };
 
-/* The words of the catalogue after the scene with --only-engine; the engines follow. */
+/* Arguments after the scene of the catalogue with --only-engine; the engines follow. */
 static const char only_engine_words[] = "--only-engine --no-charts --budget 60";
 
-/* A step, and the words after its name where they are not those of its suite; of a stress test the
- * variant of a preset that is beside the presets of the quick tier. */
+/* A step of a tier. `words`: arguments after the name; NULL: the suite's arguments. `variant`: for
+ * a stress test, a variant of a preset in addition to the presets of the quick tier. */
 struct listed {
     enum neph_night_suite suite;
     const char *name, *words, *variant;
 };
 
-/* What the quick tier has; the full one has the whole catalogue and all checks and scenarios. */
+/* Steps of the quick tier. The full tier adds `full_steps`, the whole catalogue, all checks and all
+ * stress tests. */
 static const struct listed quick_steps[] = {
     {NEPH_NIGHT_CATALOG, "height_fog_down", NULL, NULL},
     {NEPH_NIGHT_CATALOG, "scattering_slab_above", NULL, NULL},
@@ -114,7 +115,7 @@ struct making {
     struct neph_arena *arena;
     struct neph_night_plan *plan;
     bool full;
-    bool too_many_words, too_many_steps; /* to be refused, and not left out */
+    bool too_many_words, too_many_steps; /* an error of the caller: nothing is left out silently */
 };
 
 static bool is_wanted(const struct making *making, const char *name)
@@ -127,7 +128,7 @@ static bool is_wanted(const struct making *making, const char *name)
     return making->params->only_count == 0;
 }
 
-/* NULL: none. */
+/* NULL adds nothing. */
 static void add_word(struct making *making, struct neph_night_step *step, const char *word)
 {
     int count = 0;
@@ -139,7 +140,7 @@ static void add_word(struct making *making, struct neph_night_step *step, const 
         making->too_many_words = making->too_many_words || word;
 }
 
-/* Words between blanks. */
+/* Adds the words of a text, separated by blanks. */
 static void add_words(struct making *making, struct neph_night_step *step, const char *words)
 {
     for (size_t length; *words; words += length + strspn(words + length, " ")) {
@@ -158,7 +159,7 @@ static void add_settings(struct making *making, struct neph_night_step *step)
     int known;
     const struct neph_engine *const *engines = neph_engines(&known);
     for (int i = 0; i < known && !params->only_engines; i++)
-        if (engines[i]->first) /* other Blenders */
+        if (engines[i]->first) /* further Blender versions */
             add_words(making, step, neph_arena_format(making->arena, "-e %s", engines[i]->name));
     for (int i = 0; i < params->engine_count; i++) {
         add_word(making, step, "-e");
@@ -170,7 +171,7 @@ static void add_settings(struct making *making, struct neph_night_step *step)
     }
 }
 
-/* `words` as in struct listed; NULL: those of the suite. */
+/* `words` as in struct listed; NULL: the suite's words. */
 static void add_step(struct making *making, enum neph_night_suite suite, const char *of,
                      const char *words)
 {
@@ -254,7 +255,7 @@ static enum neph_status add_steps(struct making *making, struct neph_diag *diag)
     return status;
 }
 
-/* All command lines: what differs in a word is another plan. */
+/* The concatenated command lines of all steps: a different word makes a different plan. */
 static const char *identity_of(struct neph_arena *arena, const char *tier,
                                const struct neph_night_plan *plan)
 {
@@ -315,7 +316,7 @@ double neph_night_step_cost(const struct neph_night_step *step,
 static double worth_of(const struct neph_night_step *step, const struct neph_step_history *history)
 {
     const int series = history->series > 0 ? history->series : step->guess_series;
-    const double least_s = 0.1; /* below, costs are noise */
+    const double least_s = 0.1; /* shorter durations are dominated by noise */
     return (double)series * history->nights / fmax(neph_night_step_cost(step, history), least_s);
 }
 

@@ -12,12 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every suite. */
 _Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
 
 enum { NUMBERS_MAX = 4096 };
 
-/* Below the unit, changes are relative to it: an error of 1e-7 may triple for any reason. */
+/* Smaller values are compared with the unit instead of themselves: an error of 1e-7 may triple for
+ * any reason. The first row whose name ends the metric applies. */
 static const struct neph_night_metric metrics[] = {
     {"rel_bias", 1e-3, true},     {"deviation", 1e-4, true}, {"gates failed", 1.0, false},
     {"evaluations", 1e-3, false}, {"", 1e-5, false}, /* all others */
@@ -52,7 +53,7 @@ struct neph_night_name neph_night_split(struct neph_arena *arena, const char *se
 
 enum { LEVELS = 4 };
 
-/* A document, level 0, and the items of lists within lists that are read at the moment. */
+/* `levels`: the document at index 0, then the current items of the nested lists. */
 struct reading {
     enum neph_night_suite suite;
     const json_t *levels[LEVELS];
@@ -60,10 +61,11 @@ struct reading {
     const char *host;
     struct neph_arena *arena;
     struct neph_night_numbers *numbers;
-    bool overflows; /* there are more than NUMBERS_MAX */
+    bool overflows; /* more than NUMBERS_MAX numbers */
 };
 
-/* A path as "1.frame_s.median": from the item of level 1 on. NULL: there is no such value. */
+/* Find the value of a path such as "1.frame_s.median", which starts at the item of level 1. NULL:
+ * none. */
 static const json_t *find(const struct reading *reading, const char *path)
 {
     static const char ends[] = ".:?}";
@@ -84,7 +86,7 @@ static const char *text_of(const json_t *value)
     return text ? text : "";
 }
 
-/* Version and device of an engine, as the document lists them. */
+/* Version and device of an engine, from the document's list of engines. */
 static const char *version_of(const struct reading *reading, const char *engine)
 {
     size_t i;
@@ -98,8 +100,9 @@ static const char *version_of(const struct reading *reading, const char *engine)
     return "";
 }
 
-/* A value within a form: "{; |1.note}" with the text before the bar, unless the value is empty;
- * "{1.truth?none}" with a word for that; "{1.hash:8}" its first letters; "{1.engine:version}". */
+/* Evaluate a value in braces. "{1.hash:8}": its first eight letters. "{1.engine:version}": version
+ * and device of the engine. "{; |1.note}": the text before the bar precedes a non-empty value.
+ * "{1.truth?none}": "none" replaces an empty value. */
 static const char *fill_value(const struct reading *reading, const char *form, size_t length)
 {
     const char *bar = memchr(form, '|', length), *path = bar ? bar + 1 : form;
@@ -115,7 +118,7 @@ static const char *fill_value(const struct reading *reading, const char *form, s
                              colon && isdigit(colon[1]) ? atoi(colon + 1) : -1, value);
 }
 
-/* A form is a text with values in braces. NULL: "". */
+/* Evaluate a form: a text with values in braces. NULL gives "". */
 static const char *fill(const struct reading *reading, const char *form)
 {
     const char *text = "";
@@ -130,10 +133,10 @@ static const char *fill(const struct reading *reading, const char *form)
     return text;
 }
 
-/* ---- values that are no plain number --------------------------------------------------------- */
+/* ---- derived values -------------------------------------------------------------------------- */
 
-/* Range over mean of all values of R, G and B; NaN when the frame cannot be read. A value that is
- * not finite makes the sum so. */
+/* (maximum - minimum) / mean of all values of R, G and B; NaN when the frame cannot be read. A
+ * value that is NaN or infinite makes the sum NaN or infinite. */
 static double measure_contrast(const struct reading *reading, const json_t *path)
 {
     struct neph_image *image = NULL;
@@ -182,8 +185,8 @@ static double sum_evaluations(const struct reading *reading, const json_t *passe
     return sum;
 }
 
-/* A time in a unit that goes with the machine: the calibration kernel, or on a device that is not
- * the CPU a thousand samples of a buffer there. NaN when the machine was busy. */
+/* A duration in units of the host's speed: the calibration time, or on a GPU the time of a thousand
+ * buffer samples. NaN when the machine was busy. */
 static double relative_time(const struct reading *reading, const json_t *row)
 {
     const json_t *ceilings = json_object_get(reading->levels[0], "ceilings");
@@ -200,7 +203,7 @@ static double number_of(const json_t *value)
     return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-/* A standard error, or that of a 95 % interval. NULL: there is none. */
+/* A standard error, or half the width of a 95 % interval divided by 1.96. NaN: there is none. */
 static double error_at(const struct reading *reading, const char *path)
 {
     const json_t *error = path ? find(reading, path) : NULL;
@@ -210,7 +213,7 @@ static double error_at(const struct reading *reading, const char *path)
                                 : number_of(error);
 }
 
-/* The stress tests do not tell which version of a scene it has measured. */
+/* Stress test results contain no scene hash, so it is computed from the scene's current file. */
 static const char *stress_scene(const struct reading *reading)
 {
     struct neph_scene *scene = NULL;
@@ -225,24 +228,25 @@ static const char *stress_scene(const struct reading *reading)
 
 /* ---- the numbers of each suite --------------------------------------------------------------- */
 
-/* A frame has many numbers; a night follows these, over the whole picture. */
+/* The measurements of a frame that become series; all are over the whole frame. */
 static const char *const rendered[] = {"rendered", NULL};
 static const char *const followed[] = {
     "rendered all radiance rel_bias", "rendered all radiance rel_rmse", "rendered all radiance p99",
     "rendered all transmittance max_abs", NULL};
 
-/* The numbers of a list; texts are forms. */
+/* Which numbers to read from a list of a suite's document. Texts are forms, see fill(). */
 static const struct results {
     enum neph_night_suite suite;
-    const char *lists;                /* keys of lists within lists */
-    const char *const *only;          /* of items for which `which` is one of these; NULL: all */
+    const char *lists;                /* keys of the nested lists */
+    const char *const *only;          /* read items with a `which` of this list; NULL: all */
     const char *which, *scene;        /* scene NULL: stress_scene() */
-    const char *engine, *environment; /* durations get the host beside it */
-    const char *frame;                /* a key, or a path in the store */
+    const char *engine, *environment; /* the host is appended for durations */
+    const char *frame;                /* a store key, or a path in the store */
     struct number {
-        /* A word of judge.h, NEPH_NIGHT_PICTURE, or an engine; NULL: with an error it is drawn. */
+        /* `kind`: a kind of judge.h, NEPH_NIGHT_PICTURE, or an engine's name; NULL: drawn with a
+         * standard error, else fixed. */
         const char *metric, *kind;
-        const char *value, *error, *truth; /* two paths, and a form; NULL: there is none */
+        const char *value, *error, *truth; /* value and error: paths; truth: a form; NULL: none */
         double (*measure)(const struct reading *reading, const json_t *value); /* NULL: a number */
     } numbers[6];
 } results[] = {
@@ -317,8 +321,8 @@ static const struct results {
       {"time", "timed", "1", .measure = relative_time}}},
 };
 
-/* With the same seed and program all engines give the same bits; what is drawn anew with every
- * change of a program are the paths of tracers. */
+/* With the same seed and program every engine gives the same bits. Only path tracers draw other
+ * samples when the program changes. */
 static const char *kind_of(const struct reading *reading, const struct number *number, double error)
 {
     const char *word = number->kind      ? fill(reading, number->kind)
@@ -340,7 +344,7 @@ static const char *frame_of(const struct reading *reading, const struct results 
     return neph_arena_text(reading->arena, key);
 }
 
-/* One whose value is no number was not measured. */
+/* Add one number. A value that is not finite was not measured and is skipped. */
 static void add(struct reading *reading, const struct results *of, const struct number *number)
 {
     struct neph_night_numbers *numbers = reading->numbers;
@@ -378,8 +382,8 @@ static bool is_wanted(const struct reading *reading, const struct results *of)
     return wanted;
 }
 
-/* Add the numbers of all items of `lists`, the first of which is in `within`. NEPH_ERR_ENGINE: it
- * is not there. */
+/* Read the numbers of all items of the nested `lists`; the first list is a member of `within`.
+ * NEPH_ERR_ENGINE: that list is missing. */
 static enum neph_status visit(struct reading *reading, const struct results *of,
                               const json_t *within, const char *lists, int level,
                               struct neph_diag *diag)
@@ -420,7 +424,7 @@ enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *docu
                                  struct neph_night_numbers *numbers, struct neph_diag *diag)
 {
     struct reading reading = {suite, {document}, calibration_s, host, arena, numbers, false};
-    const json_t *physics = json_object_get(document, "physics"); /* within a report */
+    const json_t *physics = json_object_get(document, "physics"); /* embedded in a report */
     const json_t *within = suite == NEPH_NIGHT_PHYSICS && physics ? physics : document;
     *numbers = (struct neph_night_numbers){
         .list = neph_arena_zeroed(arena, NUMBERS_MAX, sizeof(*numbers->list)),

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * From what a step has printed to series. A series has a name of parts,
+ * Readers that turn the JSON document of a step into measurements, each of a named series. The name
+ * of a series has the parts
  *
- *   SUITE/SCENE@HASH/ENGINE/METRIC[/TRUTH]
+ *   SUITE/SCENE@HASH/ENGINE/METRIC[/REFERENCE]
  *
- * in which everything is that makes it another number, so that a scene or a truth that was changed
- * begins new series and does not alarm. Settings are no part of it: a default that was changed is a
- * change of the program. What makes two numbers incomparable is their environment: the versions and
- * devices behind them, the samples that a budget took, of durations the machine.
+ * The name contains everything that makes two numbers different quantities. A changed scene or
+ * reference therefore starts a new series and raises no alarm. Settings are not part of the name: a
+ * changed default is a change of the program. Two numbers of a series are comparable when their
+ * environments agree: versions, devices, the number of samples within a time budget, and for
+ * durations the class of the host.
  */
 #ifndef NEPH_HARNESS_NIGHT_READERS_H
 #define NEPH_HARNESS_NIGHT_READERS_H
@@ -18,30 +20,30 @@
 #include "harness/night/plan.h"
 #include "harness/run/history.h"
 
-/* The kind of a picture: the range of its radiance over the mean; 0 is a blank one, and
- * NEPH_NIGHT_BROKEN_PICTURE one with pixels that are no numbers. */
+/* The kind of the series "contrast": (maximum - minimum) / mean of a frame's radiance. 0 is a blank
+ * frame; NEPH_NIGHT_BROKEN_PICTURE marks a frame with NaN or infinite values. */
 #define NEPH_NIGHT_PICTURE "picture"
 #define NEPH_NIGHT_BROKEN_PICTURE -1.0
 
-/* Texts are of the arena. */
+/* Texts are allocated in the arena. */
 struct neph_night_numbers {
     struct neph_measurement *list;
     int count;
-    const char *size; /* of the frames, "" when the document does not tell */
+    const char *size; /* of the frames; "" when the document has no size */
 };
 
-/* `calibration_s` is that of the step; NaN: its durations are not to be used. `host` is the class
- * of this machine. NEPH_ERR_ENGINE: the document is none of the suite, or has more than
- * 4096 numbers. */
+/* Read the numbers of a suite's document. `calibration_s` is the step's calibration time; NaN:
+ * durations are not used. `host` is the class of this host. NEPH_ERR_ENGINE: the document is not
+ * one of the suite, or has more than 4096 numbers. */
 enum neph_status neph_night_read(enum neph_night_suite suite, const json_t *document,
                                  double calibration_s, const char *host, struct neph_arena *arena,
                                  struct neph_night_numbers *numbers, struct neph_diag *diag);
 
-/* The JSON document in what a program has printed, warnings before and after it left out. NULL:
- * there is none. */
+/* Parse the JSON document in the output of a program; warnings before and after it are skipped.
+ * NULL: there is none. The caller owns the result. */
 json_t *neph_night_find_document(const char *text);
 
-/* What a metric is in terms of judge.h. */
+/* A metric as judge.h needs it. */
 struct neph_night_metric {
     const char *name; /* the end of METRIC */
     double unit;
@@ -50,7 +52,7 @@ struct neph_night_metric {
 
 const struct neph_night_metric *neph_night_metric(const char *metric);
 
-/* Parts of a name, "" where there is none. Texts are of the arena. */
+/* The parts of a series name; "" for a missing part. Texts are allocated in the arena. */
 struct neph_night_name {
     const char *suite, *scene, *engine, *metric, *truth;
 };

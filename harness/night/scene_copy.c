@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- terms ----------------------------------------------------------------------------------- */
+/* ---- values that are not in the hash --------------------------------------------------------- */
 
 static void put_gates(FILE *text, const struct neph_scene *scene)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The store's copies of the scene files that nights have measured. A later night whose scene was
- * edited renders the accepted version once more from its copy.
+ * The store's copies of the scene files that nightly runs have measured. When a scene is edited, a
+ * later run renders the accepted version once more from its copy.
  *
  *   STORE/scenes/<hash>-<terms>/<name>.yaml    the file, byte by byte; eight digits of each
  *
- * Files that a scene names, such as volumes, are not copied: a copy is used only if it still has
- * the hash of the scene.
+ * Files that a scene refers to, such as volumes, are not copied: a copy is used only if it still
+ * has the scene's hash.
  */
 #ifndef NEPH_HARNESS_NIGHT_SCENE_COPY_H
 #define NEPH_HARNESS_NIGHT_SCENE_COPY_H
@@ -16,17 +16,18 @@
 #include "harness/run/history.h"
 #include "scenes/scene.h"
 
-/* BLAKE2b of what a scene's file says beside the scene and a night depends on: gates, exposure, the
- * chain of its frames, what is measured over time and with which limits, injections. */
+/* BLAKE2b of the parts of a scene file that affect a nightly run and are not in the scene's hash:
+ * gates, exposure, post-processing chain, measurements over time with their limits, injections. */
 enum neph_status neph_scene_terms(const struct neph_scene *scene, char terms[NEPH_HASH_HEX_SIZE],
                                   struct neph_diag *diag);
 
-/* Where the copy of a scene lies; of the arena. */
+/* The path of a scene's copy, allocated in the arena. */
 const char *neph_scene_copy_path(const char *store_folder, const struct neph_history_scene *scene,
                                  struct neph_arena *arena);
 
-/* Load the scene `name` of the catalogue, copy its file where the store has no copy, and fill `row`
- * but for its step. Texts are of the arena. Errors: as of loading; NEPH_ERR_IO. */
+/* Load the scene `name` of the catalogue, copy its file unless the store has a copy, and fill all
+ * fields of `row` but its step. Texts are allocated in the arena. Errors: those of
+ * neph_data_load_scene(); NEPH_ERR_IO. */
 enum neph_status neph_scene_copy_keep(const char *store_folder, const char *name,
                                       struct neph_arena *arena, struct neph_history_scene *row,
                                       struct neph_diag *diag);

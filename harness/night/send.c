@@ -16,52 +16,54 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Between two questions to Slurm: at first, so that a short night ends soon, and at most. */
+/* Polling intervals for Slurm's job states. They start short, so that a short run ends soon. */
 static const double first_wait_s = 1.0, longest_wait_s = 15.0, growth = 1.2;
 
 struct sending {
     struct neph_night_work *work;
     const struct neph_slurm_settings *settings;
-    const char *output; /* as every host finds it */
-    const char *said;   /* this command, as a line */
+    const char *output; /* absolute path, valid on every host */
+    const char *said;   /* this command as a shell line */
     struct neph_slurm_task *tasks;
     int task_count;
-    bool is_there; /* jobs of an earlier call are at work on it */
+    bool is_there; /* jobs of an earlier call are still queued or running */
 };
 
-/* ---- which hosts ----------------------------------------------------------------------------- */
+/* ---- hosts ----------------------------------------------------------------------------------- */
 
-/* All steps draw on the device, and the one that the user has named is no processor. */
+/* True when NEPH_VULKAN_DEVICE names a device other than the CPU driver; then all steps need a
+ * GPU. */
 static bool wants_gpu(void)
 {
-    static const char processor[] = "llvmpipe"; /* of which a part may be named, or more */
+    static const char processor[] = "llvmpipe"; /* the user may give a part of this name, or a
+                                                   longer one */
     const char *device = getenv("NEPH_VULKAN_DEVICE");
     return device && device[0] && !strcasestr(processor, device) && !strcasestr(device, processor);
 }
 
-/* Before anything is written. */
+/* Runs before anything is written. */
 static enum neph_status check(const struct neph_slurm_settings *settings, struct neph_diag *diag)
 {
     const char *index = getenv("NEPH_STORE_INDEX");
     if (neph_index_place() != NEPH_INDEX_OF_HOST || index[0] != '/') {
-        neph_fail(diag, NEPH_ERR_USAGE,
-                  "the database of a store that several hosts work in would be that of all of "
-                  "them, which SQLite cannot do");
+        neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "several hosts would share one database of the store, which SQLite does not support");
         neph_hint(diag, "export NEPH_STORE_INDEX=/var/tmp/neph: a folder on each host's own disk, "
                         "where it makes its database from the store's files");
         return NEPH_ERR_USAGE;
     }
     if (wants_gpu() && !settings->gpu) {
         neph_fail(diag, NEPH_ERR_USAGE,
-                  "NEPH_VULKAN_DEVICE names a GPU, and nobody has said which "
-                  "hosts have one");
+                  "NEPH_VULKAN_DEVICE names a GPU, and the Slurm feature of hosts with that GPU is "
+                  "not given");
         neph_hint(diag, "--slurm gpu=FEATURE, as in `sinfo -o '%%n %%f'`");
         return NEPH_ERR_USAGE;
     }
     return NEPH_OK;
 }
 
-/* ---- which night ----------------------------------------------------------------------------- */
+/* ---- the run to continue --------------------------------------------------------------------- */
 
 static enum neph_status forget(struct sending *sending, struct neph_diag *diag)
 {
@@ -70,8 +72,8 @@ static enum neph_status forget(struct sending *sending, struct neph_diag *diag)
     return neph_night_jobs_forget(sending->work->params->output, diag);
 }
 
-/* A network file system remembers for a while that a file was not there, unless its folder is
- * opened. */
+/* Opens the folder first: a network file system caches the absence of a file, and opening the
+ * folder refreshes that cache. */
 static bool is_over(const struct sending *sending)
 {
     const struct neph_night_work *work = sending->work;
@@ -82,8 +84,8 @@ static bool is_over(const struct sending *sending)
     return over;
 }
 
-/* Go on with a night that was sent, unless it is over or of another plan or program; another whose
- * jobs are gone is forgotten, as one that was interrupted is. */
+/* Find a submitted run to continue: one of the same plan and program that is not over. The files of
+ * any other run are removed when its jobs have ended; jobs still in progress are an error. */
 static enum neph_status find_night(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
@@ -102,13 +104,13 @@ static enum neph_status find_night(struct sending *sending, struct neph_diag *di
         return NEPH_OK;
     if (left == 0)
         return forget(sending, diag);
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%d jobs of another night are at work in '%s'", left,
-              work->params->output);
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%d jobs of another nightly run are working in '%s'",
+              left, work->params->output);
     neph_hint(diag, "wait for them, or scancel --name=%s", work->jobs.name);
     return NEPH_ERR_UNAVAILABLE;
 }
 
-/* What Slurm said of earlier nights. */
+/* Remove Slurm's log files of earlier runs. */
 static void remove_old_logs(const char *logs, struct neph_arena *arena)
 {
     struct neph_names names;
@@ -118,8 +120,9 @@ static void remove_old_logs(const char *logs, struct neph_arena *arena)
             unlink(neph_path_in(logs, names.list[i]).text);
 }
 
-/* A new one has its number from this host's database, and tells its jobs. What this database knows
- * of steps of tonight, from a run without jobs, the report would not. */
+/* Start or resume the run. A new run takes its number from this host's database and writes it to
+ * the jobs' files. Steps that this database lists as done, from a run without jobs, are run again:
+ * the report job has another database and would not find them. */
 static enum neph_status begin(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
@@ -134,9 +137,9 @@ static enum neph_status begin(struct sending *sending, struct neph_diag *diag)
                                  work->night->started_utc, &who, &work->jobs, diag);
 }
 
-/* ---- which steps ----------------------------------------------------------------------------- */
+/* ---- steps ----------------------------------------------------------------------------------- */
 
-/* Those whose jobs have left something. */
+/* Record the steps that have a result file by now. */
 static enum neph_status look_for_done(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
@@ -157,7 +160,7 @@ static enum neph_status look_for_done(struct sending *sending, struct neph_diag 
     return status;
 }
 
-/* This command once more, with what makes it that of one job. */
+/* This command line with the options that make it a single job. */
 static const char *line(const struct sending *sending, const char *option, const char *value)
 {
     struct neph_arena *arena = &sending->work->night->arena;
@@ -181,7 +184,7 @@ static enum neph_status add_step(struct sending *sending, int index, struct neph
     return neph_night_jobs_add(&work->jobs, step->name, &job, diag);
 }
 
-/* In the order in which they are worth their time. */
+/* Add a task for every unfinished step, in the order of neph_night_plan_next(). */
 static enum neph_status choose_steps(struct sending *sending, struct neph_diag *diag)
 {
     struct neph_night_work *work = sending->work;
@@ -194,7 +197,7 @@ static enum neph_status choose_steps(struct sending *sending, struct neph_diag *
     while (!status &&
            (index = neph_night_plan_next(plan, work->history, chosen, INFINITY, false)) >= 0) {
         chosen[index] = true;
-        /* Durations are measured on hosts that are marked for it or not at all. */
+        /* Durations are measured only on hosts that are marked for timing. */
         if (plan->steps[index].suite != NEPH_NIGHT_SPEED || sending->settings->timing)
             status = add_step(sending, index, diag);
         else
@@ -226,7 +229,7 @@ static enum neph_status submit(struct sending *sending, struct neph_diag *diag)
 
 /* ---- waiting --------------------------------------------------------------------------------- */
 
-/* False after a Ctrl-C. */
+/* Wait. False after Ctrl-C. */
 static bool rest(double seconds)
 {
     struct pollfd signal = {.fd = neph_interrupt_fd(), .events = POLLIN};
@@ -234,7 +237,7 @@ static bool rest(double seconds)
            !neph_interrupted();
 }
 
-/* A Slurm that does not answer for a while has its jobs all the same. */
+/* True while jobs are queued or running, and while Slurm does not answer. */
 static bool has_jobs(struct sending *sending, bool *told)
 {
     struct neph_diag why = {.line = 0};
@@ -242,7 +245,7 @@ static bool has_jobs(struct sending *sending, bool *told)
     const enum neph_status status = neph_slurm_count(sending->work->jobs.name, sending->work->logs,
                                                      &left, &why);
     if (status && status != NEPH_ERR_INTERRUPTED && !*told) {
-        neph_progress_warn("Slurm does not answer, and is asked again: %s", why.message);
+        neph_progress_warn("Slurm does not answer; neph tries again: %s", why.message);
         *told = true;
     }
     return status || left > 0;
@@ -267,14 +270,14 @@ static enum neph_status check_report(struct sending *sending, struct neph_diag *
     const struct neph_night_work *work = sending->work;
     if (is_over(sending))
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_ENGINE, "the jobs of night %lld have ended without a report",
+    neph_fail(diag, NEPH_ERR_ENGINE, "the jobs of nightly run %lld ended without a report",
               (long long)work->jobs.night);
-    neph_hint(diag, "'%s/slurm-*' say why; the same command goes on with what is not done",
+    neph_hint(diag, "see '%s/slurm-*' for the reason; the same command continues the run",
               work->logs);
     return NEPH_ERR_ENGINE;
 }
 
-/* Ctrl-C ends the jobs; without a report the night goes on when it is sent again. */
+/* After Ctrl-C: cancel the jobs. The run has no report then, so the same command resumes it. */
 static enum neph_status cancel(struct sending *sending, struct neph_diag *diag)
 {
     const struct neph_night_work *work = sending->work;
@@ -283,7 +286,7 @@ static enum neph_status cancel(struct sending *sending, struct neph_diag *diag)
         neph_progress_warn("the jobs could not be cancelled: %s; scancel --name=%s", why.message,
                            work->jobs.name);
     return neph_fail(diag, NEPH_ERR_INTERRUPTED,
-                     "interrupted; the jobs are cancelled, and the same command goes on");
+                     "interrupted; the jobs are cancelled, and the same command continues the run");
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */
@@ -300,7 +303,7 @@ static enum neph_status hand_over(struct sending *sending, struct neph_diag *dia
     return status;
 }
 
-/* The report job waits for the lock, which is held only while jobs are handed over. */
+/* The lock is released before waiting, because the report job needs it. */
 static enum neph_status hand_over_locked(struct sending *sending, struct neph_diag *diag)
 {
     int lock = -1;
@@ -312,7 +315,7 @@ static enum neph_status hand_over_locked(struct sending *sending, struct neph_di
     return status;
 }
 
-/* Jobs that were there and ended without a report were cancelled: then it is our turn. */
+/* When jobs of an earlier call end without a report they were cancelled: submit the steps again. */
 static enum neph_status send(struct sending *sending, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -326,7 +329,7 @@ static enum neph_status send(struct sending *sending, struct neph_diag *diag)
     return status ? status : check_report(sending, diag);
 }
 
-/* Jobs begin in a folder of their own choice. */
+/* Make absolute paths, because jobs start in another working directory. */
 static enum neph_status name_places(struct sending *sending, const char *const *words,
                                     struct neph_diag *diag)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * A night that Slurm runs: a job for each step that is not done, on any host that has the same
- * folder, and one that ends the night when all of them have ended. Only files say what is done
- * (jobs.h), so that whatever becomes of a host, of Slurm or of this process costs the steps that
- * were at work and no other: the same command sends these anew.
+ * A nightly run on a Slurm cluster: one job for each unfinished step, on any host that mounts the
+ * same folder, and one job that makes the report after all others have ended. Files record which
+ * steps are done (jobs.h). So a failure of a host, of Slurm or of this process costs only the steps
+ * in progress; the same command submits these steps again.
  *
- * Steps that measure durations go to hosts that are marked for it alone, and have them for
- * themselves; all steps of a night on a GPU go to hosts that are marked to have one.
+ * Steps that measure durations need hosts that are marked for timing, and get them exclusively. All
+ * steps of a run on a GPU need hosts that are marked to have one.
  */
 #ifndef NEPH_HARNESS_NIGHT_SEND_H
 #define NEPH_HARNESS_NIGHT_SEND_H
@@ -14,20 +14,23 @@
 #include "harness/night/work.h"
 #include "harness/run/slurm.h"
 
-/* Hand the steps over and wait for the report; `*id` is the night. `words` are those of this
- * command, NULL-terminated, for the jobs to say again, with --step NAME or --report after them. A
- * night whose jobs are still there is waited for alone. NEPH_ERR_UNAVAILABLE: there is no Slurm, or
- * jobs of another night are at work in the output. NEPH_ERR_USAGE: its hosts are not told, or the
- * database of the store would be that of several hosts (run/index.h). NEPH_ERR_INTERRUPTED: the
- * jobs were cancelled, and what they had finished is kept. NEPH_ERR_ENGINE: they ended without a
- * report. */
+/* Submit the steps and wait for the report; `*id` is the number of the run. `words` are the
+ * arguments of this command, NULL-terminated; each job gets them followed by --step NAME or
+ * --report. While jobs of the same run are still queued or running, nothing is submitted and the
+ * function only waits.
+ *
+ * - NEPH_ERR_UNAVAILABLE: there is no Slurm, or jobs of another run use the output folder.
+ * - NEPH_ERR_USAGE: no hosts are named for a GPU run, or several hosts would share the store's
+ *   database (run/index.h).
+ * - NEPH_ERR_INTERRUPTED: the jobs were cancelled; the results of finished jobs are kept.
+ * - NEPH_ERR_ENGINE: the jobs ended without a report. */
 enum neph_status neph_night_send(const struct neph_night_params *params,
                                  const struct neph_slurm_settings *settings,
                                  const char *const *words, struct neph_store *store, int64_t *id,
                                  struct neph_diag *diag);
 
-/* What the job of a step does: run it, unless it is done or too late, and leave what it has
- * measured. Opens no store. NEPH_ERR_USAGE: it is no step of a night that was sent. */
+/* The job of one step: run the step unless it is done or its latest start has passed, and write its
+ * numbers to a file. Opens no store. NEPH_ERR_USAGE: the step is not of a submitted run. */
 enum neph_status neph_night_run_step(const struct neph_night_params *params, const char *step,
                                      struct neph_diag *diag);
 

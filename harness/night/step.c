@@ -13,12 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every suite. */
 _Static_assert(NEPH_NIGHT_SUITES == 5, "a new kind");
 
 const char neph_step_done[] = "done";
 
-/* The calibration before and after a step may differ by so much. */
+/* The largest relative difference between the calibrations before and after a step. */
 static const double steadiness = 0.10;
 
 static const size_t log_limit_bytes = 64 << 20;
@@ -47,7 +47,8 @@ const char *neph_step_file(struct neph_arena *arena, const char *folder,
     return neph_arena_format(arena, "%s/%s%s", folder, name, ending);
 }
 
-/* Where a suite writes its results; NULL: it prints them, with warnings before and after. */
+/* The result file of each suite; NULL: the suite prints its JSON, with warnings before and after
+ * it. */
 static const char *const result_files[] = {
     [NEPH_NIGHT_CATALOG] = "report/data.json",
     [NEPH_NIGHT_PHYSICS] = "report/data.json",
@@ -70,7 +71,7 @@ static enum neph_status read_results(const char *path, bool is_log, json_t **doc
                      : neph_fail(diag, NEPH_ERR_ENGINE, "there are no results in '%s'", path);
 }
 
-/* Exit code 1 says that something in it failed, which is for its numbers to say. */
+/* Exit code 1 means that gates failed. The step is done then: its numbers report the failure. */
 static enum neph_status run_child(const struct neph_step_place *place,
                                   const struct neph_night_step *step, const char *output,
                                   const char *log, double limit_s, double *wall_s,
@@ -96,7 +97,7 @@ static enum neph_status run_child(const struct neph_step_place *place,
     return has_failed_gates ? NEPH_OK : status;
 }
 
-/* Its results may not be those of an earlier run. */
+/* Removes the result file of an earlier run before it starts the command. */
 static enum neph_status run_command(const struct neph_step_place *place,
                                     const struct neph_night_step *step, const char *output,
                                     const char *log, double limit_s, json_t **document,
@@ -112,16 +113,16 @@ static enum neph_status run_command(const struct neph_step_place *place,
     return status ? status : read_results(path, !file, document, diag);
 }
 
-/* ---- how fast this machine is tonight -------------------------------------------------------- */
+/* ---- calibration of the host ----------------------------------------------------------------- */
 
 enum { SIDE = 96, RAYS_PER_ROW = 64, ROWS = 96, STEPS = 192, TRIES = 5 };
 
 struct kernel {
-    float *density; /* SIDE cubed: more than a cache of the second level holds */
-    double *sums;   /* one per row: that the work is done shows in them */
+    float *density; /* SIDE^3 voxels, larger than a second-level cache */
+    double *sums;   /* one for each row; keeps the compiler from removing the work */
 };
 
-/* Rays through a grid: a voxel, an exponential and some products a step. */
+/* Rays through a grid: each step reads a voxel and evaluates an exponential and some products. */
 static void march_row(int row, void *context)
 {
     struct kernel *work = context;
@@ -139,9 +140,9 @@ static void march_row(int row, void *context)
     work->sums[row] = sum;
 }
 
-/* The time of a fixed piece of work on all processors, with arithmetic and memory in about the
- * shares that a march has: durations are compared as multiples of it. The median of five, each
- * about a tenth of a second. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
+/* Measure the time of a fixed workload on all processors; durations are compared as multiples of
+ * it. Its ratio of arithmetic to memory access is about the ray marcher's. The result is the median
+ * of five trials of about 0.1 s. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
 static enum neph_status calibrate(double *seconds, struct neph_diag *diag)
 {
     const size_t count = (size_t)SIDE * SIDE * SIDE;

@@ -15,7 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A step that takes longer than this many times what is known of it hangs. */
+/* A step is regarded as hanging after 20 times its expected or longest known duration, at the least
+ * after 600 s. */
 static const double patience = 20.0, least_limit_s = 600.0;
 
 enum { NEVER = 1000 };
@@ -27,7 +28,8 @@ const char *neph_night_log(struct neph_night_work *work, int index, const char *
     return neph_step_file(&work->night->arena, work->logs, &work->night->plan.steps[index], ending);
 }
 
-/* With frames from the store it costs less than without, as when it is run once more. */
+/* The cost of a step that finds its frames in the store is much lower than without them; a repeated
+ * step has none. So the longest duration counts as well. */
 double neph_night_limit_s(const struct neph_night_work *work, int index)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
@@ -35,7 +37,8 @@ double neph_night_limit_s(const struct neph_night_work *work, int index)
     return fmax(patience * fmax(cost_s, work->longest_s[index]), least_limit_s);
 }
 
-/* It was run, tonight or by a run of this night that was killed. Texts are of the arena. */
+/* The step may have been run by a killed process of the same nightly run. Texts are borrowed from
+ * the arena. */
 void neph_night_note(struct neph_night_work *work, int index, const char *outcome,
                      const char *reason)
 {
@@ -60,7 +63,8 @@ static enum neph_status read_cost(struct neph_night_work *work, struct neph_data
         "SELECT wall_s, night, program FROM steps JOIN nights ON nights.id = night WHERE name = ? "
         "AND outcome = 'done' AND night < ? ORDER BY night DESC LIMIT 5",
         "si", name, work->night->id);
-    /* The last time, when the program is the same and has its frames; else the worst of five. */
+    /* The last duration when this program measured it, because the frames are then in the store;
+     * otherwise the longest of the last five runs. */
     while (!same && neph_query_next(query)) {
         same = last == 0 && strcmp(neph_query_text(query, 2), work->night->program) == 0;
         last = last ? last : neph_query_integer(query, 1);
@@ -109,7 +113,7 @@ struct neph_history_night neph_night_who(const struct neph_night *night)
                                        night->host};
 }
 
-/* A night of jobs has its number from the host that sent them. */
+/* A run of submitted jobs has its number from the submitting host. */
 static enum neph_status begin_history(struct neph_night_work *work, struct neph_database *index,
                                       struct neph_diag *diag)
 {
@@ -145,7 +149,7 @@ enum neph_status neph_night_begin(struct neph_night_work *work, struct neph_diag
     return status;
 }
 
-/* ---- who and where --------------------------------------------------------------------------- */
+/* ---- identity and folders -------------------------------------------------------------------- */
 
 enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits, int *lock,
                                  struct neph_diag *diag)
@@ -160,7 +164,8 @@ enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits,
     *lock = neph_lock_take_over(path.text);
     if (*lock >= 0)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'", work->params->output);
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another nightly run is working in '%s'",
+              work->params->output);
     neph_hint(diag, "wait for it, or name another folder with -o");
     return NEPH_ERR_UNAVAILABLE;
 }
@@ -171,7 +176,7 @@ static enum neph_status identify(struct neph_night_work *work, struct neph_diag 
     struct neph_night *night = work->night;
     const ssize_t length = readlink("/proc/self/exe", path, sizeof(path) - 1);
     if (length <= 0)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot tell where neph itself lies: %s",
+        return neph_fail(diag, NEPH_ERR_IO, "cannot find the path of the neph program: %s",
                          strerror(errno));
     path[length] = '\0';
     const enum neph_status status = neph_build_id(build, diag);

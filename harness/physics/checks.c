@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
 
@@ -22,19 +22,19 @@ _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
         NEPH_PHASE_HENYEY_GREENSTEIN, (g)                                                          \
     }
 
-/* Which views a check is made of. */
+/* The views of a check. */
 enum observable {
-    LOOK_DOWN,    /* one frame from above, or of a cube from above */
+    LOOK_DOWN,    /* one frame from above */
     LOOK_UP,      /* one frame from below */
-    CONSERVATION, /* the hemispheres above and below a slab, by the faces of a cube */
-    RECIPROCITY,  /* camera and sun exchanged */
-    NADIR,        /* one frame from high above, as wide as half a period of the step cloud */
+    CONSERVATION, /* the hemispheres above and below a slab, as faces of a cube */
+    RECIPROCITY,  /* two frames with camera and sun exchanged */
+    NADIR,        /* one frame from high above, half a period of the step cloud wide */
 };
 
 enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
 const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS] = {
-    [FURNACE] = {"furnace",
-                 "furnace: in a uniform surround vanishes what has albedo 1 or emits as it does"},
+    [FURNACE] = {"furnace", "furnace: in a uniform environment, a medium with albedo 1 or with "
+                            "matching emission is invisible"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
     [MULTIPLE] = {"slab", "slab, all orders, against adding-doubling"},
     [FOG] = {"fog", "height fog over black ground, all orders, against adding-doubling"},
@@ -107,7 +107,7 @@ static enum neph_stage_truth truth_of(const struct row *row)
                                      : NEPH_STAGE_TRUTH_SLAB;
 }
 
-/* A frame 40 degrees high, half-way between the sun's side and across it. */
+/* A frame with a vertical field of view of 40 degrees, at 60 degrees azimuth from the sun. */
 static struct neph_check_view look(const struct row *row, const char *name, double elevation_rad)
 {
     return (struct neph_check_view){
@@ -129,8 +129,8 @@ static struct neph_check_view look(const struct row *row, const char *name, doub
     };
 }
 
-/* The face towards the slab, and the near halves of the level ones. The picture is symmetric about
- * the plane of the sun: one face across it counts twice. */
+/* The face towards the slab and the near halves of the four horizontal faces. The radiance is
+ * symmetric about the sun's vertical plane, so one of the two faces across it counts twice. */
 void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
                            struct neph_check_view views[NEPH_CHECK_FACES])
 {
@@ -141,7 +141,8 @@ void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
                                  {180.0 * NEPH_RAD_PER_DEG, 0.0, 1.0},
                                  {90.0 * NEPH_RAD_PER_DEG, 0.0, 2.0}};
     for (int i = 0; i < NEPH_CHECK_FACES; i++) {
-        /* Level faces lean by 1e-9 rad to the slab's side: that is where their camera stands. */
+        /* Horizontal faces are tilted by 1e-9 rad towards the slab, which puts their camera on this
+         * side of it. */
         const double elevation_rad = fmax(faces[i].elevation_rad, 1e-9);
         views[i] = (struct neph_check_view){.stage = *stage,
                                             .weight = NEPH_CHECK_FLUX,
@@ -162,7 +163,7 @@ static void add_hemisphere(const struct row *row, struct neph_check *check, doub
     check->view_count += NEPH_CHECK_FACES;
 }
 
-/* Three rays to a column; as high as Cycles' narrowest field of view. */
+/* Three rays for each column. The height of the frame is Cycles' smallest field of view. */
 static void add_nadir(const struct row *row, struct neph_check *check)
 {
     struct neph_check_view view = look(row, check->name, -90.0 * NEPH_RAD_PER_DEG);
@@ -173,7 +174,7 @@ static void add_nadir(const struct row *row, struct neph_check *check)
     check->views[check->view_count++] = view;
 }
 
-/* Two narrow frames, one with the cosines of sun and camera exchanged. */
+/* Two narrow frames; in the second one the cosines of sun and camera are exchanged. */
 static void add_reciprocal(const struct row *row, struct neph_check *check)
 {
     const double cosines[2] = {row->sun_cosine, 0.35};
@@ -230,9 +231,9 @@ void neph_check_get(int index, struct neph_check *check)
     snprintf(check->name, sizeof(check->name), "%s", row->name);
     check->rung = neph_check_rungs[row->rung].name;
     check->uneven = row->medium != NEPH_STAGE_SLAB && row->medium != NEPH_STAGE_BOX &&
-                    row->medium != NEPH_STAGE_STEP_CLOUD; /* of homogeneous boxes */
-    /* Without absorption the number of scatterings falls off as e^(-n pi^2 / 3 tau^2): at 30, one
-     * path in 40 of those that stay long has more than 1024. */
+                    row->medium != NEPH_STAGE_STEP_CLOUD; /* which consists of homogeneous boxes */
+    /* Without absorption the number n of scatterings falls off as e^(-n pi^2 / (3 tau^2)): at tau =
+     * 30, one in 40 of the long paths has more than 1024. */
     check->deep = row->optical_depth >= 30.0 && row->albedo > 0.99;
     check->truth_only = row->observable == CONSERVATION;
     switch (row->observable) {
@@ -272,8 +273,8 @@ double neph_check_pixel_weight(const struct neph_check_view *view, const struct 
     const double cosine = side * direction.y;
     if (cosine <= 0.0)
         return 0.0;
-    /* A pixel of a flat sensor at distance 1: its area times the cube of the cosine off its axis.
-     */
+    /* Solid angle of a pixel on a flat sensor at distance 1: its area times the cube of the
+     * off-axis cosine. */
     const double height = 2.0 * tan(0.5 * view->stage.vertical_fov_rad);
     const double width = height * view->width_px / view->height_px;
     const double off_axis = neph_vec3_dot(direction, camera->forward);

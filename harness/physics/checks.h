@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The checks of the physics suite, as data: what is looked at, and which sum over its pixels must
- * agree with the truth.
+ * The checks of the physics suite as data: the views of each check, and the weighted sum over their
+ * pixels that must agree with the reference.
  */
 #ifndef NEPH_HARNESS_PHYSICS_CHECKS_H
 #define NEPH_HARNESS_PHYSICS_CHECKS_H
@@ -10,11 +10,12 @@
 
 enum { NEPH_CHECK_VIEWS_MAX = 8 };
 
-/* How the pixels of a view are added up. */
+/* The weight of the pixels of a view in its sum. */
 enum neph_check_weight {
     NEPH_CHECK_MEAN, /* the mean over the pixels [W m^-2 sr^-1] */
-    NEPH_CHECK_FLUX, /* the flux through the level [1], per vertical sunlight: sum of
-                       L |cos| d(solid angle) / (sun_cosine E) over the half on the slab's side */
+    NEPH_CHECK_FLUX, /* the flux through the horizontal plane [1], per vertical sunlight: sum of L
+                        |cos| d(solid angle) / (sun_cosine E) over the hemisphere towards the
+                        slab */
     NEPH_CHECK_WEIGHT_COUNT,
 };
 
@@ -25,20 +26,20 @@ struct neph_check_view {
     int width_px, height_px;
 };
 
-/* deviation = sum over views of factor * weighted sum of (L - truth), as a fraction of the sum over
- * views of |factor| * weighted sum of truth. */
+/* deviation = sum over views of factor * weighted sum of (L - reference), as a fraction of the sum
+ * over views of |factor| * weighted sum of the reference. */
 struct neph_check {
     char name[64];
-    const char *rung; /* what kind of truth, in a word */
-    char what[320];   /* what is on the stage, in words */
+    const char *rung; /* name of the kind of reference */
+    char what[320];   /* description of medium, light and views */
     struct neph_check_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
-    bool uneven; /* the medium is not homogeneous: renderers that march through it have a step */
-    bool deep;   /* light is scattered a thousand times and more on its way out */
-    bool truth_only; /* many frames: for our tracers alone */
+    bool uneven;     /* the medium is not homogeneous: renderers march through it in steps */
+    bool deep;       /* light scatters a thousand times and more before it leaves */
+    bool truth_only; /* needs many frames: only for built-in path tracers */
 };
 
-/* What kinds of truth there are, in the order of the checks. */
+/* The kinds of reference, in the order of the checks. */
 struct neph_check_rung {
     const char *name, *title;
 };
@@ -47,17 +48,19 @@ extern const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS];
 
 int neph_check_count(void);
 
-/* By index; the names of its stages point into `check`. */
+/* Fill `check` by its index. The names of its stages point into `check`, so it must not be
+ * copied. */
 void neph_check_get(int index, struct neph_check *check);
 
-/* All light that leaves a slab on one side, 1: below, -1: above, by the faces of a cube: `views`,
- * whose sum is the flux, with stages like `stage` but for where the camera looks. */
+/* The views of all light that leaves a slab on one side, 1: below, -1: above, by the faces of a
+ * cube. The sum over the views is the flux. Their stages equal `stage` except for the view
+ * direction. */
 enum { NEPH_CHECK_FACES = 4 };
 void neph_check_hemisphere(const struct neph_stage_params *stage, double side,
                            struct neph_check_view views[NEPH_CHECK_FACES]);
 
-/* The ray of a pixel, row by row from the top, and the weight of a pixel whose ray has this
- * direction, factor left out. */
+/* The ray of a pixel, counted row by row from the top; and the weight of a pixel with the ray
+ * direction `direction`, without the view's factor. */
 struct neph_pixel_ray neph_check_ray(const struct neph_check_view *view,
                                      const struct neph_camera *camera, int pixel);
 double neph_check_pixel_weight(const struct neph_check_view *view, const struct neph_camera *camera,

@@ -13,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_LIGHT_LAW_COUNT == 5, "a new kind");
 
-/* Suns around the ball, by the cosine to the view: exact for Legendre orders below 24, of which
- * light of g = 0.7 has 2e-4 beyond. */
+/* Number of suns around the ball, by the cosine to the view. The rule is exact for Legendre orders
+ * below 24; higher orders contain 2e-4 of a Henyey-Greenstein function of g = 0.7. */
 enum { SUNS = 12 };
 
 const struct neph_light_law_case neph_light_law_cases[NEPH_LIGHT_LAWS] = {
@@ -50,7 +50,7 @@ static struct neph_stage_params stage_of(const struct neph_light_law_case *of, c
     return (struct neph_stage_params){
         .name = name,
         .medium = of->law == NEPH_LAW_FURNACE ? NEPH_STAGE_GAUSSIAN : NEPH_STAGE_SLAB,
-        .truth = NEPH_STAGE_TRUTH_HALF_SPACE, /* all orders, and nothing to solve */
+        .truth = NEPH_STAGE_TRUTH_HALF_SPACE, /* all orders, and no reference to solve */
         .optical_depth = of->optical_depth,
         .albedo = of->albedo,
         .phase = {NEPH_PHASE_HENYEY_GREENSTEIN, of->g},
@@ -60,7 +60,7 @@ static struct neph_stage_params stage_of(const struct neph_light_law_case *of, c
     };
 }
 
-/* The 12-point Gauss-Legendre rule on -1..1, the half of it. */
+/* Half of the 12-point Gauss-Legendre rule on -1..1. */
 static const struct {
     double cosine, weight;
 } rule[SUNS / 2] = {
@@ -68,7 +68,7 @@ static const struct {
     {0.5873179542866175, 0.2031674267230659}, {0.7699026741943047, 0.1600783285433462},
     {0.9041172563704749, 0.1069393259953184}, {0.9815606342467192, 0.0471753363865118}};
 
-/* Straight down on the ball: the sun's height is its angle to the view. */
+/* Views straight down on the ball: the sun's elevation is its angle to the view. */
 static int view_ball(const struct neph_stage_params *stage, struct neph_check_view *views)
 {
     for (int i = 0; i < SUNS; i++) {
@@ -83,7 +83,7 @@ static int view_ball(const struct neph_stage_params *stage, struct neph_check_vi
     return SUNS;
 }
 
-/* One narrow view for each of the two directions of the eye; the sun has the other. */
+/* One narrow view for each of two directions; camera and sun have one each, and exchange them. */
 static int view_exchanged(const struct neph_stage_params *stage, struct neph_check_view *views)
 {
     const double cosines[2] = {sun_cosine, other_cosine};
@@ -128,7 +128,7 @@ int neph_light_law_views(const struct neph_light_law_case *of, const char *name,
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-/* What the ball takes from a picture of light of 1 W/m2/sr all around: the mean of 1 - T. */
+/* The part of uniform light of 1 W/m2/sr that the ball removes from a frame: the mean of 1 - T. */
 static enum neph_status find_taken(const struct neph_check_view *view, double *taken,
                                    struct neph_diag *diag)
 {
@@ -162,7 +162,8 @@ static enum neph_status solve_fluxes(const struct neph_light_law_case *of,
     return status;
 }
 
-/* The weight of a flux has the sun's irradiance in it, that of a mean has not. */
+/* Sum over views. The weight of a flux includes the sun's irradiance, the weight of a mean does
+ * not. */
 static double sum_of(const struct neph_check_view *views, int count, const double *sums)
 {
     double sum = 0.0;
@@ -197,7 +198,7 @@ enum neph_status neph_light_law_value(const struct neph_light_law_case *of,
         *truth = of->law == NEPH_LAW_REFLECTED ? fluxes.reflected : fluxes.transmitted;
         *value = sum_of(views, NEPH_CHECK_FACES, sums);
         break;
-    case NEPH_LAW_BALANCE: /* all but R and T as it truly is */
+    case NEPH_LAW_BALANCE: /* measured R and T with the reference's other terms */
         *value = sum_of(views, 2 * NEPH_CHECK_FACES, sums) + 1.0 - fluxes.reflected -
                  fluxes.transmitted;
         break;
@@ -207,13 +208,13 @@ enum neph_status neph_light_law_value(const struct neph_light_law_case *of,
     return NEPH_OK;
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 struct run {
     struct neph_light_model model;
-    struct neph_job job; /* its sequence is of all balls, and then of all slabs */
+    struct neph_job job; /* its sequence is shared by all balls, then by all slabs */
     struct neph_store *store;
-    bool once; /* the model takes light scattered once alone */
+    bool once; /* the model supports only single scattering */
 };
 
 static enum neph_status read_sum(const struct neph_stage *stage, const struct neph_check_view *view,
@@ -225,7 +226,7 @@ static enum neph_status read_sum(const struct neph_stage *stage, const struct ne
     double weighted = 0.0;
     enum neph_status status = neph_exr_read(path, &frame, diag);
     if (!status && !neph_image_rgb(frame, "volume", volume))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "a picture has no light of media");
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "a frame has no radiance of media");
     for (int p = 0; p < view->width_px * view->height_px && !status; p++)
         weighted += neph_check_pixel_weight(view, &camera,
                                             neph_check_ray(view, &camera, p).direction) *
@@ -236,8 +237,8 @@ static enum neph_status read_sum(const struct neph_stage *stage, const struct ne
     return status;
 }
 
-/* From the store, or rendered. An engine with a history or with samples begins a sequence for each
- * frame: the frame before had another sun. */
+/* Read the frame from the store, or render it. Engines with a history or with samples start a new
+ * sequence for each frame, because the sun differs from the frame before. */
 static enum neph_status render(struct run *run, const struct neph_stage *stage,
                                const struct neph_check_view *view, double *sum,
                                struct neph_diag *diag)
@@ -264,7 +265,8 @@ static enum neph_status render(struct run *run, const struct neph_stage *stage,
     return status;
 }
 
-/* NEPH_ERR_UNSUPPORTED: neither with all orders nor with one. */
+/* Fall back to single scattering if the model does not support all orders. NEPH_ERR_UNSUPPORTED: it
+ * supports neither. */
 static enum neph_status choose_orders(struct run *run, struct neph_stage *stage,
                                       struct neph_diag *diag)
 {
@@ -307,7 +309,7 @@ static enum neph_status run_case(struct run *run, const struct neph_light_law_ca
     return status;
 }
 
-/* A march is set up for the kinds of media that it meets, whatever they are like. */
+/* An open march is compiled for the kind of its media, so it is closed when the kind changes. */
 static void close_at_new_medium(struct run *run, int i)
 {
     if (i > 0 && (neph_light_law_cases[i].law == NEPH_LAW_FURNACE) !=
@@ -336,7 +338,7 @@ static enum neph_status run_model(const char *words, int steps, int model,
         status = run_case(&run, &neph_light_law_cases[i], &laws->values[i][model], &laws->truths[i],
                           &why);
         if (status == NEPH_ERR_UNSUPPORTED)
-            status = NEPH_OK; /* its value stays NaN */
+            status = NEPH_OK; /* the value stays NaN */
     }
     neph_job_close(&run.job);
     if (status && diag)
@@ -364,7 +366,7 @@ enum neph_status neph_light_laws_run(const char *const *models, int model_count,
 
 /* ---- results --------------------------------------------------------------------------------- */
 
-/* Text for people, and JSON of all but the models. */
+/* Fill the table for text, and for the JSON members other than the models. */
 static void fill(const struct neph_light_laws *laws, struct neph_table *table)
 {
     const struct neph_column columns[] = {
@@ -400,11 +402,14 @@ static void print(const void *laws, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     fill(laws, &table);
-    fprintf(out, "\n**Laws: what a model comes to, and by how many %% that is off**\n\n"
-                 "The furnace is a white ball with suns all around it: what it scatters to the "
-                 "camera over what it takes from the view, which is also the light that leaves it "
-                 "over what it takes from a sun. Fluxes are over the sun's; A is the true slab's. "
-                 "Reciprocity: with eye and sun exchanged.\n\n");
+    fprintf(out, "\n"
+                 "**Laws: the value of a model, and its error in %%**\n"
+                 "\n"
+                 "The furnace is a white ball with suns all around it: the light scattered to the "
+                 "camera over the light removed from the view, which is also the light leaving the "
+                 "ball over the light removed from a sun. Fluxes are relative to the sun's flux; A "
+                 "is from the reference of the slab. Reciprocity: with camera and sun exchanged.\n"
+                 "\n");
     neph_table_print(&table, out);
     neph_table_finish(&table);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Who takes part in the physics suite, with which settings, and what is known about why they err.
+ * The participants of the physics suite: engines with their settings, and the known causes of their
+ * errors.
  */
 #ifndef NEPH_HARNESS_PHYSICS_PARTICIPANTS_H
 #define NEPH_HARNESS_PHYSICS_PARTICIPANTS_H
@@ -13,29 +14,30 @@
 enum { NEPH_PARTICIPANT_SETTINGS_MAX = 2 };
 
 struct neph_participant {
-    const char *name;                                    /* unique, for reports */
-    const char *engine;                                  /* of the registry */
+    const char *name;                                    /* unique name for reports */
+    const char *engine;                                  /* name in the registry of engines */
     const char *settings[NEPH_PARTICIPANT_SETTINGS_MAX]; /* "key=value"; NULL: none */
-    /* A deterministic engine is run twice, the second time with this setting: by Richardson's rule
-     * of `order` the difference bounds its step error. NULL: stochastic, run with two seeds. */
+    /* A deterministic engine runs twice, the second time with this setting. The difference bounds
+     * its step error by Richardson's rule of order `order`. NULL: the engine is stochastic and runs
+     * with two seeds. */
     const char *refined;
     int order;
-    /* Its numbers are rounded: what a mean may be off by, relative, for that alone. */
+    /* Relative error of a mean that rounding in the engine's output may cause. */
     double rounding;
 };
 
 enum { NEPH_PARTICIPANTS = 8 };
 extern const struct neph_participant neph_participants[NEPH_PARTICIPANTS];
 
-/* How a participant took part in a check. */
+/* Circumstances of a participant's result in a check. */
 struct neph_participation {
-    bool lowered; /* it was given the scene with single scattering from the sun alone */
-    bool baked;   /* it was given voxels that are not quite the medium */
-    bool stepped; /* its deviation is of the size of its own step error, as measured */
+    bool lowered; /* rendered single scattering of the sun instead of the full scene */
+    bool baked;   /* rendered voxels that only approximate the medium */
+    bool stepped; /* the deviation has the size of its measured step error */
 };
 
-/* Why a participant is known to be off in a check, in words that follow "because"; NULL when
- * nothing is known. */
+/* The known cause of a participant's deviation in a check, as text after "because"; NULL:
+ * unknown. */
 const char *neph_participant_cause(const struct neph_participant *participant,
                                    const struct neph_check *check,
                                    const struct neph_participation *part);

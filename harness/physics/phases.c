@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* [0, length] in pieces that halve towards both ends, where the peaks are. */
+/* Divide [0, length] into pieces that halve towards both ends, where the peaks are. */
 enum { HALVINGS = 30, PIECES = 2 * HALVINGS };
 
 static void cut(double length, struct neph_interval pieces[PIECES])
@@ -19,7 +19,7 @@ static void cut(double length, struct neph_interval pieces[PIECES])
     }
 }
 
-/* Over the versine v = 1 - cosine: the solid angle is 2 pi dv. */
+/* Integrand over the versine v = 1 - cosine; the solid angle is 2 pi dv. */
 static void over_versine(double v, void *context, double value[3])
 {
     const double density = 2.0 * M_PI * neph_phase_per_sr(context, 1.0 - v);
@@ -55,7 +55,7 @@ struct neph_phase_finding neph_phase_check(const struct neph_phase *phase)
     };
 }
 
-/* The values of one kind. */
+/* Check one kind with all its values of g. */
 static int check_kind(enum neph_phase_kind kind, struct neph_phase_finding *found)
 {
     const struct neph_phase_row *row = neph_phase_row(kind);

@@ -27,7 +27,7 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
     const char *who = row->participant->name;
     const double percent = 100.0 * row->deviation;
     const double width = critical_z * or_zero(row->standard_error) + or_zero(row->step_bound) +
-                         row->participant->rounding; /* by chance, step and rounding */
+                         row->participant->rounding; /* allowance for noise, step and rounding */
     row->sentence = "";
     if (!isfinite(row->deviation))
         return;
@@ -38,13 +38,12 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
         row->sentence = neph_arena_format(arena, "%s agrees: %+.3g %%, within %.2g %%", who,
                                           percent, 100.0 * width);
     else
-        row->sentence = neph_arena_format(arena, "%s is off by %+.3g %%, %s%s", who, percent,
+        row->sentence = neph_arena_format(arena, "%s deviates by %+.3g %%, %s%s", who, percent,
                                           row->cause ? "because " : "and the cause is not known",
                                           row->cause ? row->cause : "");
 }
 
-/* Engines that claim to be the truth must be right, and so must phase functions; others are only
- * reported. */
+/* Reference engines and phase functions must agree; other engines are only reported. */
 static bool truth_holds(const struct neph_physics *physics)
 {
     bool holds = true;
@@ -58,8 +57,8 @@ static bool truth_holds(const struct neph_physics *physics)
     return holds;
 }
 
-/* Verdicts can be given only when all checks are counted. Rows without a deviation say why; but a
- * verdict on nothing, or on less than was to be tried, is none. */
+/* Judge all rows. The significance level depends on the number of tests, so this runs last. A run
+ * without tests, or with fewer rows than expected, does not pass. */
 static void judge_all(struct neph_physics *physics)
 {
     for (int i = 0; i < physics->row_count; i++)
@@ -73,7 +72,7 @@ static void judge_all(struct neph_physics *physics)
                       truth_holds(physics);
 }
 
-/* ---- who and what ---------------------------------------------------------------------------- */
+/* ---- participants and checks ----------------------------------------------------------------- */
 
 _Static_assert(NEPH_PARTICIPANT_SETTINGS_MAX == 2, "all are set");
 
@@ -81,7 +80,7 @@ struct run {
     const struct neph_physics_params *params;
     struct neph_store *store;
     struct neph_physics *made;
-    int *checks, check_count;                        /* indices of those that are chosen */
+    int *checks, check_count;                        /* indices of the selected checks */
     struct neph_entrant entrants[NEPH_PARTICIPANTS]; /* of this process */
     int entrant_count;
     struct neph_progress progress;
@@ -122,7 +121,7 @@ static bool has_check(const struct neph_check *check, const char *text)
     return strstr(check->name, text) || strstr(check->rung, text);
 }
 
-/* Every text has to be in the name of some check. */
+/* The first text of --only that no check contains; NULL: none. */
 static const char *text_of_none(const struct neph_physics_params *params)
 {
     for (int t = 0; t < params->only_count; t++) {
@@ -147,7 +146,7 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
                  neph_check_rungs[i].name);
     }
     neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
-    neph_hint(diag, "the rungs are %s; a run without --only shows all names", names);
+    neph_hint(diag, "the groups are %s; a run without --only shows all names", names);
     return NEPH_ERR_USAGE;
 }
 
@@ -172,7 +171,7 @@ static enum neph_status choose(struct run *run, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* Checks of what only transport of all orders conserves are for those that claim to do it. */
+/* Checks that only transport of all orders can pass are limited to the engines that compute it. */
 static bool takes_part(const struct neph_entrant *entrant, const struct neph_check *check)
 {
     return !check->truth_only || entrant->engine->rung <= NEPH_RUNG_TRACER;
@@ -180,7 +179,8 @@ static bool takes_part(const struct neph_entrant *entrant, const struct neph_che
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* The truth is copied: a report draws it when the scenery is gone. */
+/* Add a check to the results. The reference is copied, because the report draws it after the
+ * scenery is freed. */
 static struct neph_physics_check *add_check(struct run *run, const struct neph_scenery *scenery)
 {
     struct neph_arena *arena = &run->made->arena;
@@ -239,7 +239,7 @@ static enum neph_status run_check(struct run *run, int index, struct neph_diag *
     return status;
 }
 
-/* In each process: probe the engines, count what there will be, and make room for it. */
+/* Each process probes the engines, counts the expected rows, and allocates them. */
 static enum neph_status prepare(struct run *run, bool is_worker, struct neph_diag *diag)
 {
     struct neph_physics *made = run->made;
@@ -265,8 +265,8 @@ static enum neph_status prepare(struct run *run, bool is_worker, struct neph_dia
     return status ? status : neph_arena_check(&made->arena, diag);
 }
 
-/* Workers only fill the store, the checks of most views first; then this process takes all frames
- * from there. */
+/* Workers only fill the store, starting with the checks of the most views. The main process then
+ * reads all frames from the store. */
 static enum neph_status run_checks(struct neph_worker *worker, void *context,
                                    struct neph_diag *diag)
 {

@@ -10,15 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_STAGE_TRUTH_COLUMNS == 4, "a new kind");
 
-/* The brightest true pixel is shown a little below white. */
+/* Display value of the brightest reference pixel. */
 static const double white = 0.9;
 
 /* --- views --------------------------------------------------------------------------------- */
 
-/* Which way a view looks, in words. */
+/* Describe the direction of a view. */
 static void describe(const struct neph_stage_params *stage, char text[160])
 {
     const double elevation_deg = stage->view_elevation_rad / NEPH_RAD_PER_DEG;
@@ -39,7 +39,7 @@ static void describe(const struct neph_stage_params *stage, char text[160])
                  height, stage->view_azimuth_rad / NEPH_RAD_PER_DEG, sun_deg);
 }
 
-/* Half stops: the same truth gives the same picture although its last bits differ. */
+/* Exposure in half stops, so that last-bit differences of the reference do not change the image. */
 static double exposure_ev(double brightest)
 {
     return brightest > 0.0 ? floor(2.0 * log2(white / brightest)) / 2.0 : 0.0;
@@ -54,7 +54,7 @@ void neph_physics_view_describe(const struct neph_check_view *view, const double
         sum += truth_w_per_m2_sr[p];
         brightest = fmax(brightest, truth_w_per_m2_sr[p]);
     }
-    /* A black view has no scale of its own: that of the sun's irradiance over a hemisphere. */
+    /* A black view uses the scale of the sun's irradiance spread over a hemisphere. */
     const double mean = sum > 0.0 ? sum / count
                                   : NEPH_STAGE_IRRADIANCE_W_PER_M2 / (360.0 * NEPH_RAD_PER_DEG);
     *described = (struct neph_physics_view){
@@ -69,19 +69,19 @@ void neph_physics_view_describe(const struct neph_check_view *view, const double
 
 /* --- images -------------------------------------------------------------------------------- */
 
-/* A view of a check, in a report. */
+/* A view of a check in a report. */
 struct drawing {
-    const char *folder; /* the report's */
+    const char *folder; /* of the report */
     const struct neph_physics_check *check;
     int view;
     const struct neph_physics_view *seen;
     struct neph_arena *arena;
-    const float *truth[3]; /* three times the same plane: the suite is grey */
+    const float *truth[3]; /* the same plane three times: the suite is grey */
 };
 
-/* Planes at the view's exposure, or their difference from the truth, as
- * images/physics/CHECK/WHO_VIEW[_difference].png of characters that a page may load. `*name`
- * receives that path inside the report. */
+/* Draw planes at the view's exposure, or their difference from the reference, as
+ * images/physics/CHECK/NAME_VIEW[_difference].png. Characters that are unsafe in URLs become '_'.
+ * `*name` gets the path inside the report. */
 static enum neph_status draw(const struct drawing *drawing, const char *who,
                              const float *const planes[3], bool is_difference, const char **name,
                              struct neph_diag *diag)
@@ -109,7 +109,7 @@ static enum neph_status draw(const struct drawing *drawing, const char *who,
     return status;
 }
 
-/* A frame of one participant, and its difference from the truth. */
+/* Draw a frame of a participant and its difference from the reference. */
 static enum neph_status draw_frame(const struct drawing *drawing, struct neph_physics_row *row,
                                    struct neph_diag *diag)
 {

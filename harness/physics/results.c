@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_PHYSICS_VERDICT_COUNT == 3, "a new kind");
 
 void neph_physics_finish(struct neph_physics *physics)
@@ -19,9 +19,9 @@ static const char *const verdict_names[] = {[NEPH_PHYSICS_NOT_MEASURED] = "not_m
                                             [NEPH_PHYSICS_AGREES] = "agrees",
                                             [NEPH_PHYSICS_OFF] = "off"};
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
-/* The texts up to the first NULL. */
+/* The texts before the first NULL. */
 static json_t *texts_json(const char *const texts[NEPH_CHECK_VIEWS_MAX])
 {
     json_t *list = json_array();
@@ -102,7 +102,7 @@ json_t *neph_physics_json(const struct neph_physics *physics)
 
 /* ---- for a terminal -------------------------------------------------------------------------- */
 
-/* One that is not finite is none. */
+/* Infinite numbers are printed as missing. */
 static void add_number(struct neph_table *table, double value)
 {
     neph_table_number(table, isfinite(value) ? value : NAN);

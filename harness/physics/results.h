@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a run of the physics suite found: the checks, what each participant made of them, and the
- * verdicts. Filled while it runs; whoever prints it or writes it as JSON only reads.
+ * The results of a run of the physics suite: checks, one row for each participant and check, and
+ * verdicts. Filled while the run proceeds; the writers of text and JSON only read it.
  */
 #ifndef NEPH_HARNESS_PHYSICS_RESULTS_H
 #define NEPH_HARNESS_PHYSICS_RESULTS_H
@@ -15,16 +15,16 @@
 
 #include <stdio.h>
 
-/* The probability that a run in which every engine is right still calls one of them off. */
+/* The probability of at least one false deviation in a run in which every engine is correct. */
 #define NEPH_PHYSICS_FAMILY_ALPHA 0.01
 
-/* Which way a check looks, and what is true there. Texts are of the arena, here as below. */
+/* A view of a check, and its reference. Texts of this file's structs are allocated in the arena. */
 struct neph_physics_view {
     char what[160];
     int width_px, height_px;
-    double exposure_ev, difference_scale; /* of all pictures of this view */
-    const double *truth_w_per_m2_sr;      /* pixel by pixel; of the arena */
-    const char *picture;                  /* inside the report; NULL: none (yet) */
+    double exposure_ev, difference_scale; /* of all images of this view */
+    const double *truth_w_per_m2_sr;      /* pixel by pixel; allocated in the arena */
+    const char *picture;                  /* path inside the report; NULL: none, or not yet */
 };
 
 struct neph_physics_check {
@@ -40,38 +40,39 @@ enum neph_physics_verdict {
     NEPH_PHYSICS_VERDICT_COUNT,
 };
 
-/* One participant in one check. Numbers are NaN where there are none. */
+/* One participant in one check. Missing numbers are NaN. */
 struct neph_physics_row {
     const struct neph_physics_check *check;
     const struct neph_participant *participant;
     const struct neph_engine *engine;
     enum neph_outcome outcome;
     const char *reason, *settings;
-    bool lowered;          /* it was given single scattering from the sun alone */
-    double deviation;      /* of the check's sum over pixels, relative to the truth */
-    double standard_error; /* of stochastic engines */
-    double step_bound;     /* of deterministic ones */
+    bool lowered;          /* rendered single scattering of the sun only */
+    double deviation;      /* of the check's sum over pixels, relative to the reference */
+    double standard_error; /* of a stochastic engine */
+    double step_bound;     /* of a deterministic engine */
     double z;              /* deviation / standard_error */
     double pixel_z_mean, pixel_z_variance;
-    const char *cause; /* why it is known to be off, in words that follow "because"; or NULL */
+    const char *cause; /* known cause of a deviation, text after "because"; or NULL */
     double wall_s;
-    const char *paths[NEPH_CHECK_VIEWS_MAX];    /* of its frames in the store; NULL: not rendered */
-    const char *pictures[NEPH_CHECK_VIEWS_MAX]; /* inside the report; NULL: none (yet) */
+    const char *paths[NEPH_CHECK_VIEWS_MAX];    /* its frames in the store; NULL: not rendered */
+    const char *pictures[NEPH_CHECK_VIEWS_MAX]; /* paths inside the report; NULL: none, or not
+                                                   yet */
     const char *differences[NEPH_CHECK_VIEWS_MAX];
-    const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
-    const struct neph_study *study;         /* that chose its step; NULL: none */
+    const struct neph_bakes_summary *bakes; /* of its voxel grids; NULL: none */
+    const struct neph_study *study;         /* the step study that chose its step; NULL: none */
     enum neph_physics_verdict verdict;
     const char *sentence;
-    double low, high; /* interval of the deviation at the family's level */
+    double low, high; /* confidence interval of the deviation at the corrected level */
 };
 
 /* Start from {0}; free with neph_physics_finish(). */
 struct neph_physics {
     struct neph_arena arena;
-    int expected;      /* rows that there ought to be */
-    int tests;         /* of them, measured */
-    double critical_z; /* what the family's level leaves for each, in standard errors */
-    bool passes;       /* nobody who claims to be the truth is off, and nothing broke */
+    int expected;      /* number of rows of a complete run */
+    int tests;         /* rows with a deviation */
+    double critical_z; /* corrected critical value of each test, in standard errors */
+    bool passes;       /* no reference engine deviates, and no engine failed */
     double seconds;
     struct neph_phase_finding phases[NEPH_PHASES_MAX];
     int phase_count, check_count, row_count;
@@ -84,7 +85,7 @@ void neph_physics_finish(struct neph_physics *physics);
 /* The "physics" of scripts/report/README.md; NULL when memory is short. */
 json_t *neph_physics_json(const struct neph_physics *physics);
 
-/* A table and sentences for a terminal. */
+/* Print a table and sentences for a terminal. */
 void neph_physics_print(const struct neph_physics *physics, FILE *out);
 
 #endif

@@ -8,21 +8,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_STAGE_MEDIUM_COUNT == 10, "a new kind");
 _Static_assert(NEPH_STAGE_TRUTH_COLUMNS == 4, "a new kind");
 
 static const double slab_m = 10.0;
 static const double wide_m = 1e5;
 static const double fog_falloff_per_m = 0.1;
-/* So high that only e^-30 = 1e-13 of the fog lies above the camera. */
+/* Only e^-30 = 1e-13 of the fog is above the camera. */
 static const double fog_camera_m = 300.0;
 static const double blob_width_m = 1.5;
 static const double shell_radius_m = 2.0;
 static const double shell_scale_m = 1.5;
 static const double tent_altitude_m = 1.5;
 
-/* As large as the cube; everywhere under cover. */
+/* Clouds of the cube's size, with full coverage. */
 static const struct neph_horizon_params small_clouds = {
     .seed = 1,
     .planet_radius_m = 1e4,
@@ -35,8 +35,8 @@ static const struct neph_horizon_params small_clouds = {
     .detail_repeats = 40.0,
 };
 
-/* The step cloud of truth/step_cloud.h, seen from so high that all rays are vertical to 0.6 degrees
- * at the edges, which by symmetry about the middle costs 1e-4. */
+/* The step cloud of truth/step_cloud.h. At this height the rays are vertical within 0.6 degrees at
+ * the edges; the error, symmetric about the middle, is 1e-4. */
 static const double columns_camera_m = 4e5;
 static const double column_m = 500.0;
 static const double cloud_m = 250.0;
@@ -102,11 +102,11 @@ static void place_light(struct neph_stage *stage)
     scene->sun.irradiance_w_per_m2 = (struct neph_rgb){irradiance, irradiance, irradiance};
 }
 
-/* Voxels of a fixed pattern between 0 and 1, without libm: the same on every machine. */
+/* Voxels of a fixed pattern between 0 and 1. No libm, so they are identical on every machine. */
 static enum neph_status fill_grid(struct neph_stage *stage, struct neph_diag *diag)
 {
     enum { SIDE = 4 };
-    const double spacing_m = slab_m / (SIDE + 1); /* the density is 0 on the faces of the cube */
+    const double spacing_m = slab_m / (SIDE + 1); /* so the density is 0 on the faces of the cube */
     const struct neph_vec3 first_m = {-0.5 * slab_m + spacing_m, spacing_m,
                                       -0.5 * slab_m + spacing_m};
     enum neph_status status = neph_grid_create((const int[3]){SIDE, SIDE, SIDE}, first_m,
@@ -119,7 +119,7 @@ static enum neph_status fill_grid(struct neph_stage *stage, struct neph_diag *di
     return neph_grid_seal(stage->grid, diag);
 }
 
-/* Thin and thick in turn, from x = -16 km; the middle period is 0 to 16 km. */
+/* Alternate thin and thick halves, from x = -16 km; the middle period is 0 to 16 km. */
 static void place_columns(struct neph_stage *stage)
 {
     struct neph_scene *scene = &stage->scene;
@@ -176,7 +176,8 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         break;
     case NEPH_STAGE_GRID:
         medium->kind = NEPH_MEDIUM_GRID;
-        medium->extinction_per_m = depth / (0.5 * slab_m); /* the pattern's mean is about 1/2 */
+        medium->extinction_per_m = depth / (0.5 * slab_m); /* about 1/2 is the mean of the
+                                                              pattern */
         if (fill_grid(stage, diag))
             return NEPH_ERR_MEMORY;
         medium->grid = stage->grid;
@@ -189,13 +190,15 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
     case NEPH_STAGE_SHELL:
         medium->kind = NEPH_MEDIUM_SHELL;
         medium->shell = (struct neph_shell){cube_center(), shell_radius_m, shell_scale_m};
-        medium->extinction_per_m = 0.5 * depth / shell_scale_m; /* a column on either side */
+        medium->extinction_per_m = 0.5 * depth / shell_scale_m; /* one column on either side of the
+                                                                   ball */
         break;
     case NEPH_STAGE_TENT:
         medium->kind = NEPH_MEDIUM_TENT;
         medium->tent = (struct neph_tent){cube_center(), shell_radius_m, tent_altitude_m,
                                           tent_altitude_m};
-        medium->extinction_per_m = 0.5 * depth / tent_altitude_m; /* a column on either side */
+        medium->extinction_per_m = 0.5 * depth / tent_altitude_m; /* one column on either side of
+                                                                     the ball */
         break;
     case NEPH_STAGE_CLOUDS:
         medium->kind = NEPH_MEDIUM_HORIZON;
@@ -208,12 +211,12 @@ static enum neph_status place_medium(struct neph_stage *stage, struct neph_diag 
         place_columns(stage);
         break;
     }
-    if (medium->extinction_per_m > 0.0) /* not of layers */
+    if (medium->extinction_per_m > 0.0) /* the medium has no layers */
         medium->layer_count = 0;
     return NEPH_OK;
 }
 
-/* The cosines to the vertical that the picture holds, its corners and middles included. */
+/* The range of cosines to the vertical within the frame, corners and edges included. */
 static void find_cosines(const struct neph_stage *stage, double *low, double *high)
 {
     enum { SIDE = 33 };
@@ -251,8 +254,8 @@ static enum neph_status solve_slab(struct neph_stage *stage, struct neph_diag *d
                             &stage->slab, diag);
 }
 
-/* The stage's sun stands at +x, and so its light travels to -x: the mirror image of step_cloud.h.
- * Thin columns come first here as well, so there they come last. */
+/* The stage's sun is at +x, so its light travels to -x: the mirror image of step_cloud.h. Thin
+ * columns come first here, therefore last there. */
 static enum neph_status solve_columns(struct neph_stage *stage, struct neph_diag *diag)
 {
     double depths[NEPH_STAGE_COLUMNS];
@@ -319,8 +322,8 @@ void neph_stage_destroy(struct neph_stage *stage)
     free(stage);
 }
 
-/* Light that reaches the camera travels along -direction, sunlight along -sun: their horizontal
- * parts enclose the angle between the view's and the sun's azimuths. */
+/* Light that reaches the camera travels along -direction, sunlight along -sun: the angle between
+ * their horizontal parts is the difference of the azimuths of view and sun. */
 static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
 {
     const double azimuth_rad = atan2(direction.z, direction.x);
@@ -343,7 +346,7 @@ static double slab_radiance(const struct neph_stage *stage, struct neph_vec3 dir
     return sum / weights * NEPH_STAGE_IRRADIANCE_W_PER_M2;
 }
 
-/* Chandrasekhar, "Radiative Transfer", 1960: the law of diffuse reflection of a half-space. */
+/* Law of diffuse reflection of a half-space (S. Chandrasekhar, "Radiative Transfer", 1960). */
 static double half_space_radiance(const struct neph_stage *stage, struct neph_vec3 direction)
 {
     const double albedo = stage->params.albedo, sun = stage->params.sun_cosine;

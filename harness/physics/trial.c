@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_CHECK_WEIGHT_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
@@ -53,7 +53,7 @@ enum neph_status neph_scenery_enter(int index, struct neph_scenery *scenery, str
     return status;
 }
 
-/* Give all views this light, and hash their scenes. */
+/* Set the light of all views, and hash their scenes. */
 static enum neph_status set_light(struct neph_scenery *scenery, enum neph_scattering scattering,
                                   bool environment_light, struct neph_diag *diag)
 {
@@ -69,7 +69,7 @@ static enum neph_status set_light(struct neph_scenery *scenery, enum neph_scatte
 
 /* ---- one frame ------------------------------------------------------------------------------- */
 
-/* A picture of a view, in the steps that a study chose (NULL: as they are). */
+/* The job of a view's frame; `study` sets the step (NULL: default). */
 static struct neph_job job_of(const struct neph_trial *trial, const struct neph_scenery_view *seen,
                               const struct neph_study *study)
 {
@@ -91,13 +91,14 @@ static struct neph_job job_of(const struct neph_trial *trial, const struct neph_
 /* ---- sums ------------------------------------------------------------------------------------ */
 
 struct sums {
-    double truth;        /* sum of |factor| weight truth */
-    double deviation[2]; /* sum of factor weight (L - truth), per pass */
+    double truth;        /* sum of |factor| weight reference */
+    double deviation[2]; /* sum of factor weight (L - reference), for each pass */
     double variance;     /* of the mean of both passes */
     struct neph_z_moments pixels;
 };
 
-/* Noise this many times the rounding of the brightest pixel: z-scores' variance off by 1 %. */
+/* Pixels with noise below this multiple of the brightest pixel's rounding have no z-score. At this
+ * limit rounding changes the variance of the z-scores by 1 %. */
 static const double noise_per_rounding = 10.0;
 
 static void add_pixel_scores(const struct neph_scenery_view *seen, const struct neph_image *frame,
@@ -144,8 +145,9 @@ static void add_view(const struct neph_scenery_view *seen, struct neph_image *co
     add_pixel_scores(seen, frames[0], participant->rounding, sums);
 }
 
-/* Roache's grid convergence index (P. J. Roache, J. Fluids Eng. 116, 1994): an extrapolated error
- * is itself an estimate, and a bound of just its size would be met by chance. */
+/* Safety factor of Roache's grid convergence index (P. J. Roache, J. Fluids Eng. 116, 1994): an
+ * extrapolated error is itself an estimate, and half of all errors would exceed a bound without a
+ * margin. */
 static const double step_safety = 1.25;
 
 static void conclude(const struct neph_participant *participant, const struct sums *sums,
@@ -171,8 +173,8 @@ static void conclude(const struct neph_participant *participant, const struct su
 
 /* ---- one participant ------------------------------------------------------------------------- */
 
-/* Render a pass of a view: the second one is by another seed, or refined. `*frame` stays NULL where
- * it is not rendered; the row has the outcome. */
+/* Render a pass of a view. The second pass has another seed, or the refined setting. `*frame` stays
+ * NULL when the engine renders nothing; the row has the outcome. */
 static enum neph_status render_pass(const struct neph_trial *trial,
                                     const struct neph_scenery_view *seen, int view, int pass,
                                     struct neph_image **frame, struct neph_physics_row *row,
@@ -200,8 +202,8 @@ static enum neph_status render_pass(const struct neph_trial *trial,
     return status;
 }
 
-/* Render and add up all views, in one pass where an engine has neither steps nor noise. Ends early
- * where one is not rendered: the row's outcome says whether `sums` is whole. */
+/* Render and add up all views; one pass suffices for an engine without steps and noise. Stops when
+ * a view is not rendered: `sums` is complete only if the row's outcome is "rendered". */
 static enum neph_status try_views(const struct neph_trial *trial, struct neph_scenery *scenery,
                                   struct sums *sums, struct neph_physics_row *row,
                                   struct neph_diag *diag)
@@ -227,8 +229,8 @@ static enum neph_status try_views(const struct neph_trial *trial, struct neph_sc
     return status;
 }
 
-/* Cycles marches in steps of our choice: a study chooses them for each check with an uneven medium.
- * Engines without noise are run with two steps anyway. */
+/* Choose Cycles' step by a step study for each check with an uneven medium. Engines without noise
+ * run with two steps anyway. */
 static enum neph_status choose_step(const struct neph_trial *trial,
                                     const struct neph_scenery *scenery,
                                     struct neph_physics_row *row, struct neph_diag *diag)
@@ -246,12 +248,13 @@ static enum neph_status choose_step(const struct neph_trial *trial,
         return NEPH_OK;
     const enum neph_status status = neph_study_run(&job, trial->store, &made, &outcome, reason,
                                                    diag);
-    if (!status && outcome == NEPH_OUTCOME_RENDERED) /* else the frame itself will say why */
+    if (!status && outcome == NEPH_OUTCOME_RENDERED) /* otherwise the frame reports the reason */
         row->study = neph_arena_copy(trial->arena, &made, sizeof(made));
     return status;
 }
 
-/* An engine that cannot do all orders is shown with what it can do, and marked as lowered. */
+/* Try all views. An engine that cannot render multiple scattering gets the scene with single
+ * scattering, and its row is marked as lowered. */
 static enum neph_status try_all(const struct neph_trial *trial, struct neph_scenery *scenery,
                                 struct sums *sums, struct neph_physics_row *row,
                                 struct neph_diag *diag)
@@ -275,7 +278,7 @@ static enum neph_status try_all(const struct neph_trial *trial, struct neph_scen
     return status ? status : restored;
 }
 
-/* A deviation of up to thrice what steps are known to do is theirs. */
+/* A deviation up to three times the known step error is attributed to the steps. */
 static bool is_of_steps(const struct neph_physics_row *row)
 {
     double steps = isnan(row->step_bound) ? 0.0 : row->step_bound;

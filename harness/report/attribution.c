@@ -13,7 +13,7 @@
 struct entrant {
     const char *name;
     bool is_shortcut;
-    struct neph_image *frames[2]; /* the same twice for a deterministic engine */
+    struct neph_image *frames[2]; /* the same frame twice for a deterministic engine */
 };
 
 struct field {
@@ -48,7 +48,7 @@ static enum neph_status enrol(const struct neph_peer *peer, struct field *field,
                              : NEPH_OK;
 }
 
-/* Where a medium is: sky and solids in clear air would water the numbers down. */
+/* Pixels with a medium: sky and solids in clear air would dilute the differences. */
 static enum neph_status choose_mask(struct field *field, struct neph_diag *diag)
 {
     for (int i = 0; i < field->count; i++) {
@@ -68,8 +68,8 @@ static bool has_shortcut(const struct field *field, int i, int j)
     return field->entrants[i].is_shortcut || field->entrants[j].is_shortcut;
 }
 
-/* Pairs of one family: those with a shortcut, or those without. Each family has its own correction,
- * so that a shortcut that takes part changes no interval of the others. */
+/* Compare the pairs of one family: those with a real-time method, or those without. Each family has
+ * its own correction, so that adding a real-time method changes no interval of the other pairs. */
 static enum neph_status compare_family(const struct field *field, bool with_shortcuts,
                                        int *verdicts, struct neph_attribution *made,
                                        struct neph_diag *diag)
@@ -99,7 +99,7 @@ static enum neph_status compare_family(const struct field *field, bool with_shor
     return NEPH_OK;
 }
 
-/* How many of the others `who` has that verdict with. */
+/* The number of engines with which engine `who` has the verdict. */
 static int count_verdicts(const int *verdicts, int count, int who, enum neph_pair_verdict verdict)
 {
     int found = 0;
@@ -120,7 +120,7 @@ int neph_odd_one_out(const char *const *names, int count, const int *verdicts, c
                  undecided == 0 ? "all agree" : "cannot tell: noise hides whether all agree");
         return -1;
     }
-    /* The odd one differs from every other, and no two others differ. */
+    /* The engine differs from every other engine, and no two other engines differ. */
     for (int i = 0; i < count; i++) {
         const int own = count_verdicts(verdicts, count, i, NEPH_PAIR_DIFFER);
         if (own == count - 1 && differing == 2 * own) {
@@ -131,7 +131,7 @@ int neph_odd_one_out(const char *const *names, int count, const int *verdicts, c
     if (odd_count != 1) {
         snprintf(sentence, 400, "%s",
                  undecided == 0 ? "more than one differs: no odd one out"
-                                : "cannot tell: some differ, and noise hides which stands alone");
+                                : "cannot tell: some differ, and noise hides the odd one out");
         return -1;
     }
     snprintf(sentence, 400, "%s is the odd one out: it differs from all others, and they %s",

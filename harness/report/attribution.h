@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Who disagrees with whom in a scene, and which engine is the odd one out: all pairs of rendered
- * frames held against each other with their noise taken out (metrics/pair.h), at a level corrected
- * for the number of pairs (Sidak).
+ * Attribution of a disagreement: which engines differ in a scene, and whether exactly one differs
+ * from all others. All pairs of rendered frames are compared with their noise removed
+ * (metrics/pair.h), at a significance level corrected for the number of pairs (Sidak).
  */
 #ifndef NEPH_HARNESS_REPORT_ATTRIBUTION_H
 #define NEPH_HARNESS_REPORT_ATTRIBUTION_H
@@ -11,15 +11,14 @@
 #include "harness/json.h"
 #include "metrics/pair.h"
 
-/* The probability that engines that all agree are told apart: in the pairs without a shortcut, and
- * once more in those with one. */
+/* The probability of a false difference when all engines agree. It applies to the pairs without a
+ * real-time method, and separately to the pairs with one. */
 #define NEPH_ATTRIBUTION_FAMILY_ALPHA 0.01
 
-/* An engine that is compared with the others: a frame, and one of a second seed (NULL: nothing is
- * random). */
+/* An engine in the comparison: a frame, and a frame with a second seed (NULL: deterministic). */
 struct neph_peer {
     const char *name, *path, *second_path;
-    bool is_shortcut; /* it renders the model of another engine; its pairs are a family */
+    bool is_shortcut; /* real-time method; its pairs have a correction of their own */
 };
 
 struct neph_peer_pair {
@@ -27,27 +26,29 @@ struct neph_peer_pair {
     struct neph_pair found;
 };
 
-/* Names are the peers'. */
+/* Names are borrowed from the peers. */
 struct neph_attribution {
     char mask[NEPH_IMAGE_NAME_MAX];
     size_t pixel_count;
     int pair_count;
     struct neph_peer_pair *pairs;
-    const char *odd_one_out; /* NULL: nobody is */
+    const char *odd_one_out; /* NULL: none */
     char sentence[400];
 };
 
-/* `*attribution`, made in the arena, is NULL when there are fewer than three peers or nothing to
- * compare. The mask is "medium" of the first frame that has a transmittance, else "all". */
+/* Compare all pairs of peers. `*attribution`, allocated in the arena, is NULL for fewer than three
+ * peers and for frames without pixels to compare. The mask is "medium" of the first frame with a
+ * transmittance, otherwise "all". */
 enum neph_status neph_attribute(const struct neph_peer *peers, int count, struct neph_arena *arena,
                                 const struct neph_attribution **attribution,
                                 struct neph_diag *diag);
 
-/* The "attribution" of scripts/report/README.md; JSON null of NULL. */
+/* The "attribution" of scripts/report/README.md; JSON null for NULL. */
 json_t *neph_attribution_json(const struct neph_attribution *attribution);
 
-/* The rule alone, for tests: `verdicts[i * count + j]` of metrics/pair.h, symmetric. The index of
- * the odd one out, or -1; `*sentence` (at most 400 characters) says why, in words. */
+/* The decision rule by itself, for tests. `verdicts[i * count + j]` is a verdict of metrics/pair.h
+ * and symmetric. Returns the index of the only engine that differs from all others, or -1;
+ * `sentence` (at most 400 characters) gives the reason. */
 int neph_odd_one_out(const char *const *names, int count, const int *verdicts, char sentence[400]);
 
 #endif

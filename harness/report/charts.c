@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each point is a setting: its error is the relative RMSE of radiance against `exact`, its time is
- * that of a warm frame without start-up (harness/run/speed.h). All points of a series take turns,
- * so that other work of the machine slows all of them. A point has `repeats` renders (with another
- * seed where the engine draws random numbers): the chart shows the middle error, its bars reach
- * from the smallest to the largest.
+ * Each point of a chart is a setting. Its error is the relative RMSE of radiance against `exact`;
+ * its time is the time of a warm frame without start-up (harness/run/speed.h). The points of a
+ * series are measured in turns, so that other load of the machine slows all of them equally. A
+ * point has `repeats` renders, with different seeds for a stochastic engine: the chart shows the
+ * median error with bars from the smallest to the largest.
  */
 #include "harness/report/charts.h"
 
@@ -26,20 +26,20 @@
 
 enum { POINTS_MAX = 6, FLIGHT_ROUNDS = 4 };
 
-static const double flight_round_s = 0.15; /* of a point */
+static const double flight_round_s = 0.15; /* for each point */
 
-/* Small, so that a chart takes a minute; errors of a mean over the image do not depend on it. */
+/* A small size, so that a chart takes about a minute; mean errors do not depend on it. */
 static const int chart_width_px = 48, chart_height_px = 27;
 
 struct series {
     const char *name;
     const char *engine;
-    const char *fixed;  /* a setting held over the series; NULL: none */
+    const char *fixed;  /* a constant setting of the series; NULL: none */
     const char *varied; /* the setting that changes */
     double values[POINTS_MAX];
     int count;
-    double order;    /* of the ideal line drawn beside it: error ~ seconds^-order */
-    bool is_by_work; /* each value is more work than the one before */
+    double order;    /* slope of the ideal line beside it: error ~ seconds^-order */
+    bool is_by_work; /* values are sorted by increasing work */
 };
 
 static const struct series slab_series[] = {
@@ -74,7 +74,7 @@ struct point {
     char label[64];
 };
 
-/* The points of a series; those whose error is not known are left out in the end. */
+/* The points of a series. Points without an error are removed at the end. */
 struct measured {
     const struct series *series;
     const struct neph_engine *engine;
@@ -91,8 +91,8 @@ struct sweep {
     int repeats;
     double time_limit_s;
     struct neph_shared_device *device;
-    json_t *points, *slopes, *falls; /* of a chart; owned */
-    char absent[512];                /* what is missing there */
+    json_t *points, *slopes, *falls; /* of one chart; owned */
+    char absent[512];                /* text about the missing points */
 };
 
 static struct neph_job make_job(const struct sweep *sweep, const struct neph_engine *engine,
@@ -124,7 +124,7 @@ static struct neph_job job_of_point(const struct sweep *sweep, const struct meas
 static enum neph_status relative_rmse(const struct sweep *sweep, const char *frame_path,
                                       double *error, struct neph_diag *diag)
 {
-    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* linear errors do not ask for it */
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* irrelevant for linear errors */
     struct neph_image *image = NULL;
     struct neph_measurements measurements = {0};
     enum neph_status status = neph_exr_read(frame_path, &image, diag);
@@ -167,7 +167,7 @@ static void begin_step(const struct sweep *sweep, const struct measured *measure
     neph_progress_begin(sweep->progress, what);
 }
 
-/* One render of a point, or its frame from the store. */
+/* Render a point once, or read its frame from the store. */
 static enum neph_status render_point(const struct sweep *sweep, struct measured *measured,
                                      int index, struct neph_diag *diag)
 {
@@ -184,13 +184,14 @@ static enum neph_status render_point(const struct sweep *sweep, struct measured 
     return status;
 }
 
-/* Without chance one render knows the error, and frames in flight the time. */
+/* Number of renders of a point. An engine with frames in flight is deterministic and timed
+ * separately, so one render is enough. */
 static int renders_of(const struct series *series, int repeats)
 {
     return neph_flight_applies(neph_engine_find(series->engine)) ? 1 : repeats;
 }
 
-/* All points once, then all of them again. */
+/* Render all points once before any point is repeated. */
 static enum neph_status render_points(const struct sweep *sweep, struct measured *measured,
                                       struct neph_diag *diag)
 {
@@ -209,9 +210,9 @@ static enum neph_status render_points(const struct sweep *sweep, struct measured
     return status;
 }
 
-/* ---- its times ------------------------------------------------------------------------------- */
+/* ---- times of a series ----------------------------------------------------------------------- */
 
-/* Rounds of frames in flight, of all points by turns. */
+/* Time frames in flight in rounds, one point after the other. */
 static enum neph_status fly_points(const struct sweep *sweep, struct measured *measured,
                                    struct neph_diag *diag)
 {
@@ -239,8 +240,8 @@ static enum neph_status fly_points(const struct sweep *sweep, struct measured *m
     return status;
 }
 
-/* Points that are known from an earlier run stay as they are only when all of them are: times of
- * two runs are not of the same hour. */
+/* Reuse cached times only when all points have one: times of two runs were measured under different
+ * load. */
 static enum neph_status time_flights(const struct sweep *sweep, struct measured *measured,
                                      struct neph_diag *diag)
 {
@@ -253,7 +254,8 @@ static enum neph_status time_flights(const struct sweep *sweep, struct measured 
     return all ? NEPH_OK : fly_points(sweep, measured, diag);
 }
 
-/* What renders take before their first sample, by a line through all numbers of samples. */
+/* Start-up time of a renderer: the intercept of a line through the render times over the number of
+ * samples. */
 static double start_by_samples(const struct measured *measured)
 {
     int samples[POINTS_MAX], count = 0;
@@ -273,8 +275,8 @@ static double start_by_samples(const struct measured *measured)
     return neph_rungs_start(samples, mean_s, least_s, count);
 }
 
-/* The start-up is that of the series: by its samples, where it varies these, else by a small
- * frame. */
+/* Times of whole renders without start-up. The start-up follows from the render times when the
+ * series varies the samples, otherwise from the render of a small frame. */
 static enum neph_status time_renders(const struct sweep *sweep, struct measured *measured,
                                      struct neph_diag *diag)
 {
@@ -295,9 +297,9 @@ static enum neph_status time_renders(const struct sweep *sweep, struct measured 
     return status;
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
-/* `place`: rank of the setting in its series, by which the points are joined. */
+/* `place` is the index of the setting in its series; the chart joins points in this order. */
 static json_t *point_json(const struct series *series, const struct point *point, int place)
 {
     const int middle = point->repeats / 2, last = point->repeats - 1;
@@ -314,8 +316,8 @@ static json_t *point_json(const struct series *series, const struct point *point
     return json;
 }
 
-/* The ideal line of a series starts at half the error of its first point and ends at the time of
- * its last. */
+/* Add the ideal line of a series. It starts at half the error of the first point and ends at the
+ * time of the last point. */
 static void add_slope(struct sweep *sweep, const struct series *series, const struct point *first,
                       const struct point *last)
 {
@@ -333,7 +335,7 @@ static void add_slope(struct sweep *sweep, const struct series *series, const st
                                             "error", error * pow(end_s / start_s, -series->order)));
 }
 
-/* More work that took less time is a fault of the measurement, and is said. */
+/* Report points with more work and less time: such times are a fault of the measurement. */
 static void check_order(struct sweep *sweep, const struct measured *measured)
 {
     struct neph_speed speeds[POINTS_MAX];
@@ -405,7 +407,7 @@ static enum neph_status render_truth(struct sweep *sweep, struct neph_diag *diag
     return neph_job_render(&job, &sweep->truth, &cost, diag);
 }
 
-/* What is drawn, how often each point was run, and what is not there. */
+/* The caption: scene and size, repeats, missing points. */
 static const char *make_caption(const struct chart *chart, const struct sweep *sweep,
                                 struct neph_arena *arena)
 {
@@ -424,7 +426,7 @@ static const char *make_caption(const struct chart *chart, const struct sweep *s
         chart->scene, chart_width_px, chart_height_px, runs, sweep->absent);
 }
 
-/* The points of all series, in the specification. */
+/* Fill the specification with the points of all series. */
 static enum neph_status fill_spec(const struct chart *chart, struct sweep *sweep, json_t *spec,
                                   struct neph_diag *diag)
 {

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A part of a frame. */
+/* A rectangle of a frame. */
 struct part {
     int x, y, width_px, height_px;
 };
@@ -48,7 +48,7 @@ static int held_in(int value, int most)
     return value < 0 ? 0 : value > most ? most : value;
 }
 
-/* Around the pixel whose luminances differ most. */
+/* The part around the pixel with the largest luminance difference. */
 static struct part choose_part(const struct neph_image *a, const struct neph_image *b)
 {
     struct part part = {0, 0, a->width_px < NEPH_WORST_WIDTH_PX ? a->width_px : NEPH_WORST_WIDTH_PX,
@@ -103,13 +103,13 @@ static enum neph_status add(struct drawing *drawing, const char *name, const cha
     return status;
 }
 
-/* Differences end at a tenth of the display's white. */
+/* The colour scale of differences ends at a tenth of the display's white. */
 static double scale_of(const struct neph_comparison *asked)
 {
     return 0.1 * exp2(-asked->viewing.exposure_ev);
 }
 
-/* The frame that a frame is compared with where there is no reference. */
+/* The index of the adjacent frame to compare with when there is no reference. */
 static int neighbour(const struct drawing *drawing)
 {
     const bool has_before = drawing->asked->warm_up_frames + drawing->index > 0;
@@ -160,7 +160,7 @@ static enum neph_status draw_reference(struct drawing *drawing, const struct nep
     return status;
 }
 
-/* The part is that of the first side. */
+/* Both sides show the part chosen for the first side. */
 static enum neph_status draw_sides(const struct neph_compare_page *page, struct drawing *drawing,
                                    struct neph_diag *diag)
 {

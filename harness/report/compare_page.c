@@ -24,7 +24,7 @@ static const struct neph_page_parts parts = {
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-/* Maps of whole sequences, and maps of one frame. */
+/* The maps on the page, of whole sequences and of single frames. */
 static const struct shown_map {
     const char *name, *title;
     bool is_of_sequence;
@@ -33,7 +33,7 @@ static const struct shown_map {
     {"a4", "Amplitude at the period of four frames [luma]", true},
     {"std", "Standard deviation over time [luma]", true},
     {"relative", "Absolute error over the mean of the reference", false},
-    {"flip", "FLIP: what is seen when the two alternate", false},
+    {"flip", "FLIP: the visible difference when the two alternate", false},
 };
 
 static const struct shown_map *find_shown(const struct neph_map *map, int frame)
@@ -47,8 +47,8 @@ static const struct shown_map *find_shown(const struct neph_map *map, int frame)
 
 enum { MAP_WIDTH_MAX_PX = 960 };
 
-/* The value of a block of pixels that is furthest from 0, so that a spot does not vanish; NaN where
- * no pixel has one. */
+/* The value with the largest magnitude in a block of pixels, so that small spots remain visible;
+ * NaN when all values are NaN. */
 static float block_value(const float *samples, const struct neph_image *image, int left, int top,
                          int side)
 {
@@ -62,7 +62,7 @@ static float block_value(const float *samples, const struct neph_image *image, i
     return most;
 }
 
-/* A map that is wider than a page shows is made smaller by whole blocks. */
+/* Reduce a map that is too wide for the page, one pixel for each block of side x side pixels. */
 static enum neph_status reduce(const struct neph_image *image, int side, struct neph_image **made,
                                struct neph_diag *diag)
 {
@@ -125,11 +125,11 @@ enum neph_status neph_compare_page_take(void *context, const struct neph_map *ma
 
 enum { SERIES_MAX = 3 };
 
-/* A number of each frame, of both tests. */
+/* A number for each frame, of both tests. */
 struct series {
     const char *id, *title;
-    const struct neph_metric *metric; /* NULL: the movement, smaller is better */
-    double *values[NEPH_PAGE_SIDES];  /* owned; NULL: there is no other test */
+    const struct neph_metric *metric; /* NULL: movement, smaller is better */
+    double *values[NEPH_PAGE_SIDES];  /* owned; NULL: no second test */
     int count;
 };
 
@@ -140,7 +140,7 @@ static bool is_of(const struct neph_measurement *number, const struct neph_headl
            strcmp(number->quantity->name, headline->quantity) == 0;
 }
 
-/* One value for each frame, in their order; NULL where a frame has none. */
+/* One value for each frame, in order; NULL when a frame has none. */
 static double *collect(const struct neph_compared *compared, const struct neph_headline *headline,
                        const struct neph_metric **metric)
 {
@@ -284,7 +284,7 @@ static enum neph_status draw_charts(const struct neph_compare_page *page, const 
     return status;
 }
 
-/* ---- the worst frames ------------------------------------------------------------------------ */
+/* ---- frames with the largest errors ---------------------------------------------------------- */
 
 static bool is_worse(const struct series *series, double a, double b)
 {
@@ -293,7 +293,7 @@ static bool is_worse(const struct series *series, double a, double b)
     return is_reversed ? a < b : fabs(a) > fabs(b);
 }
 
-/* The worst frame that is not among those before; -1: there is none left. */
+/* The frame with the largest error that is not in `before`; -1: none is left. */
 static int find_worst(const struct series *series, const int *before, int count)
 {
     const double *values = series->values[NEPH_PAGE_TEST];
@@ -308,7 +308,7 @@ static int find_worst(const struct series *series, const int *before, int count)
     return worst;
 }
 
-/* Maps of single frames are those of the worst one. */
+/* Draw the maps of single frames for the frame with the largest error. */
 static enum neph_status draw_maps(const struct neph_compare_page *page, const char *folder,
                                   int index, struct neph_diag *diag)
 {
@@ -353,7 +353,7 @@ static enum neph_status draw_worst(const struct neph_compare_page *page, const c
                                          series->values[NEPH_PAGE_TEST][worst[i]], &frame, diag);
         if (!status)
             status = neph_json_append(frames, frame, diag);
-        if (!status && i == 0 && series->metric) /* not the movement: it is of single frames */
+        if (!status && i == 0 && series->metric) /* movement has no maps of single frames */
             status = draw_maps(page, folder, worst[0], diag);
     }
     return status;
@@ -384,7 +384,8 @@ static json_t *lines_json(const char *text)
     return list;
 }
 
-/* Numbers of each of many frames would be most of the page; --csv and --json have them. */
+/* Numbers of single frames are left out of a sequence's page, where they would dominate its size;
+ * --csv and --json contain them. */
 static json_t *compared_json(const struct neph_compared *compared)
 {
     json_t *json = neph_compared_json(compared), *kept = json_array(), *number;

@@ -31,7 +31,7 @@ static void mark_around(int x, int y, int width_px, int height_px, bool *at_edge
                 at_edge[(size_t)v * (size_t)width_px + (size_t)u] = true;
 }
 
-/* Each pair of neighbours is looked at once: to the right and down. */
+/* Visit each pair of neighbours once: the pixel to the right and the pixel below. */
 static void mark_edges(const float *const planes[3], int width_px, int height_px, bool *at_edge)
 {
     const double step = NEPH_EDGE_CONTRAST *
@@ -55,10 +55,10 @@ static void mark_edges(const float *const planes[3], int width_px, int height_px
 /* ---- sums ------------------------------------------------------------------------------------ */
 
 struct sums {
-    double square;            /* of test - reference, over pixels and channels */
-    double edge;              /* the part of it at edges */
-    double difference[3];     /* test - reference, a channel */
-    double noise;             /* squared differences of the seeds, of both renderers, halved */
+    double square;            /* squared test - reference, over pixels and channels */
+    double edge;              /* part of `square` at edges */
+    double difference[3];     /* test - reference, by channel */
+    double noise;             /* half the squared differences of the seeds, both renderers */
     size_t count, edge_count; /* pixels */
 };
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* 0 at the low end of the scale and below, 1 at the high end; NaN stays NaN. */
+/* Position on the scale: 0 at and below its low end, 1 at its high end; NaN stays NaN. */
 static float place_on_scale(float value)
 {
     const double decades = log10(NEPH_FLICKER_MAP_HIGH / NEPH_FLICKER_MAP_LOW);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The limits of a scene file against what was measured. A frame that they do not name is limited,
- * too: the means of its radiance and its transmittance are to be within a factor of two of those of
- * the truth. So an engine that is far off does not pass for want of a gate.
+ * Evaluates the gates of a scene file. A frame without a gate has a default limit: the means of its
+ * radiance and its transmittance must be within a factor of two of the reference's means. So an
+ * engine with a large error does not pass because a gate is missing.
  */
 #include "scenes/gates.h"
 #include "harness/report/validation.h"
@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Quantities that are limited where no gate names them. Depth is not: no mean is taken of it where
- * it is infinite. */
+/* Quantities with a default limit. Depth has none: its mean is undefined where depth is
+ * infinite. */
 enum { QUANTITIES_UNGATED = 2 };
 
 static int frame_of_engine(const struct neph_scene_result *result, const char *engine)
@@ -22,7 +22,7 @@ static int frame_of_engine(const struct neph_scene_result *result, const char *e
     return -1;
 }
 
-/* NaN when there is no such number. */
+/* NaN when the frame has no such measurement. */
 static double value_of(const struct neph_frame_result *frame, const struct neph_gate *gate)
 {
     const struct neph_measurement *number = neph_measurement_find(
@@ -30,9 +30,9 @@ static double value_of(const struct neph_frame_result *frame, const struct neph_
     return number && number->defined ? number->value : NAN;
 }
 
-/* A gate is not measured where its engine is missing, cannot, or is itself the truth; a frame that
- * was there to be measured and has no such number does not pass it. A limit was set for what the
- * engine does with all its samples: a frame that got fewer may keep it, but cannot break it. */
+/* Evaluate a gate. "Not measured" applies when the engine is missing, cannot render the scene, or
+ * is the reference. A frame that was compared but has no such number fails. A limit was set for the
+ * full number of samples: a frame with fewer samples can meet it, but cannot fail it. */
 static void judge(const struct neph_gate *gate, const char *engine,
                   const struct neph_scene_result *scene, struct neph_arena *arena,
                   struct neph_gate_result *result)
@@ -62,16 +62,15 @@ static void judge(const struct neph_gate *gate, const char *engine,
     result->reason = neph_arena_format(arena, "not judged: %s", frame->note);
 }
 
-/* ---- the limit of what no gate names --------------------------------------------------------- */
+/* ---- default limit --------------------------------------------------------------------------- */
 
-/* One stop, upwards or downwards. Of the frames of the catalogue that claim physics the worst is
- * off by 21 % (realtime in spot_fence, 48 x 27 pixels). What mistaken units cost (pi, 4 pi, code
- * values of sRGB for linear ones) is more than a factor of two. */
+/* One stop up or down. Among the catalogue's frames of physical engines the largest error of a mean
+ * is 21 % (realtime in spot_fence, 48 x 27 pixels). Wrong units (pi, 4 pi, sRGB code values as
+ * linear ones) cause more than a factor of two. */
 static const double least_share = 0.5, largest_share = 2.0;
 
 static const char ungated_reason[] =
-    "no gate of the scene limits this, so its mean is to be within a factor "
-    "of two of the truth's";
+    "no gate of the scene limits this, so its mean must be within a factor of two of the reference";
 
 bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engine,
                          const char *quantity)
@@ -83,9 +82,9 @@ bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engi
     return false;
 }
 
-/* Which number says that a mean is off by more than a factor of two, and how large it may be; NULL:
- * the mean is not, or it was not measured. A truth of 0 has no relative bias, and no other mean is
- * near it. */
+/* Find the measurement that shows a mean outside the factor of two, and its limit. NULL: the mean
+ * is within the factor, or was not measured. A reference mean of 0 has no relative bias; any other
+ * mean exceeds it. */
 static const struct neph_measurement *find_excess(const struct neph_frame_result *frame,
                                                   const char *quantity, double *maximum)
 {
@@ -102,7 +101,8 @@ static const struct neph_measurement *find_excess(const struct neph_frame_result
     return bias && bias->defined && bias->value != 0.0 ? bias : NULL;
 }
 
-/* A frame that is the truth, claims no physics or lacks samples is not limited, as by gates. */
+/* Apply the default limit to a frame of a physical engine. Frames with fewer samples are exempt, as
+ * with gates. */
 static void judge_ungated(const struct neph_frame_result *frame, struct neph_scene_result *scene,
                           struct neph_arena *arena)
 {
@@ -130,7 +130,7 @@ static void judge_ungated(const struct neph_frame_result *frame, struct neph_sce
     }
 }
 
-/* The gates of `cycles` hold for other Blenders, too. */
+/* Gates of `cycles` apply to other Blender versions as well. */
 static void judge_further(const struct neph_scene *scene, const struct neph_engine *engine,
                           struct neph_arena *arena, struct neph_scene_result *result)
 {

@@ -19,18 +19,19 @@
 
 enum { FRAMES = 16, PRESETS = NEPH_OVER_TIME_PRESETS };
 
-/* Clouds that move behind bars, at the size at which both are two pixels: where such methods fail.
- */
+/* Clouds that drift behind bars, at a size at which a bar and a gap are two pixels wide: a hard
+ * case for temporal reconstruction. */
 static const char scene_name[] = "fence_drift";
 static const int width_px = 320, height_px = 180;
-static const double pixels_per_degree = 60.0; /* as `neph flicker` */
-static const double timed_s = 2.0;            /* of frames, to time a preset */
+static const double pixels_per_degree = 60.0; /* as in `neph flicker` */
+static const double timed_s = 2.0;            /* total duration of the frames that time a preset */
 
-/* March and its shortcut share it: the flicker is that of the rebuilding, and an eighth of
- * the default steps leaves time for the frames and for the rays of the reference. */
+/* Common setting of the ray marcher and the real-time presets. The flicker measures the
+ * reconstruction, which does not need all steps; an eighth of them leaves time for more frames and
+ * reference rays. */
 static const char shared_setting[] = "steps=8";
 
-/* What a person sees, over the threshold. */
+/* Visible contrast in units of the threshold. */
 static const char map_file[] = "seen_contrast_radiance.exr";
 
 static const char *const metrics[] = {"seen_contrast", "seen_share", "std_p95", NULL};
@@ -59,7 +60,7 @@ struct work {
     struct neph_over_time *made;
 };
 
-/* `preset` NULL: the default, for what all presets have in common. */
+/* Make a job; `preset` NULL: default settings, for the reference. */
 static enum neph_status make_job(const struct work *work, struct neph_engine_info *info,
                                  const char *preset, struct neph_job *job, struct neph_diag *diag)
 {
@@ -82,7 +83,8 @@ static enum neph_status make_job(const struct work *work, struct neph_engine_inf
 
 /* ---- one preset ------------------------------------------------------------------------------ */
 
-/* The flicker against the reference, with its map, and the same against centre rays. */
+/* Measure flicker against the averaged reference, with its map, and against a reference of centre
+ * rays. */
 static enum neph_status take_preset(const struct work *work, const struct neph_job *job,
                                     char **folder, json_t **record, struct neph_diag *diag)
 {
@@ -115,7 +117,7 @@ static bool is(const json_t *item, const char *key, const char *text)
     return strcmp(neph_json_text(item, key), text) == 0;
 }
 
-/* A number of all frames, with what it is against centre rays. */
+/* A measurement of all frames, with its value against centre rays. */
 static json_t *shown_number(const json_t *found, const json_t *beside)
 {
     json_t *number = json_copy((json_t *)found);
@@ -125,7 +127,7 @@ static json_t *shown_number(const json_t *found, const json_t *beside)
     return number;
 }
 
-/* What the report shows of the numbers of all frames. */
+/* The measurements that the report shows. */
 static json_t *shown_measurements(const json_t *document, const json_t *centre)
 {
     static const char *const masks[] = {"all", "depth_edge", "non_edge"};
@@ -140,7 +142,7 @@ static json_t *shown_measurements(const json_t *document, const json_t *centre)
     return shown;
 }
 
-/* In words: of the whole picture and of its depth edges. */
+/* The findings that the report shows: flicker of the whole frame and of its depth edges. */
 static json_t *shown_findings(const json_t *document)
 {
     const json_t *all = json_object_get(document, "findings");
@@ -154,7 +156,7 @@ static json_t *shown_findings(const json_t *document)
     return shown;
 }
 
-/* What of a failure is news of an engine and not the end of the run. */
+/* True for an error that only concerns the engine; the run continues, and `*outcome` is set. */
 static bool is_news(enum neph_status status, enum neph_outcome *outcome)
 {
     static const struct {
@@ -196,7 +198,7 @@ static enum neph_status fill_row(const struct work *work, const struct neph_job 
     return status;
 }
 
-/* What the engine cannot do becomes a row too. */
+/* Run a preset. An engine's failure becomes a row as well. */
 static enum neph_status add_preset(const struct work *work, const char *preset,
                                    struct neph_over_time_row *row, struct neph_diag *diag)
 {
@@ -247,7 +249,7 @@ static enum neph_status run_presets(struct work *work, struct neph_diag *diag)
     return status;
 }
 
-/* The scene and its reference in the words of the page. */
+/* Fill the texts about the scene and its reference. */
 static void describe(struct work *work, const char *reason)
 {
     const struct neph_reference *reference = &work->reference;
@@ -268,13 +270,14 @@ static void describe(struct work *work, const char *reason)
     made->reference.cpu_s = is_there ? reference->cost.cpu_s : NAN;
 }
 
-/* Without a reference there is nothing to measure: the sequence then says why and has no rows. */
+/* Run the sequence. Without a reference it contains the reason and no rows. */
 static enum neph_status run_sequence(struct work *work, struct neph_over_time **made,
                                      struct neph_diag *diag)
 {
     struct neph_engine_info info;
     struct neph_job job;
-    struct neph_progress unseen = neph_progress_start(true, 0); /* the whole is one step here */
+    struct neph_progress unseen = neph_progress_start(true, 0); /* the reference is a single step
+                                                                   here */
     struct neph_diag why = {.line = 0};
     enum neph_outcome outcome = NEPH_OUTCOME_RENDERED;
     const double start_s = neph_wall_s();
@@ -336,7 +339,7 @@ bool neph_over_time_passes(const struct neph_over_time *over_time)
     return pass;
 }
 
-/* ---- the report's pictures ------------------------------------------------------------------- */
+/* ---- images of the report -------------------------------------------------------------------- */
 
 static enum neph_status copy_row(struct neph_over_time_row *row, const char *scene,
                                  const char *report_folder, struct neph_arena *arena,
@@ -371,7 +374,7 @@ enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
     return status ? status : neph_arena_check(arena, diag);
 }
 
-/* ---- as JSON --------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static json_t *list_or_empty(json_t *list)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene over many frames, for the report: presets of the real-time renderer held against the
- * march of the same model, with the four frames of a cycle to look at.
+ * The sequence of the report: a scene over many frames, in which presets of the real-time renderer
+ * are compared with the ray marcher of the same model. The page shows the four frames of a cycle.
  */
 #ifndef NEPH_HARNESS_REPORT_OVER_TIME_H
 #define NEPH_HARNESS_REPORT_OVER_TIME_H
@@ -13,63 +13,64 @@
 #include "harness/run/speed.h"
 #include "harness/study/take.h"
 
-/* A preset against the reference. Texts are of an arena, here as below. */
+/* A preset compared with the reference. Texts of this file's structs are allocated in an arena. */
 struct neph_over_time_row {
     const char *preset;
     enum neph_outcome outcome;
     const char *reason, *settings;
-    /* The rest of rendered rows alone. */
+    /* The fields below are set only for rendered rows. */
     double render_s;
     struct neph_speed speed; /* of warm frames; repeats 0: not measured */
-    const char *folder;      /* of the take, in the store */
-    json_t *measurements;    /* those that are shown, as the take has them, each with what it is
-                              against centre rays; owned, NULL: none */
+    const char *folder;      /* of the captured sequence, in the store */
+    json_t *measurements;    /* the shown measurements, each with its value against centre rays;
+                                owned, NULL: none */
     json_t *findings;        /* owned, NULL: none */
-    const char *pictures[NEPH_TAKE_PICTURES], *map; /* inside the report; NULL: not there (yet) */
+    const char *pictures[NEPH_TAKE_PICTURES], *map; /* paths inside the report; NULL: none, or not
+                                                       yet */
 };
 
-enum { NEPH_OVER_TIME_PRESETS = 8 }; /* at most */
+enum { NEPH_OVER_TIME_PRESETS = 8 }; /* largest number of presets */
 
 struct neph_over_time {
     const char *scene, *title, *physics;
     int width_px, height_px, frame_count;
     double rate_hz, exposure_ev;
     struct {
-        enum neph_outcome outcome; /* unless rendered there are no rows */
+        enum neph_outcome outcome; /* rows exist only when rendered */
         const char *reason, *settings, *text;
-        double cpu_s; /* NaN: not known */
+        double cpu_s; /* NaN: unknown */
     } reference;
     int row_count;
     struct neph_over_time_row rows[NEPH_OVER_TIME_PRESETS];
 };
 
-/* Render and measure the sequence of the report. `*made`, in the arena, is set as soon as its
- * reference is tried, and is to be given to _finish. A preset that fails is a row that says why.
- * The store keeps the last frame of each preset with its measurements and pictures, and they are
- * used again. `times` NULL: speeds are not measured. */
+/* Render and measure the sequence. `*made`, allocated in the arena, is set once the reference was
+ * attempted; free it with neph_over_time_finish(). A preset that fails becomes a row with the
+ * reason. The store keeps the last frame of each preset with its measurements and images; a later
+ * run reuses them. `times` NULL: speeds are not measured. */
 enum neph_status neph_over_time_run(struct neph_shared_device *device, struct neph_store *store,
                                     struct neph_times *times, struct neph_progress *progress,
                                     struct neph_arena *arena, struct neph_over_time **made,
                                     struct neph_diag *diag);
 
-void neph_over_time_finish(struct neph_over_time *over_time); /* NULL is fine */
+void neph_over_time_finish(struct neph_over_time *over_time); /* NULL is allowed */
 
-/* Whether nothing broke; true of NULL. */
+/* True when neither the reference nor a preset failed; true for NULL. */
 bool neph_over_time_passes(const struct neph_over_time *over_time);
 
-/* Copy the pictures from the store into images/over_time/ of a report's folder, those that are not
- * there yet. NULL is fine. */
+/* Copy missing images from the store into images/over_time/ of a report's folder. NULL is
+ * allowed. */
 enum neph_status neph_over_time_pictures(struct neph_over_time *over_time,
                                          const char *report_folder, struct neph_arena *arena,
                                          struct neph_diag *diag);
 
-/* The names of the metrics that are shown, NULL-terminated. */
+/* The names of the shown metrics, NULL-terminated. */
 const char *const *neph_over_time_metrics(void);
 
-/* One of "sequences" in scripts/report/README.md. */
+/* An element of "sequences" in scripts/report/README.md. */
 json_t *neph_over_time_json(const struct neph_over_time *over_time);
 
-/* How many steps of progress that takes, and about how long one is on two cores. */
+/* The number of progress steps, and the typical duration of a step on two cores. */
 int neph_over_time_step_count(void);
 #define NEPH_OVER_TIME_STEP_TYPICAL_S 8.0
 

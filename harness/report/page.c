@@ -11,8 +11,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Files of scripts/report/, some with another name in a page's folder. */
-static const char *const shared[] = {"report.css", "page.js"}; /* page.html loads these, too */
+/* Files of scripts/report/. The second name is the file's name in the page's folder. */
+static const char *const shared[] = {"report.css", "page.js"}; /* loaded by page.html */
 static const char *const vendored[][2] = {
     {"node_modules/vega/build/vega.min.js", "vendor/vega.min.js"},
     {"node_modules/vega-lite/build/vega-lite.min.js", "vendor/vega-lite.min.js"},
@@ -43,11 +43,11 @@ enum neph_status neph_page_copy(const char *from, const char *name, const char *
 
 struct index {
     const struct neph_page_parts *parts;
-    const char *shell; /* text, in which @title@, @files@ and @words@ stand for .. */
-    const char *words; /* .. these of the page */
+    const char *shell; /* template with @title@, @files@ and @words@ */
+    const char *words; /* replacement of @words@ */
 };
 
-/* The element that loads a file of the page. */
+/* The HTML element that loads a file of the page. */
 static void print_file(const char *name, FILE *out)
 {
     const char *extension = strrchr(name, '.');
@@ -166,7 +166,7 @@ struct script {
     const char *variable, *json;
 };
 
-/* "</script>" and friends cannot end the script early: '<' is written as an escape. */
+/* Write '<' as an escape, so that a "</script>" in the data cannot end the script. */
 static void write_script(const void *script_, FILE *out)
 {
     const struct script *script = script_;

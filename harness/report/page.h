@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pages that open from disk: files of scripts/report/, and data in a script beside them, as a
- * browser lets no page read a file.
+ * HTML pages that open from disk: files of scripts/report/ and a script with the data, because a
+ * browser does not let a local page read other files.
  */
 #ifndef NEPH_HARNESS_REPORT_PAGE_H
 #define NEPH_HARNESS_REPORT_PAGE_H
@@ -14,18 +14,18 @@
 
 enum { NEPH_PAGE_FILES_MAX = 6, NEPH_PAGE_FOLDERS_MAX = 4 };
 
-/* A page beside the files that all pages share. */
+/* The parts of a page in addition to the files that all pages share. */
 struct neph_page_parts {
     const char *title;
-    /* Names in scripts/report/. The first is the text for readers without scripts: page.html with
+    /* Names in scripts/report/. The first is the text for browsers without scripts: page.html with
      * this text becomes index.html, which loads the other files, style sheets and scripts. */
     const char *files[NEPH_PAGE_FILES_MAX];
-    const char *folders[NEPH_PAGE_FOLDERS_MAX]; /* empty ones, for what is drawn */
+    const char *folders[NEPH_PAGE_FOLDERS_MAX]; /* empty folders for generated images */
 };
 
-/* Make the page's files and folders in `folder`. `is_interactive`, of a page with charts, else
- * NULL: whether what makes charts interactive is installed (it comes with npm), and was copied to
- * its folder "vendor". */
+/* Create the page's files and folders in `folder`. For a page with charts `*is_interactive` becomes
+ * true when the chart libraries are installed (by npm), which are then copied to the folder
+ * "vendor"; for other pages `is_interactive` is NULL. */
 enum neph_status neph_page_start(const char *folder, const struct neph_page_parts *parts,
                                  bool *is_interactive, struct neph_diag *diag);
 
@@ -33,26 +33,26 @@ enum neph_status neph_page_start(const char *folder, const struct neph_page_part
 enum neph_status neph_page_copy(const char *from, const char *name, const char *folder,
                                 const char *as, struct neph_diag *diag);
 
-/* The bytes of these files there. */
+/* The total size of the page's files in the folder, in bytes. */
 size_t neph_page_size(const char *folder, const struct neph_page_parts *parts);
 
-/* The bytes of a file; 0: there is none. */
+/* The size of a file in bytes; 0: there is none. */
 size_t neph_page_file_size(const char *folder, const char *name);
 
-/* The stops of a map's colours, evenly spaced over its scale, for legends; of difference maps from
- * -scale to +scale. */
+/* The colours of a map for a legend, evenly spaced over its scale; for difference maps from -scale
+ * to +scale. */
 json_t *neph_page_colours(const struct neph_display_legend *legend);
 json_t *neph_page_difference_colours(void);
 
-/* The colours of values beyond the scale and of those that are no number: {"below", "above",
+/* The colours of values below and above the scale and of NaN: {"below", "above",
  * "not_a_number"}. */
 json_t *neph_page_colours_beyond(const struct neph_display_legend *legend);
 
-/* Write data.json, and data.js, which sets window.VARIABLE to the same. */
+/* Write data.json, and data.js, which assigns the same document to window.VARIABLE. */
 enum neph_status neph_page_write_data(const char *folder, const char *variable,
                                       const json_t *document, struct neph_diag *diag);
 
-/* Replace the report by what was drawn so far, with that data. */
+/* Replace the report by the current files with this data. */
 enum neph_status neph_page_publish(const struct neph_report_folder *folder, const char *variable,
                                    const json_t *document, struct neph_diag *diag);
 

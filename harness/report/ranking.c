@@ -5,15 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A part is called the cause, and a place the place, when it holds at least half of the squared
- * error; a place also has to hold clearly more of it than of the pixels. */
+/* A part of the error is named as the cause, and a mask as the location, when it contains at least
+ * half of the squared error. A location must also contain at least 1.5 times its share of the
+ * pixels. */
 static const double least_share = 0.5, least_density = 1.5;
 
-/* A step through a medium that spans more than this is called too long: e^-1 of the light of its
- * far end is left. */
+/* A step with a larger optical depth is called too long: it transmits less than 1/e of the light
+ * from its far end. */
 static const double long_step = 1.0;
 
-/* ---- the order ------------------------------------------------------------------------------- */
+/* ---- order ----------------------------------------------------------------------------------- */
 
 const struct neph_measurement *neph_ranking_number(const struct neph_frame_result *frame)
 {
@@ -37,8 +38,8 @@ static bool is_failing(const struct neph_scene_result *scene, const char *engine
     return false;
 }
 
-/* In the order of the run where all else is the same: frames of a scene lie in one list, scenes in
- * another. */
+/* Order of the run for equal errors: scenes and the frames of a scene are elements of two
+ * arrays. */
 static int compare_places(const struct neph_ranked *a, const struct neph_ranked *b)
 {
     if (a->scene != b->scene)
@@ -73,7 +74,7 @@ int neph_ranking(const struct neph_validation *validation, struct neph_ranked *l
     return count;
 }
 
-/* ---- where ----------------------------------------------------------------------------------- */
+/* ---- location of an error -------------------------------------------------------------------- */
 
 struct place {
     double error_share, pixel_share;
@@ -86,7 +87,7 @@ static bool is_concentrated(const struct place *place)
            place->error_share >= least_density * place->pixel_share;
 }
 
-/* The share of the squared error that lies in a mask, from the RMSE over the mask and over all. */
+/* The share of the squared error within a mask, from the RMSE over the mask and over the frame. */
 static struct place find_mask(const struct neph_ranked *ranked, const char *mask, const char *words)
 {
     const char *quantity = ranked->number->quantity->name;
@@ -100,7 +101,7 @@ static struct place find_mask(const struct neph_ranked *ranked, const char *mask
     return (struct place){fmin(ratio * ratio * pixels, 1.0), pixels, words};
 }
 
-/* The smallest part of the picture that holds most of the error. */
+/* The smallest mask that contains most of the error. */
 static struct place find_place(const struct neph_ranked *ranked)
 {
     static const char *const masks[][2] = {{"depth_edge", "within 2\u00a0px of edges in depth"},
@@ -125,7 +126,7 @@ static struct place find_place(const struct neph_ranked *ranked)
     return best;
 }
 
-/* A share in words: what is rounded is not called all. */
+/* A share as text; a share below 1 is not rounded to 100 %. */
 static const char *percent(double share, struct neph_arena *arena)
 {
     if (share > 0.995 && share < 1.0)
@@ -137,13 +138,13 @@ static const char *where(const struct neph_ranked *ranked, struct neph_arena *ar
 {
     const struct place place = find_place(ranked);
     if (!is_concentrated(&place))
-        return "Where: spread over the picture.";
+        return "Where: spread over the frame.";
     return neph_arena_format(arena, "Where: %s of the squared error lies %s (%s of the pixels).",
                              percent(place.error_share, arena), place.words,
                              percent(place.pixel_share, arena));
 }
 
-/* ---- why ------------------------------------------------------------------------------------- */
+/* ---- cause of an error ----------------------------------------------------------------------- */
 
 static double defined_value(const struct neph_ranked *ranked, const char *metric)
 {
@@ -152,7 +153,7 @@ static double defined_value(const struct neph_ranked *ranked, const char *metric
     return number && number->defined ? number->value : NAN;
 }
 
-/* Which part of the error is most of it; NULL: none is. */
+/* The largest part of the error, as text; NULL: no part has half of it. */
 static const char *find_part(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const struct neph_error_parts *parts = &ranked->frame->error_parts;
@@ -166,7 +167,7 @@ static const char *find_part(const struct neph_ranked *ranked, struct neph_arena
     const double bias = defined_value(ranked, "rel_bias");
     if (is_radiance && parts->offset_share >= least_share && isfinite(bias))
         return neph_arena_format(
-            arena, "one offset of the whole picture, %+.2g\u00a0%%, is %s of the squared error",
+            arena, "one offset of the whole frame, %+.2g\u00a0%%, is %s of the squared error",
             100.0 * bias, percent(parts->offset_share, arena));
     if (shift_share >= least_share)
         return neph_arena_format(arena,
@@ -175,8 +176,8 @@ static const char *find_part(const struct neph_ranked *ranked, struct neph_arena
     return NULL;
 }
 
-/* Whether the engine whose model a shortcut renders has the same error; NULL: no shortcut, or that
- * engine was not measured here. */
+/* Compare a real-time method with the engine of the same lighting model: does the marcher have the
+ * same error? NULL: no real-time method, or that engine was not measured here. */
 static const char *compare_with_model(const struct neph_ranked *ranked, struct neph_arena *arena)
 {
     const char *model = ranked->frame->engine->shortcut_of;
@@ -187,11 +188,11 @@ static const char *compare_with_model(const struct neph_ranked *ranked, struct n
             number->metric != ranked->number->metric)
             continue;
         return neph_arena_format(
-            arena, "%s, which marches the same light for every pixel, is off by %.2g\u00a0%%: %s",
+            arena, "%s, the ray marcher with the same lighting, has an error of %.2g\u00a0%%: %s",
             model, 100.0 * number->value,
             number->value < 0.5 * ranked->number->value
                 ? "the error comes from the reuse of pixels and of earlier frames"
-                : "most of the error comes from the march itself");
+                : "most of the error comes from the ray marching");
     }
     return NULL;
 }
@@ -202,17 +203,14 @@ static const char *find_step(const struct neph_ranked *ranked, struct neph_arena
     const struct neph_study *study = frame->study;
     const double step_bias = study ? study->levels[study->chosen].bias : 0.0;
     if (fabs(step_bias) >= least_share * ranked->number->value)
-        return neph_arena_format(arena, "the step of its march makes %+.2g\u00a0%%",
-                                 100.0 * step_bias);
+        return neph_arena_format(arena, "the step length causes %+.2g\u00a0%%", 100.0 * step_bias);
     if (frame->step_optical_depth > long_step)
         return neph_arena_format(
             arena,
-            "one step spans an optical depth of up to %.2g, and changes within "
-            "a step are not seen",
+            "one step spans an optical depth of up to %.2g, and misses changes within the step",
             frame->step_optical_depth);
     if (frame->bakes && frame->bakes->worst.transmittance_max > 0.0)
-        return neph_arena_format(arena,
-                                 "the grid that it saw is off by up to %.2g of transmittance",
+        return neph_arena_format(arena, "its voxel grid has transmittance errors of up to %.2g",
                                  frame->bakes->worst.transmittance_max);
     return NULL;
 }

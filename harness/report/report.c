@@ -16,8 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all viewers of a report may take, so that a report of the quick tier stays below 20 MB with
- * its numbers, pictures and charts. */
+/* Size limit of all viewers of a report together. A report of the quick tier then stays below 20 MB
+ * with its numbers, images and charts. */
 static const double viewers_limit_bytes = 16e6;
 
 static const struct neph_page_parts parts = {
@@ -29,15 +29,15 @@ static const struct neph_page_parts parts = {
 struct neph_report {
     struct neph_report_folder *folder;
     bool is_interactive;
-    bool has_screen;      /* what `neph study screen` left beside it */
-    double viewers_bytes; /* so far */
+    bool has_screen;      /* the page of `neph study screen` is included */
+    double viewers_bytes; /* total size of the viewers so far */
 };
 
-/* ---- pictures of scenes ---------------------------------------------------------------------- */
+/* ---- images of scenes ------------------------------------------------------------------------ */
 
-/* One scene at its exposure. */
+/* The images of one scene, at its exposure. */
 struct gallery {
-    const char *folder; /* the report's */
+    const char *folder; /* of the report */
     struct neph_scene_result *scene;
     struct neph_arena *arena;
     const struct neph_image *truth; /* NULL: no difference maps */
@@ -108,21 +108,21 @@ static enum neph_status draw_frames(const char *folder, struct neph_scene_result
 
 /* ---- viewers of scenes ----------------------------------------------------------------------- */
 
-/* All engines have room. */
+/* A viewer has room for all engines. */
 #define ONE(name) +1
 _Static_assert(0 NEPH_ENGINES(ONE) <= NEPH_VIEWER_SETS_MAX, "a viewer has a set for each engine");
 #undef ONE
 
-/* One set for each frame, the truth first. */
+/* Make one set for each frame, the reference first. */
 static void collect_sets(const struct neph_scene_result *scene, char *paths[NEPH_VIEWER_SETS_MAX],
                          struct neph_viewer *viewer)
 {
     for (int i = -1; i < scene->frame_count && viewer->set_count < NEPH_VIEWER_SETS_MAX; i++) {
         const int f = i < 0 ? scene->truth : i;
         if (f < 0 || (i >= 0 && f == scene->truth) || !scene->frames[f].picture)
-            continue; /* one without radiance is no picture */
+            continue; /* no radiance, so no image */
         const int set = viewer->set_count++;
-        paths[set] = (char *)scene->frames[f].path; /* read alone */
+        paths[set] = (char *)scene->frames[f].path; /* only read */
         viewer->sets[set] = (struct neph_viewer_set){
             .label = scene->frames[f].engine->name,
             .frames = {.count = 1, .paths = &paths[set]},
@@ -130,14 +130,15 @@ static void collect_sets(const struct neph_scene_result *scene, char *paths[NEPH
     }
 }
 
-/* What floats of all sets can take at most: nothing of them is equal, as base64. */
+/* Upper bound of the size of all floats: base64 without compression. */
 static double most_bytes(const struct neph_viewer *viewer, const struct neph_scene_result *scene)
 {
     const double floats = 3.0 * scene->width_px * scene->height_px;
     return 2.0 * viewer->set_count * floats * sizeof(float) * 4.0 / 3.0;
 }
 
-/* All frames of a scene over each other, where there is room for it. */
+/* Write the viewer of a scene, which shows its frames over each other, if the size limit allows
+ * it. */
 static enum neph_status draw_viewer(struct neph_report *report, struct neph_scene_result *scene,
                                     struct neph_validation *validation, struct neph_diag *diag)
 {
@@ -165,7 +166,8 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
     enum neph_status status = neph_dir_create(folder, diag);
     if (!status)
         status = neph_viewer_write(&viewer, folder, &made, diag);
-    if (status == NEPH_ERR_GATE) { /* a frame that is no measurement: its numbers say so */
+    if (status == NEPH_ERR_GATE) { /* NaN or infinite values, which the frame's measurements
+                                      report */
         status = neph_dir_remove(folder, diag);
         scene->no_viewer = "a frame has values that are no numbers";
     } else if (!status) {
@@ -175,7 +177,7 @@ static enum neph_status draw_viewer(struct neph_report *report, struct neph_scen
     return status;
 }
 
-/* Once: what a scene holds does not change. */
+/* Draw the images of a scene once; its frames do not change. */
 static enum neph_status draw_scene(struct neph_report *report, struct neph_scene_result *scene,
                                    struct neph_validation *validation, struct neph_diag *diag)
 {
@@ -208,7 +210,7 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
         status = neph_vega_draw(&stem, 1, &drawn, &why, diag);
     if (!status && drawn)
         chart->svg = neph_arena_format(arena, "charts/%s.svg", chart->id);
-    else if (!status) /* said on the page; the interactive chart is still there */
+    else if (!status) /* the page says so and has the interactive chart */
         chart->missing = neph_arena_format(
             arena,
             "static chart not drawn: %s (apt-get install nodejs npm; npm ci --omit=dev in "
@@ -219,7 +221,7 @@ static enum neph_status draw_chart(const char *folder, struct neph_chart *chart,
 
 /* ---- the page -------------------------------------------------------------------------------- */
 
-/* All but the data, into the folder that is kept between publications. */
+/* Draw all images and charts into the folder that is kept between publications. */
 static enum neph_status draw(struct neph_report *report, struct neph_validation *validation,
                              struct neph_diag *diag)
 {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The report: one folder that opens from disk without a network. Made from a validation and the
- * frames in the store that it names, and from nothing else.
+ * The report: a folder with an HTML page that opens from disk without a network. It is made only
+ * from a validation and the stored frames that the validation names.
  *
- * It may be shown again and again while the validation grows. A reader sees the old report or the
- * new one, never half of one, also when several runs write to one folder: each works in folders of
- * its own beside it (.neph-report-*) and exchanges the whole; the last one stands.
+ * The report can be published repeatedly while the validation grows. A reader sees either the old
+ * report or the new one, never a mixture, even when several runs publish in the same folder: each
+ * run works in its own temporary folders (.neph-report-*) and exchanges the report as a whole. The
+ * last run wins.
  */
 #ifndef NEPH_HARNESS_REPORT_REPORT_H
 #define NEPH_HARNESS_REPORT_REPORT_H
@@ -14,20 +15,20 @@
 
 struct neph_report;
 
-/* Prepare a report at `folder`, which must be free for it (base/owned.h): not there, empty, or an
- * earlier report; else NEPH_ERR_USAGE, before any work is done. Shows nothing yet. Free with
- * neph_report_close. */
+/* Prepare a report at `folder`: a path that does not exist, an empty folder, or an earlier report
+ * (base/owned.h); otherwise NEPH_ERR_USAGE before any work is done. Publishes nothing yet. Free
+ * with neph_report_close(). */
 enum neph_status neph_report_open(const char *folder, struct neph_report **report,
                                   struct neph_diag *diag);
 
-/* Put pictures, difference maps, charts, data and page of the validation as it is into a fresh
- * folder and exchange it with the report. Cheap to call again: what is drawn is not drawn again.
- * A validation is for one report alone, whose pictures it names. Without node the static charts are
- * missing, and the page says so. After a failure the report is the one before. */
+/* Write the images, difference maps, charts, data and page of the validation's current state into a
+ * new folder, and exchange that folder with the report. Images that exist are not drawn again. The
+ * validation stores the names of its images, so it belongs to one report. Without Node the static
+ * charts are missing, and the page says so. After a failure the previous report remains. */
 enum neph_status neph_report_publish(struct neph_report *report, struct neph_validation *validation,
                                      struct neph_diag *diag);
 
-/* What was published stays. NULL is fine. */
+/* The published report remains. NULL is allowed. */
 void neph_report_close(struct neph_report *report);
 
 #endif

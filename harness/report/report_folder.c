@@ -21,17 +21,18 @@
 #endif
 
 static const char prefix[] = ".neph-report-";
-static const int exchange_tries = 16; /* two first reports at the same moment take two */
+static const int exchange_tries = 16; /* attempts to exchange the folders; two runs that both
+                                         publish a first report need two */
 
 struct neph_report_folder {
-    char *place;  /* of the report, symbolic links resolved */
-    char *parent; /* of that */
+    char *place;  /* path of the report, symbolic links resolved */
+    char *parent; /* its parent folder */
     struct neph_scratch *work;
 };
 
-/* ---- whose folder it is ---------------------------------------------------------------------- */
+/* ---- ownership of a folder ------------------------------------------------------------------- */
 
-/* What a report without a marker consists of. */
+/* True for an entry of a report from before ownership markers. */
 static bool is_part(const char *name)
 {
     static const char *const parts[] = {".",       "..",        "index.html", "report.css",
@@ -140,10 +141,10 @@ static enum neph_status link_entry(const char *from, const char *to, struct neph
     }
     if (link(from, to) == 0)
         return NEPH_OK;
-    return neph_file_copy(from, to, diag); /* a file system without links */
+    return neph_file_copy(from, to, diag); /* the file system has no hard links */
 }
 
-/* Both are folders. */
+/* Link all files of a folder into another folder. */
 static enum neph_status link_tree(const char *from, const char *to, struct neph_diag *diag)
 {
     DIR *directory = opendir(from);
@@ -199,8 +200,8 @@ static bool swap(const char *a, const char *b)
     return renameat2(AT_FDCWD, a, AT_FDCWD, b, RENAME_EXCHANGE) == 0;
 }
 
-/* Put `fresh` where the report is, or will be; `*swapped`: something was there, and now is at
- * `fresh`. */
+/* Move `fresh` to the place of the report. `*swapped` is true when a folder was there, which is now
+ * at `fresh`. */
 static bool put_in_place(const char *fresh, const char *place, bool *swapped)
 {
     for (int i = 0; i < exchange_tries; i++) {
@@ -211,7 +212,7 @@ static bool put_in_place(const char *fresh, const char *place, bool *swapped)
             return false;
         if (rename(fresh, place) == 0)
             return true;
-        if (errno != EEXIST && errno != ENOTEMPTY) /* another run was first by now */
+        if (errno != EEXIST && errno != ENOTEMPTY) /* another run has just published */
             return false;
     }
     return false;
@@ -226,7 +227,8 @@ enum neph_status neph_report_folder_exchange(const struct neph_report_folder *fo
     if (!put_in_place(path, folder->place, &swapped))
         return neph_fail(diag, NEPH_ERR_IO, "cannot put the report at '%s': %s", folder->place,
                          strerror(errno));
-    /* Somebody may have put something of theirs there since it was looked at: give it back. */
+    /* If the place now contains foreign files, written after the check at the start, put them
+     * back. */
     if (swapped && neph_owned_check(path, &report_kind, NULL) && swap(path, folder->place)) {
         const enum neph_status status = neph_owned_check(folder->place, &report_kind, diag);
         return status ? status

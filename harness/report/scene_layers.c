@@ -9,10 +9,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* As the mask `medium` of metrics/mask.h. */
+/* The threshold of the mask `medium` of metrics/mask.h. */
 static const double least_optical_depth = 1e-3;
 
-static const double sun_radius_rad = 0.00465; /* half the angle of the sun seen from the Earth */
+static const double sun_radius_rad = 0.00465; /* half the angular diameter of the sun seen from the
+                                                 Earth */
 
 struct view {
     const struct neph_scene *scene;
@@ -33,7 +34,7 @@ static bool has_media(const struct neph_scene *scene, bool fog)
     return false;
 }
 
-/* Add "mask.NAME" unless it is there; NULL samples then. */
+/* Add the channel `name` (such as "mask.fog"); samples are NULL when the image has it already. */
 static enum neph_status add_mask(struct neph_image *image, const char *name, float **samples,
                                  struct neph_diag *diag)
 {
@@ -44,7 +45,7 @@ static enum neph_status add_mask(struct neph_image *image, const char *name, flo
 
 /* ---- media ----------------------------------------------------------------------------------- */
 
-/* Optical depth of the fogs to the solid of the pixel, per channel. */
+/* Optical depth of the fogs up to the pixel's solid, by channel. */
 static struct neph_rgb fog_optical_depth(const struct neph_scene *scene,
                                          const struct neph_pixel_ray *ray, double distance_m)
 {
@@ -62,7 +63,7 @@ static struct neph_rgb fog_optical_depth(const struct neph_scene *scene,
     return total;
 }
 
-/* A float transmittance says nothing of optical depths beyond 80. */
+/* Limited to 80: a float transmittance cannot represent larger optical depths. */
 static double optical_depth_of(float transmittance)
 {
     return fmin(-log((double)transmittance), 80.0);
@@ -73,7 +74,7 @@ static bool is_seen(double r, double g, double b)
     return fmax(r, fmax(g, b)) > least_optical_depth;
 }
 
-/* What the transmittance of the frame lacks beyond the fogs is the clouds'. */
+/* The optical depth of clouds is the frame's optical depth minus that of the fogs. */
 static enum neph_status add_media(const struct view *view, struct neph_image *image,
                                   struct neph_diag *diag)
 {
@@ -163,15 +164,16 @@ static struct neph_motion_camera motion_camera(const struct neph_camera *camera)
     };
 }
 
-/* Beyond a cut nothing that is seen has been seen before, though depth and cameras alone would find
- * a place for some of it. */
+/* Across a cut no point has a previous position, although depth and cameras would yield one for
+ * some points. */
 static void mark_without_past(const struct neph_image *image, float *x_px, float *y_px)
 {
     for (size_t i = 0; i < neph_image_pixel_count(image); i++)
         x_px[i] = y_px[i] = NEPH_MOTION_NOWHERE_PX;
 }
 
-/* Where the camera of the frame before saw a point, less where it is now. */
+/* The motion vector of a point: its pixel position in the previous camera minus its current
+ * position. `*depth_m` is its eye depth in the previous camera. */
 static void follow_point(const struct view *view, const struct neph_camera *before,
                          struct neph_vec3 point_m, int x, int y, float motion_px[2], float *depth_m)
 {
@@ -197,7 +199,7 @@ static const struct neph_mover *mover_of(const struct neph_scene *scene, int sol
     return NULL;
 }
 
-/* What moves by itself, in place of what the camera alone would say. */
+/* Replace the motion vectors of moving solids, which depth and cameras do not describe. */
 static void follow_solids(const struct neph_scene *scene, const struct view *view, int frame,
                           float *x_px, float *y_px, float *before_m)
 {
@@ -228,7 +230,8 @@ static enum neph_status add_motion(const struct neph_scene *scene, const struct 
     const float *depth_m = neph_image_channel(image, "Z");
     float *x_px = NULL, *y_px = NULL, *before_m = NULL;
     const bool moves = scene->camera_key_count > 1 || scene->mover_count > 0;
-    const bool is_parallel = scene->orthographic_height_m > 0.0; /* motion.h knows perspective */
+    const bool is_parallel = scene->orthographic_height_m > 0.0; /* motion.h requires a perspective
+                                                                    camera */
     if (!depth_m || !moves || is_parallel || neph_image_channel(image, "motion.x"))
         return NEPH_OK;
     const struct neph_camera camera_before = neph_scene_camera(scene, frame - 1);
@@ -255,7 +258,7 @@ static enum neph_status add_motion(const struct neph_scene *scene, const struct 
 enum neph_status neph_scene_layers_add(const struct neph_scene *scene, int frame,
                                        struct neph_image *image, struct neph_diag *diag)
 {
-    struct neph_scene *still = NULL; /* sun and media are where they are in this frame */
+    struct neph_scene *still = NULL; /* sun and media at the time of this frame */
     enum neph_status status = neph_scene_at(scene, frame, &still, diag);
     if (status)
         return status;

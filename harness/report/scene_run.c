@@ -17,14 +17,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_SHOWN_COUNT == 2, "a new kind");
 
-/* What was rendered once within the budget will be again, but on a busy machine perhaps not as
- * fast: a second seed that is given up takes the engine out of the attribution. */
+/* Factor on the budget of a second seed. Its first frame was within the budget, so the second one
+ * normally is, too, unless the machine is busy. Giving it up would exclude the engine from the
+ * attribution. */
 enum { SECOND_SEED_PATIENCE = 4 };
 
-/* Kinds of steps, for the time left: engine by engine, a picture and its second seed. */
+/* Kinds of progress steps, for the estimate of the remaining time: a frame and a second seed by
+ * engine. */
 enum { KIND_FRAME = 0, KIND_SECOND_SEED = NEPH_FIELD_MAX };
 
 static bool has_second_seed(const struct neph_engine *engine)
@@ -40,7 +42,7 @@ static bool is_listed(const struct neph_engine *engine, const char *const *names
     return false;
 }
 
-/* Whether an engine of the run renders the scene at hand. */
+/* True when an engine of the run renders the current scene. */
 static bool takes_part(const struct neph_scene_run *run, int index)
 {
     const struct neph_scene_plan *plan = run->plan;
@@ -68,7 +70,7 @@ void neph_scene_run_expect(const struct neph_scene_run *run, int count)
     }
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 static enum neph_status apply_settings(struct neph_job *job, const char *const *texts, int count,
                                        struct neph_diag *diag)
@@ -82,7 +84,7 @@ static enum neph_status apply_settings(struct neph_job *job, const char *const *
     return status;
 }
 
-/* Size, layers and settings of the scene at hand; the user's settings come last. */
+/* Apply size, layers and settings of the current scene; the user's settings override them. */
 static enum neph_status apply_plan(const struct neph_scene_run *run, struct neph_job *job,
                                    struct neph_diag *diag)
 {
@@ -103,7 +105,8 @@ static enum neph_status apply_plan(const struct neph_scene_run *run, struct neph
     return status ? status : apply_settings(job, params->settings, params->setting_count, diag);
 }
 
-/* `second` of the two frames that an engine which draws paths has for each seed of the run. */
+/* Make a job. `second` selects the second of the two frames that an engine with random paths
+ * renders for each seed of the run. */
 static enum neph_status make_job(const struct neph_scene_run *run, int index,
                                  const struct neph_scene *scene, bool second, struct neph_job *job,
                                  struct neph_diag *diag)
@@ -124,7 +127,7 @@ static enum neph_status make_job(const struct neph_scene_run *run, int index,
     return apply_plan(run, job, diag);
 }
 
-/* The user has chosen the step. */
+/* True when the user has set the step. */
 static bool has_own_step(const struct neph_job *job)
 {
     const struct neph_settings standard = neph_settings_default(job->engine);
@@ -134,9 +137,8 @@ static bool has_own_step(const struct neph_job *job)
     return chosen != usual && !(isnan(chosen) && isnan(usual));
 }
 
-/* External renderers march in steps of our choice: a study chooses them, one that comes with neph
- * or one that is made now. `*chosen` tells whether there was one, `*is_late` whether the budget
- * ended one. */
+/* Choose the step of an external renderer by a step study: one of the studies that come with neph,
+ * or a new one. `*chosen` is false without a study; `*is_late` is true when the budget ended it. */
 static enum neph_status choose_step(const struct neph_scene_run *run, struct neph_job *job,
                                     struct neph_study *study, bool *chosen, bool *is_late,
                                     struct neph_diag *diag)
@@ -149,7 +151,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
     enum neph_status status = neph_studies_find(job, study, chosen, diag);
     if (!status && !*chosen) {
         enum neph_outcome outcome;
-        char reason[1600]; /* the frame itself will say why */
+        char reason[1600]; /* unused: the frame reports it */
         struct neph_job limited = *job;
         limited.shot.time_limit_s = run->params->budget_s;
         status = neph_studies_make(&limited, run->store, study, &outcome, reason, diag);
@@ -161,7 +163,7 @@ static enum neph_status choose_step(const struct neph_scene_run *run, struct nep
     return status;
 }
 
-/* A step that is too long shows in no picture. */
+/* Warn of steps with a large optical depth, which leave no visible artefact. */
 static void warn_of_steps(const struct neph_job *job, double depth)
 {
     char *warning = neph_step_depth_warning(depth, job->engine);
@@ -170,7 +172,7 @@ static void warn_of_steps(const struct neph_job *job, double depth)
     free(warning);
 }
 
-/* A step of progress, which is one frame. */
+/* A progress step: one frame. */
 struct step {
     char what[256];
     int kind;
@@ -193,7 +195,7 @@ static uint64_t bit_of(const struct step *step)
     return UINT64_C(1) << step->kind;
 }
 
-/* A frame that a worker told of was a step then, and is not one that this run reused. */
+/* End a step. A step that a worker has already reported is not counted again. */
 static void end_step(const struct neph_scene_run *run, const struct step *step,
                      const struct neph_job_result *result)
 {
@@ -206,7 +208,7 @@ static void end_step(const struct neph_scene_run *run, const struct step *step,
                            result->reused ? "reused" : neph_outcome_name(result->outcome), seconds);
 }
 
-/* External renderers within their budget. */
+/* Render; external renderers within their budget. */
 static enum neph_status render(const struct neph_scene_run *run, struct neph_job *job,
                                struct neph_job_result *result, struct neph_diag *diag)
 {
@@ -216,7 +218,7 @@ static enum neph_status render(const struct neph_scene_run *run, struct neph_job
                      : neph_budget_run(job, run->params->budget_s, run->store, result, diag);
 }
 
-/* What a frame gave up, or a look that its settings made of it: limits are those of physics. */
+/* The note of a frame: missing samples, or the non-physical fog model that its settings select. */
 static const char *note_of(const struct neph_scene_run *run, const struct neph_job *job,
                            const struct neph_job_result *result)
 {
@@ -242,10 +244,10 @@ static void take_result(const struct neph_scene_run *run, const struct neph_job 
         .step_optical_depth = neph_step_depth(&job->shot, job->engine),
         .path = neph_arena_text(run->arena, result->frame_path),
     };
-    frame->job.shot.scene = NULL; /* it will be gone */
+    frame->job.shot.scene = NULL; /* the scene is freed before the result */
 }
 
-/* `*chosen` receives the settings, for the second seed. */
+/* `*chosen` gets the settings, for the second seed. */
 static enum neph_status run_frame(const struct neph_scene_run *run, int index,
                                   const struct neph_scene *scene, struct neph_frame_result *frame,
                                   struct neph_settings *chosen, struct neph_diag *diag)
@@ -293,20 +295,21 @@ static enum neph_status run_second_seed(const struct neph_scene_run *run, int in
         frame->second_path = neph_arena_text(run->arena, result.frame_path);
         frame->second_cost = result.cost;
         if (run->tell && result.outcome == NEPH_OUTCOME_TIMEOUT)
-            frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker's result tells that it is late */
+            frame->outcome = NEPH_OUTCOME_TIMEOUT; /* the worker reports it as late */
         end_step(run, &step, &result);
     }
     neph_job_result_finish(&result);
     return status;
 }
 
-/* A frame of a scene: what its second seed needs. */
+/* Data of a frame for its second seed. */
 struct frame_job {
-    int index; /* of its engine in the field */
+    int index; /* of the engine in `field` */
     struct neph_settings chosen;
 };
 
-/* A second seed of every stochastic engine, where there are three engines to tell apart. */
+/* Render a second seed of every stochastic engine when at least three engines have a frame:
+ * attribution needs three. */
 static enum neph_status run_second_seeds(const struct neph_scene_run *run,
                                          const struct neph_scene *scene,
                                          const struct frame_job *jobs,
@@ -328,9 +331,10 @@ static enum neph_status run_second_seeds(const struct neph_scene_run *run,
     return status;
 }
 
-/* ---- what they say --------------------------------------------------------------------------- */
+/* ---- measurements ---------------------------------------------------------------------------- */
 
-/* All pairs of engines that claim physics; a shortcut claims that of the engine that it renders. */
+/* Compare all pairs of physical engines. A real-time method is included if the engine of its
+ * lighting model is physical. */
 static enum neph_status attribute(const struct neph_scene_run *run,
                                   struct neph_scene_result *result, struct neph_diag *diag)
 {
@@ -346,7 +350,8 @@ static enum neph_status attribute(const struct neph_scene_run *run,
     return neph_attribute(peers, count, run->arena, &result->attribution, diag);
 }
 
-/* The rendered frame of the highest rung that is truth (exact or a tracer); -1 when none is. */
+/* The index of the reference: the frame of the highest reference level (exact or a path tracer);
+ * -1: none. */
 static int find_truth(const struct neph_scene_result *result)
 {
     for (int f = 0; f < result->frame_count; f++)
@@ -355,7 +360,7 @@ static int find_truth(const struct neph_scene_result *result)
     return -1;
 }
 
-/* What chance has left in a frame: between its two seeds, or by its own account. */
+/* Measure the noise of a frame: from its two seeds, or from its own variance channel. */
 static enum neph_status measure_noise(const struct neph_image *image,
                                       struct neph_frame_result *frame, struct neph_diag *diag)
 {
@@ -371,8 +376,8 @@ static enum neph_status measure_noise(const struct neph_image *image,
     return status;
 }
 
-/* The second frame of an engine: the first again of one that draws nothing, NULL where it was not
- * rendered. Destroy it unless it is `first`. */
+/* Read the second frame of an engine: the first frame for a deterministic engine, NULL when it was
+ * not rendered. The caller destroys it unless it is `first`. */
 static enum neph_status read_second(const struct neph_frame_result *frame, struct neph_image *first,
                                     struct neph_image **second, struct neph_diag *diag)
 {
@@ -380,9 +385,9 @@ static enum neph_status read_second(const struct neph_frame_result *frame, struc
     return frame->second_path ? neph_exr_read(frame->second_path, second, diag) : NEPH_OK;
 }
 
-/* What frames are measured against. */
+/* The reference of a scene. */
 struct truth {
-    struct neph_image *image, *second; /* NULL: there is none */
+    struct neph_image *image, *second; /* NULL: none */
 };
 
 static enum neph_status find_parts(const struct truth *truth, struct neph_image *image,
@@ -398,7 +403,7 @@ static enum neph_status find_parts(const struct truth *truth, struct neph_image 
     return status;
 }
 
-/* Measure one rendered frame, against the truth when there is one. */
+/* Measure one rendered frame, against the reference if there is one. */
 static enum neph_status measure_frame(const struct neph_scene_run *run, const struct truth *truth,
                                       const struct neph_viewing *viewing,
                                       struct neph_frame_result *frame, struct neph_diag *diag)
@@ -442,8 +447,8 @@ static enum neph_status measure_all(const struct neph_scene_run *run,
     return status;
 }
 
-/* Colour scales of difference maps are the same in every run: 2 % of the display's white for
- * radiance, 0.002 for transmittance, a few times what the gates of the catalogue allow. */
+/* Colour scales of difference maps are constant, so that runs are comparable: 2 % of the display's
+ * white for radiance, 0.002 for transmittance, a few times the limits of the catalogue's gates. */
 static void describe(const struct neph_scene_run *run, const struct neph_scene *scene,
                      struct neph_scene_result *result)
 {
@@ -462,7 +467,7 @@ static void describe(const struct neph_scene_run *run, const struct neph_scene *
     result->difference_scales[NEPH_SHOWN_TRANSMITTANCE] = 0.002;
 }
 
-/* With --only-engine a further reference engine renders nothing once the scene has a reference. */
+/* With --only-engine an added reference engine is skipped once the scene has a reference. */
 static bool is_left_out(const struct neph_scene_run *run, int index,
                         const struct neph_scene_result *result)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One scene of the main job: a picture by each engine, a second seed where chance plays a part, all
- * measured against the highest rung of truth, and the gates.
+ * One scene of `neph validate`: a frame by each engine, a second seed of each stochastic engine,
+ * all measured against the frame of the highest reference level, and the gates.
  */
 #ifndef NEPH_HARNESS_REPORT_SCENE_RUN_H
 #define NEPH_HARNESS_REPORT_SCENE_RUN_H
@@ -12,77 +12,79 @@
 
 struct neph_report;
 
-/* How a scene of a run differs from the others of the run. */
+/* Deviations of a scene from the parameters of the run. */
 struct neph_scene_plan {
-    const char *name;              /* of the catalogue */
-    int width_px, height_px;       /* of its frames; 0: those of the run */
-    const char *const *engines;    /* that render it, NULL-terminated; NULL: all of the run */
-    const char *const *settings;   /* "ENGINE:KEY=VALUE", NULL-terminated, before those of the user;
-                                      NULL: none */
-    const char *const *light_only; /* engines that render radiance and no transmittance or depth,
+    const char *name;              /* name in the catalogue */
+    int width_px, height_px;       /* size of its frames; 0: the run's size */
+    const char *const *engines;    /* engines that render it, NULL-terminated; NULL: the run's */
+    const char *const *settings;   /* "ENGINE:KEY=VALUE", NULL-terminated; the user's settings
+                                      override them; NULL: none */
+    const char *const *light_only; /* engines that render radiance without transmittance and depth,
                                       NULL-terminated; NULL: none */
 };
 
 struct neph_validate_params {
     const char *const *scenes;           /* paths or names of the catalogue */
-    const struct neph_scene_plan *plans; /* of each of these; NULL: the scenes do not differ */
+    const struct neph_scene_plan *plans; /* one for each scene; NULL: no deviations */
     int scene_count;
-    const char *const *engines; /* names; engine_count 0: all that are no shortcut */
+    const char *const *engines; /* names; engine_count 0: all but the real-time methods */
     int engine_count;
-    bool only_engines;           /* beside `engines` only the reference of each scene is rendered */
-    const char *const *settings; /* "ENGINE:KEY=VALUE"; charts and the sequence have their own */
+    bool only_engines;           /* in addition to `engines` render only each scene's reference */
+    const char *const *settings; /* "ENGINE:KEY=VALUE"; not used by charts and the sequence */
     int setting_count;
     int width_px, height_px;
-    int seed;        /* the how-manieth of engines that draw paths, from 1 */
-    double budget_s; /* of each picture of another project's renderer: see budget.h */
+    int seed;                          /* number of the seed of engines that draw paths, from 1 */
+    double budget_s;                   /* for each frame of an external renderer: see budget.h */
     struct neph_shared_device *device; /* as neph_shot.device */
-    int jobs; /* processes that render scenes at the same time; results do not depend on it */
+    int jobs; /* number of processes that render scenes at the same time; does not change results */
     bool quiet;
-    bool skip_absent;         /* a scene whose data is not there goes into `absent` */
-    struct neph_times *times; /* speeds of frames are measured and kept there; NULL: they are not */
+    bool skip_absent;         /* a scene with missing data is listed in `absent` */
+    struct neph_times *times; /* cache for the speeds of frames; NULL: speeds are not measured */
     const struct neph_charts_params *charts; /* NULL: none */
-    bool over_time;                          /* the sequence of over_time.h too */
-    struct neph_report *report;              /* published after each scene; NULL: none is */
+    bool over_time;                          /* include the sequence of over_time.h */
+    struct neph_report *report;              /* published after each scene; NULL: no report */
 };
 
 enum { NEPH_SCENE_RUN_KINDS = 2 * NEPH_FIELD_MAX };
 
-/* Steps of a scene that worker processes have told of, as bits by their kind. */
+/* Progress steps of a scene that worker processes have reported, as bit sets over their kinds. */
 struct neph_scene_told {
-    uint64_t steps; /* all whose frames are in the store */
-    uint64_t made;  /* those that a worker rendered for this run */
+    uint64_t steps; /* steps with a frame in the store */
+    uint64_t made;  /* those that a worker rendered in this run */
 };
 _Static_assert((int)NEPH_SCENE_RUN_KINDS <= 64, "a bit for each kind");
 
-/* What all scenes of a run have in common; borrowed. */
+/* The common state of all scenes of a run; all pointers are borrowed. */
 struct neph_scene_run {
     const struct neph_validate_params *params;
     const struct neph_run_engines *field;
     struct neph_store *store;
-    struct neph_progress *progress;     /* its kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 are ours */
-    struct neph_arena *arena;           /* of the results */
-    const struct neph_scene_plan *plan; /* of the scene at hand; NULL: as the run */
-    /* A worker's: called after each step whose frame is in the store; else NULL. */
+    struct neph_progress *progress;     /* uses the kinds 0 .. NEPH_SCENE_RUN_KINDS - 1 */
+    struct neph_arena *arena;           /* for the results */
+    const struct neph_scene_plan *plan; /* of the current scene; NULL: no deviations */
+    /* In a worker: called after each step with a frame in the store; otherwise NULL. */
     void (*tell)(const struct neph_scene_run *run, const char *step, bool reused, double seconds);
-    const struct neph_worker *worker; /* for `tell`: itself .. */
-    int scene;                        /* .. and the index of its scene */
-    struct neph_scene_told told;      /* by workers, of the scene at hand; its steps are counted */
+    const struct neph_worker *worker; /* for `tell`: the worker */
+    int scene;                        /* for `tell`: index of its scene */
+    struct neph_scene_told told;      /* reported by workers for the current scene; already counted
+                                         as progress */
 };
 
-/* There will be `count` more scenes of the plan at hand; negative: fewer. */
+/* Add `count` scenes of the current plan to the expected progress; a negative count removes
+ * them. */
 void neph_scene_run_expect(const struct neph_scene_run *run, int count);
 
-/* How many engines of the run render the scene at hand. */
+/* The number of engines of the run that render the current scene. */
 int neph_scene_run_engine_count(const struct neph_scene_run *run);
 
-/* Run one. `*result`, {0} before, is for neph_scene_result_finish() in any case. */
+/* Run one scene. `*result` must be {0} before; always free it with neph_scene_result_finish(). */
 enum neph_status neph_scene_run(const struct neph_scene_run *run, const struct neph_scene *scene,
                                 struct neph_scene_result *result, struct neph_diag *diag);
 
-/* In a worker: only render, into the store, where neph_scene_run() finds the frames. `*is_late`: an
- * engine broke, or a frame of an external renderer did not fit into its budget beside those of
- * other workers; neph_scene_run() has to try again, when no worker shares the cores. `result` as
- * there. */
+/* For workers: only render into the store, where neph_scene_run() finds the frames. `*is_late`
+ * becomes true when an engine failed or an external renderer exceeded its budget while other
+ * workers used the cores; neph_scene_run() then tries again without other workers. `result` as for
+ * neph_scene_run(). */
 enum neph_status neph_scene_render(const struct neph_scene_run *run, const struct neph_scene *scene,
                                    struct neph_scene_result *result, bool *is_late,
                                    struct neph_diag *diag);

@@ -3,20 +3,21 @@
 
 #include "harness/engines/engines.h"
 
-/* A default run has minutes for all of it: a frame that takes longer than this to be rendered again
- * is not measured. */
+/* Time limits of a frame. A default run has minutes for all scenes, so a frame that takes longer to
+ * render again is not timed. */
 static const double flight_s = 1.5, renders_s = 6.0;
 
-/* Whether warm frames of this engine would take too long, by the render that made the frame. Frames
- * of an engine that remembers take less than its first one. */
+/* True when the frame's render exceeded the limit. Engines with a history are exempt: their later
+ * frames are faster than the first one. */
 static bool takes_too_long(const struct neph_frame_result *frame)
 {
     return neph_flight_applies(frame->engine) && !frame->engine->remembers &&
            frame->cost.render_s > renders_s;
 }
 
-/* Times of renders that the run has made anyway. The first frame of an engine of our own found its
- * kernels not compiled; an external renderer tells the time of its radiance alone. */
+/* Collect render times that the run has measured already. The first frame of a built-in engine
+ * includes kernel compilation, so only its second seed counts; an external renderer reports the
+ * time of its radiance pass only. */
 static int known_times(const struct neph_frame_result *frame, double known_s[2])
 {
     int count = 0;

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The march of renderer/shaders/march.glsl once more, in double precision and without its
- * shortcuts. With n steps the frame has I_n, with twice as many I_2n; a rule of second order is off
- * by 4/3 (I_n - I_2n) with n steps, one of first order by 2 (I_n - I_2n). A march whose steps are
- * so long that it may be off by 10 % is of no order yet: the estimate takes 2.
+ * A double precision version of the march in renderer/shaders/march.glsl, without its
+ * optimisations, for the estimate of the step bias.
+ *
+ * With I_n the result of n steps, the error of a rule of order p is I_n - I = 2^p / (2^p - 1) (I_n
+ * - I_2n): 4/3 (I_n - I_2n) for second order, 2 (I_n - I_2n) for first order. With steps so long
+ * that the bias may reach 10 % the march has no asymptotic order yet, so the estimate uses the
+ * larger factor, 2.
  */
 #include "harness/report/step_bias.h"
 
@@ -20,28 +23,28 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_MARCH_LIGHTING_COUNT == 8, "a new kind");
 _Static_assert(NEPH_MARCH_MODE_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { RAYS_MAX = 160, RAYS_LEAST = 40, STEPS_MAX = 50000, OPEN_STEPS = 16 };
 
-/* Steps of RAYS_LEAST rays, those towards a light among them: some 0.3 s. */
+/* Limit of the work: steps of RAYS_LEAST rays, including the steps towards lights; about 0.3 s. */
 static const double work_max = 1e6;
 
 static const double order_factor = 2.0;
 
-/* THIN and OPAQUE of renderer/shaders/fog.glsl. */
+/* The constants THIN and OPAQUE of renderer/shaders/fog.glsl. */
 static const double thin_depth = 1e-7, opaque_depth = 16.0;
 
-/* What a march is told. */
+/* Parameters of a march. */
 struct march {
     const struct neph_scene *scene;
-    bool marches_view, marches_sun; /* optical depths are sums over steps */
+    bool marches_view, marches_sun; /* optical depths are sums over steps, not closed forms */
     int steps, sun_steps;
     double growth;
-    struct neph_octaves octaves; /* one: light is scattered once */
+    struct neph_octaves octaves; /* a count of one: single scattering */
 };
 
 struct way {
@@ -63,7 +66,7 @@ static struct neph_vec3 point_on(const struct way *way, double t_m)
     return neph_vec3_along(way->origin_m, way->direction, t_m);
 }
 
-/* ---- the stretch that is marched ---- */
+/* ---- marched interval of a ray ---- ---------------------------------------------------------- */
 
 static double most_of(struct neph_rgb color)
 {
@@ -78,7 +81,8 @@ static double least_positive(struct neph_rgb color)
     return color.b > 0.0 ? fmin(least, color.b) : least;
 }
 
-/* Where as good as nothing of a layer is left on a ray that leaves it. */
+/* The distance at which the optical depth left in a layer falls below `thin` on a ray that leaves
+ * it. */
 static double thin_end_m(const struct neph_fog_layer *layer, double y_m, double k_y, double thin)
 {
     const double rate_per_m = layer->falloff_per_m * k_y;
@@ -112,7 +116,8 @@ static void include_layer(const struct neph_fog_layer *layer, struct neph_rgb co
     }
 }
 
-/* scene_stretch() of renderer/shaders/scene.glsl; media that are no fogs by their support. */
+/* As scene_stretch() of renderer/shaders/scene.glsl; media other than fogs contribute their
+ * bounds. */
 static struct stretch stretch_of(const struct neph_scene *scene, const struct way *way)
 {
     struct stretch hull = {INFINITY, 0.0};
@@ -137,7 +142,7 @@ static struct stretch stretch_of(const struct neph_scene *scene, const struct wa
 
 /* ---- optical depths ---- */
 
-/* The extinction at a place times a length. */
+/* Extinction at a point times a length. */
 static struct neph_rgb depth_at(const struct neph_medium *medium, struct neph_vec3 point_m,
                                 double length_m)
 {
@@ -145,8 +150,8 @@ static struct neph_rgb depth_at(const struct neph_medium *medium, struct neph_ve
                           neph_medium_extinction_per_m(medium, point_m) * length_m);
 }
 
-/* The optical depth of a way: closed forms, or a sum over equal steps of all media, or of those
- * without a closed form. */
+/* The optical depth along a ray segment. `is_marched`: a sum over equal steps for all media;
+ * otherwise closed forms, and a sum only for media without one. */
 static struct neph_rgb depth_on(const struct march *march, const struct way *way, bool is_marched,
                                 int steps)
 {
@@ -185,7 +190,7 @@ static struct neph_rgb lost(struct neph_rgb depth)
     return (struct neph_rgb){-expm1(-depth.r), -expm1(-depth.g), -expm1(-depth.b)};
 }
 
-/* The optical depth of a step of the view ray, or of a part of a step. */
+/* The optical depth of a step of the view ray, or of a part of it. */
 static struct neph_rgb view_depth(const struct march *march, const struct way *way, double t0_m,
                                   double t1_m)
 {
@@ -214,7 +219,7 @@ static double quotient(double a, double b)
     return b > 0.0 ? a / b : 0.0;
 }
 
-/* The light that a place scatters per optical depth and irradiance; g is `part` of its own. */
+/* Scattered radiance at a point per optical depth and irradiance. `part` scales the asymmetry g. */
 static struct neph_rgb scattered_per_depth(const struct neph_scene *scene, struct neph_vec3 point_m,
                                            double cosine, double part)
 {
@@ -268,7 +273,9 @@ static struct neph_rgb glow_at(const struct neph_scene *scene, struct neph_vec3 
                              quotient(glow.b, extinction.b)};
 }
 
-/* A part of a step between two places behind the foot of a light's perpendicular. */
+/* Light of a point or spot light scattered in a part of a step. s0_m and s1_m are distances along
+ * the ray from the foot of the perpendicular from the light; height_m is the length of the
+ * perpendicular. */
 static struct neph_rgb lamp_part(const struct march *march, const struct way *way,
                                  const struct neph_light *light, double foot_m, double height_m,
                                  double s0_m, double s1_m)
@@ -327,7 +334,7 @@ static struct neph_rgb lamp_light(const struct march *march, const struct way *w
     return sum;
 }
 
-/* Where step i of a stretch begins. */
+/* Distance at which step i of an interval begins. */
 static double step_start_m(const struct march *march, const struct stretch *stretch, int i)
 {
     const double growth = march->growth;
@@ -362,8 +369,8 @@ static struct neph_rgb ray_light(const struct march *march, const struct way *wa
 
 /* ---- the frame ---- */
 
-/* One of `count` rays through pixels: each in another row as far as there are rows, for the longest
- * steps are those of level rays, along a horizon; columns by the golden ratio. */
+/* Ray i of `count` rays through pixels. Rows are spread evenly, because level rays along the
+ * horizon have the longest steps; columns follow the golden ratio. */
 static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
                                           const struct neph_camera *camera, int i, int count)
 {
@@ -372,7 +379,8 @@ static struct neph_pixel_ray ray_of_frame(const struct neph_shot *shot,
                            i * shot->height_px / count);
 }
 
-/* Whether even the fewest rays, with the frame's steps and with twice as many, are too much. */
+/* True when even the smallest number of rays, with the frame's steps and with twice as many,
+ * exceeds the limit. */
 static bool is_costly(const struct march *march)
 {
     const double ray_work = march->marches_sun ? 5.0 * march->steps * march->sun_steps
@@ -380,7 +388,7 @@ static bool is_costly(const struct march *march)
     return RAYS_LEAST * ray_work > work_max;
 }
 
-/* Rays that are marched twice, the second time with steps half as long. */
+/* Rays that are marched with the frame's steps (coarse) and with steps half as long (fine). */
 struct twice {
     const struct neph_shot *shot;
     const struct march *coarse, *fine;
@@ -400,7 +408,8 @@ static void march_twice(int i, void *context)
     twice->fine_light[i] = mean(ray_light(twice->fine, &way));
 }
 
-/* The bias over the light of the media; NAN: interrupted. Fewer rays where there are many steps. */
+/* The bias divided by the light of the media; NAN after an interruption. More steps allow fewer
+ * rays. */
 static double bias_of_media(const struct neph_shot *shot, const struct march *march)
 {
     struct march finer = *march;
@@ -442,7 +451,8 @@ static double setting_or(const struct neph_shot *shot, const struct neph_engine 
     return option < 0 ? otherwise : shot->settings.values[option];
 }
 
-/* False: nothing is known of this lighting, or the engine has no equal steps. */
+/* Read the parameters of a march from an engine's settings. False: the lighting model has no
+ * estimate, or the engine has no equal steps. */
 static bool march_of(const struct neph_shot *shot, const struct neph_engine *engine,
                      const struct neph_scene *scene, struct march *march)
 {

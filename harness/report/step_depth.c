@@ -13,16 +13,17 @@
 
 enum { COLUMNS = 32, ROWS = 18, PLACES_MAX = 64 };
 
-/* Engines with a fixed number of steps to a ray. */
+/* Engines with a fixed number of steps for each ray. */
 static const struct {
-    const char *option; /* that says how many */
-    bool shared;        /* over the hull of all media, without what lies behind an opaque fog */
+    const char *option; /* the setting with the number of steps */
+    bool shared;        /* steps span all media together and end at an opaque fog; otherwise each
+                           medium */
 } marchers[] = {
     {"steps", true},      /* march */
-    {"intervals", false}, /* POV-Ray: of each medium's container */
+    {"intervals", false}, /* POV-Ray: in each medium's container */
 };
 
-/* OPAQUE of renderer/shaders/fog.glsl. */
+/* The constant OPAQUE of renderer/shaders/fog.glsl. */
 static const double opaque_optical_depth = 16.0;
 
 struct ray {
@@ -44,8 +45,8 @@ static double brightest(struct neph_rgb color)
     return fmax(color.r, fmax(color.g, color.b));
 }
 
-/* The largest optical depth of a step on a stretch, of media first .. last, while anything can be
- * seen of it: deep inside, where e^-4 of the light is left, long steps do no harm. */
+/* The largest optical depth of a step on an interval, for media first .. last. Stops at an optical
+ * depth of 4: only e^-4 of the light from beyond arrives, so long steps are harmless there. */
 static double most_on(const struct ray *ray, int first, int last, double t0_m, double t1_m,
                       int steps)
 {
@@ -65,7 +66,7 @@ static double most_on(const struct ray *ray, int first, int last, double t0_m, d
     return most;
 }
 
-/* Where a fog is opaque: no further does the marcher go. */
+/* The distance at which a fog becomes opaque; the marcher stops there. */
 static double opaque_end_m(const struct ray *ray, const struct neph_medium *medium, double t0_m)
 {
     const double y_m = ray->origin_m.y + t0_m * ray->direction.y;
@@ -100,7 +101,7 @@ static double own_steps(const struct ray *ray, int steps)
     return most;
 }
 
-/* A frame whose rays are looked along. */
+/* The frame under evaluation, row by row. */
 struct frame {
     const struct neph_shot *shot;
     const struct neph_scene *scene;
@@ -108,10 +109,10 @@ struct frame {
     struct neph_bounds containers[NEPH_SCENE_MEDIA_MAX];
     bool shared;
     int steps;
-    double most[ROWS]; /* of each row */
+    double most[ROWS]; /* one for each row */
 };
 
-/* Pixel centres of the frame itself, so that its shape counts. */
+/* The rays go through pixel centres of the frame, so that its aspect ratio counts. */
 static void look_along_row(int row, void *context)
 {
     struct frame *frame = context;
@@ -131,7 +132,7 @@ static void look_along_row(int row, void *context)
     }
 }
 
-/* NAN: interrupted. */
+/* NAN after an interruption. */
 static double most_of_frame(const struct neph_shot *shot, const struct neph_scene *scene,
                             bool shared, int steps)
 {
@@ -174,7 +175,7 @@ char *neph_step_depth_warning(double depth, const struct neph_engine *engine)
 {
     if (!(depth > NEPH_STEP_DEPTH_MAX))
         return NULL;
-    return neph_format("a step of %s spans an optical depth of up to %.3g, and what happens within "
-                       "a step is lost: raise its %s",
+    return neph_format("a step of %s spans an optical depth of up to %.3g, and changes within a "
+                       "step are lost: raise its %s",
                        engine->name, depth, engine->step.option);
 }

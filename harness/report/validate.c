@@ -16,10 +16,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Kinds of steps beside those of scenes, for the time left. */
+/* Kinds of progress steps other than those of scenes, for the estimate of the remaining time. */
 enum { KIND_CHART = NEPH_SCENE_RUN_KINDS, KIND_TIMES, KIND_OVER_TIME };
 
-static const double times_typical_s = 20.0; /* of a scene */
+static const double times_typical_s = 20.0; /* of one scene */
 
 _Static_assert((int)KIND_OVER_TIME < (int)NEPH_PROGRESS_KINDS, "kinds of progress");
 
@@ -28,17 +28,17 @@ struct run {
     struct neph_store *store;
     struct neph_validation *made;
     struct neph_progress progress;
-    struct neph_scene_run scenes; /* what they have in common */
+    struct neph_scene_run scenes; /* state shared by all scenes */
     double start_s;
-    int next;            /* scene that has no result yet */
-    int expected_frames; /* of all scenes that are here */
-    struct told *told;   /* of each scene, in the validation's arena */
+    int next;            /* index of the next scene without a result */
+    int expected_frames; /* of all available scenes */
+    struct told *told;   /* one for each scene, in the validation's arena */
 };
 
-/* What workers have told of a scene. */
+/* Progress of a scene as reported by the workers. */
 struct told {
     struct neph_scene_told steps;
-    bool is_over, is_late; /* it was rendered; but for frames that are to be tried again */
+    bool is_over, is_late; /* the scene is rendered; some frames must be tried again */
 };
 
 static bool names_engine(const struct neph_validate_params *params,
@@ -50,8 +50,8 @@ static bool names_engine(const struct neph_validate_params *params,
     return false;
 }
 
-/* The engines whose frames others are measured against, but for oracle: it takes minutes for what
- * tracer renders in seconds. */
+/* True for an engine that can be a reference. `oracle` is excluded: it takes minutes for a frame
+ * that `tracer` renders in seconds. */
 static bool can_be_reference(const struct neph_engine *engine)
 {
     return engine->rung <= NEPH_RUNG_TRACER && !neph_engine_is(engine, "oracle");
@@ -125,13 +125,13 @@ static enum neph_status begin(struct run *run, struct neph_diag *diag)
     return neph_arena_check(&made->arena, diag);
 }
 
-/* The scene at hand. */
+/* Select the plan of a scene. */
 static void choose_scene(struct run *run, int index)
 {
     run->scenes.plan = run->params->plans ? &run->params->plans[index] : NULL;
 }
 
-/* One scene more, or with -1 one less: that at hand. */
+/* Add the current scene to the expected progress and frames, or remove it with -1. */
 static void expect_scene(struct run *run, int count)
 {
     neph_scene_run_expect(&run->scenes, count);
@@ -162,7 +162,7 @@ static void judge(struct run *run)
     run->made->seconds = neph_wall_s() - run->start_s;
 }
 
-/* What a page says that is written before the run is over: how far it is. */
+/* Set the verdict and the progress for a page that is published before the end of the run. */
 static void judge_so_far(struct run *run, enum neph_verdict verdict)
 {
     judge(run);
@@ -179,7 +179,7 @@ static enum neph_status show(struct run *run, struct neph_diag *diag)
     return neph_report_publish(run->params->report, run->made, diag);
 }
 
-/* A scene whose data is not on this machine takes its steps away; the diag is used up. */
+/* Record a scene with missing data as absent and remove its progress steps. Clears `diag`. */
 static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
 {
     struct neph_arena *arena = &run->made->arena;
@@ -195,7 +195,7 @@ static void leave_out(struct run *run, const char *name, struct neph_diag *diag)
     expect_scene(run, -1);
 }
 
-/* The next one. */
+/* Run the next scene. */
 static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
 {
     struct neph_validation *made = run->made;
@@ -221,7 +221,7 @@ static enum neph_status run_scene(struct run *run, struct neph_diag *diag)
     return status ? status : show(run, diag);
 }
 
-/* How long the frames take, once nothing else renders. */
+/* Measure frame times after all rendering is done. */
 static enum neph_status time_scenes(struct run *run, struct neph_diag *diag)
 {
     struct neph_validation *made = run->made;
@@ -266,7 +266,8 @@ static enum neph_status run_all(struct run *run, struct neph_diag *diag)
 
 /* ---- workers --------------------------------------------------------------------------------- */
 
-/* "SCENE KIND REUSED SECONDS WHAT" of a step, "SCENE over LATE" of a scene. */
+/* Report a step to the main process as "SCENE KIND REUSED SECONDS NAME"; the end of a scene is
+ * reported as "SCENE over LATE". */
 static void tell_step(const struct neph_scene_run *scenes, const char *what, bool reused,
                       double seconds)
 {
@@ -276,8 +277,8 @@ static void tell_step(const struct neph_scene_run *scenes, const char *what, boo
     neph_worker_tell(scenes->worker, text);
 }
 
-/* A step is credited to the progress, and a scene whose frames are all in the store gets its result
- * in the order of the scenes. */
+/* Handle a worker's report: count the step as progress. Finished scenes get their results in the
+ * order of the scenes. */
 static enum neph_status hear(const char *text, void *context, struct neph_diag *diag)
 {
     struct run *run = context;
@@ -301,7 +302,8 @@ static enum neph_status hear(const char *text, void *context, struct neph_diag *
     return status;
 }
 
-/* What fails here fails again in the whole, where it is told. */
+/* Render a scene in a worker. Errors are ignored here: the main process repeats the scene and
+ * reports them. */
 static void render_scene(struct run *run, int index)
 {
     struct neph_scene_result result = {.name = NULL};
@@ -314,14 +316,15 @@ static void render_scene(struct run *run, int index)
     enum neph_status status = neph_data_load_scene(run->params->scenes[index], &scene, &why);
     if (!status)
         status = neph_scene_render(&run->scenes, scene, &result, &is_late, &why);
-    is_late |= status && status != NEPH_ERR_NOT_FOUND; /* one that is not here takes no time */
+    is_late |= status && status != NEPH_ERR_NOT_FOUND; /* a missing scene needs no repetition */
     snprintf(text, sizeof(text), "%d over %d", index, is_late);
     neph_worker_tell(run->scenes.worker, text);
     neph_scene_result_finish(&result);
     neph_scene_destroy(scene);
 }
 
-/* A worker renders scenes; the process itself takes what is left, and all results. */
+/* Workers render scenes; the main process (index 0) renders the remaining frames and computes all
+ * results. */
 static enum neph_status work(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     struct run *run = context;

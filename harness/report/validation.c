@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "harness/report/validation.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every kind. */
 _Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SHOWN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_VERDICT_COUNT == 4, "a new kind");

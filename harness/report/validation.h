@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a run of the main job found: scenes, the frames of all engines, their numbers, gates and
- * verdicts. Filled while it runs; whoever prints it or writes it as JSON only reads.
+ * The results of `neph validate`: scenes, frames of all engines, their measurements, gates and
+ * verdicts. Filled while the run proceeds; the writers of text, JSON and JUnit XML only read it.
  */
 #ifndef NEPH_HARNESS_REPORT_VALIDATION_H
 #define NEPH_HARNESS_REPORT_VALIDATION_H
@@ -29,39 +29,41 @@ struct neph_run_engines {
     int count;
     const struct neph_engine *engines[NEPH_FIELD_MAX];
     struct neph_engine_info infos[NEPH_FIELD_MAX];
-    struct neph_settings settings[NEPH_FIELD_MAX]; /* those that the user wants */
-    /* Engines that --only-engine adds: each renders only scenes without an earlier reference. */
+    struct neph_settings settings[NEPH_FIELD_MAX]; /* with the user's changes */
+    /* Engines that --only-engine adds. They render only scenes without an earlier reference. */
     bool is_reference_only[NEPH_FIELD_MAX];
 };
 
-/* What difference maps are drawn of. */
+/* The quantities with difference maps. */
 enum neph_shown { NEPH_SHOWN_RADIANCE, NEPH_SHOWN_TRANSMITTANCE, NEPH_SHOWN_COUNT };
 
 const char *neph_shown_name(enum neph_shown which);
 
-/* One engine's picture of a scene. Texts are of the validation's arena, here as below. */
+/* One engine's frame of a scene. Texts of this file's structs are allocated in the validation's
+ * arena. */
 struct neph_frame_result {
     const struct neph_engine *engine;
     enum neph_outcome outcome;
-    const char *reason;    /* "" of a rendered frame */
-    const char *note;      /* what it lacks of what was asked for or claims no physics in, or "" */
-    bool is_look;          /* it claims no physics: its engine, or by its settings */
-    const char *settings;  /* canonical */
-    bool reused;           /* taken from the store */
-    struct neph_cost cost; /* of the one render that made it, start-up included */
-    struct neph_speed speed; /* of warm frames, start-up apart; repeats 0: not measured */
-    struct neph_job job;     /* that rendered it; without the scene */
-    double noise;            /* standard error of a pixel over the rms radiance; NaN: it has none */
+    const char *reason;      /* "" for a rendered frame */
+    const char *note;        /* missing samples or a non-physical part, or "" */
+    bool is_look;            /* a non-physical model, by its engine or its settings */
+    const char *settings;    /* canonical text */
+    bool reused;             /* taken from the store */
+    struct neph_cost cost;   /* of the render that made it, start-up included */
+    struct neph_speed speed; /* of warm frames, without start-up; repeats 0: not measured */
+    struct neph_job job;     /* the job that rendered it, without the scene */
+    double noise;            /* standard error of a pixel over the RMS radiance; NaN: none */
     uint64_t seed;
-    double step_optical_depth;      /* the most that a step spans; NaN: it has no fixed steps */
-    const char *path;               /* of the frame in the store; NULL unless rendered */
-    const char *second_path;        /* by a second seed; NULL: none */
-    struct neph_cost second_cost;   /* of that one */
-    const struct neph_study *study; /* that chose its step; NULL: none */
-    const struct neph_bakes_summary *bakes; /* of the grids that it saw; NULL: none */
+    double step_optical_depth;              /* largest of a step; NaN: no fixed steps */
+    const char *path;                       /* of the frame in the store; NULL: not rendered */
+    const char *second_path;                /* frame of a second seed; NULL: none */
+    struct neph_cost second_cost;           /* of the second frame */
+    const struct neph_study *study;         /* the step study that chose its step; NULL: none */
+    const struct neph_bakes_summary *bakes; /* of its voxel grids; NULL: none */
     struct neph_measurements measurements;  /* owned */
-    struct neph_error_parts error_parts;    /* against the truth; all 0 of the truth itself */
-    const char *picture, *differences[NEPH_SHOWN_COUNT]; /* inside the report; NULL: none (yet) */
+    struct neph_error_parts error_parts;    /* against the reference; all 0 for the reference */
+    const char *picture, *differences[NEPH_SHOWN_COUNT]; /* paths inside the report; NULL: none, or
+                                                            not yet */
 };
 
 enum neph_gate_verdict {
@@ -77,29 +79,30 @@ struct neph_gate_result {
     double maximum;
     enum neph_gate_verdict verdict;
     const char *reason;
-    int line; /* in the scene file; 0: it is the limit of what no gate of the scene names */
+    int line; /* in the scene file; 0: the default limit of a quantity without a gate */
 };
 
 struct neph_scene_result {
     const char *name, *title, *physics, *hash;
-    const char *file;        /* of the scene, as it was named */
+    const char *file;        /* path of the scene as the user gave it */
     int width_px, height_px; /* of its frames */
     struct neph_viewing viewing;
-    int frame_count;    /* one per engine of the field that renders this scene, in its order */
-    int left_out_count; /* engines that --only-engine added, and that render it not */
+    int frame_count;    /* one for each engine of the run that renders this scene, in order */
+    int left_out_count; /* engines added by --only-engine that do not render it */
     struct neph_frame_result *frames;
-    int truth; /* index of the frame that the others are measured against; -1: there is none */
-    double difference_scales[NEPH_SHOWN_COUNT]; /* the ends of the colour scales */
-    int gate_count; /* those of the scene; and one for each ungated frame that is far off */
+    int truth; /* index of the reference frame; -1: there is none */
+    double difference_scales[NEPH_SHOWN_COUNT]; /* ends of the colour scales */
+    int gate_count; /* the scene's gates, and one for each frame that fails its default limit */
     struct neph_gate_result *gates;
-    int ungated_count; /* frames that claim physics and have a radiance that no gate limits */
-    const struct neph_attribution *attribution; /* NULL: nobody to tell apart */
-    const char *viewer;                         /* its page inside the report; NULL: none (yet) */
-    const char *no_viewer; /* why there is none; NULL: there is one, or no picture, or not yet */
+    int ungated_count; /* frames of physical engines without a gate for their radiance */
+    const struct neph_attribution *attribution; /* NULL: fewer than three engines */
+    const char *viewer;                         /* page inside the report; NULL: none, or not yet */
+    const char *no_viewer; /* why there is none; NULL: there is one, there are no images, or not
+                              yet */
     bool is_drawn;
 };
 
-/* A scene of the catalogue whose data is not here. */
+/* A scene of the catalogue with missing data. */
 struct neph_absent_scene {
     const char *scene, *reason, *hint;
 };
@@ -112,13 +115,12 @@ enum neph_verdict {
     NEPH_VERDICT_COUNT,
 };
 
-/* What a verdict stands on. */
+/* The counts behind a verdict. */
 struct neph_counts {
-    int expected; /* frames: over all scenes that are here, their engines; in the physics suite,
-                     rows */
-    int reported; /* of them in the report, with their outcome */
-    int compared; /* of these, measured against the truth */
-    int ungated;  /* of these, limited by a factor of two only: harness/report/gates.c */
+    int expected; /* frames: engines summed over all available scenes; rows in the physics suite */
+    int reported; /* those in the report, with any outcome */
+    int compared; /* those compared with the reference */
+    int ungated;  /* those with only the default limit, a factor of two: harness/report/gates.c */
 };
 
 /* Start from {0}; free with neph_validation_finish(). */
@@ -126,7 +128,7 @@ struct neph_validation {
     struct neph_arena arena;
     const char *title;
     char created_utc[32];
-    int width_px, height_px; /* of frames of scenes that have no size of their own */
+    int width_px, height_px; /* of frames in scenes without a size of their own */
     struct neph_run_engines field;
     int scene_count, absent_count, chart_count;
     struct neph_scene_result *scenes;
@@ -137,44 +139,44 @@ struct neph_validation {
     enum neph_verdict verdict;
     struct neph_counts counts;
     double seconds;
-    int steps_done, steps_total; /* while it is running, and when it was interrupted */
-    double left_s;               /* negative: not known */
-    bool interactive;            /* the report has what interactive charts need */
-    bool has_screen;             /* and the page of `neph study screen` */
+    int steps_done, steps_total; /* while the run proceeds, and after an interruption */
+    double left_s;               /* negative: unknown */
+    bool interactive;            /* the report contains the libraries for interactive charts */
+    bool has_screen;             /* the report contains the page of `neph study screen` */
 };
 
 void neph_validation_finish(struct neph_validation *validation);
 
-/* What of a scene is not the arena's; it becomes {0}. */
+/* Free the members of a scene outside the arena; it becomes {0}. */
 void neph_scene_result_finish(struct neph_scene_result *scene);
 
-/* Count and judge what is there; `expected` frames were to be rendered. A failed gate or an engine
- * that broke fails the run, a missing one does not. Nor does a run pass that lost a frame or
- * compared none. */
+/* Set the counts and the verdict; `expected` is the number of frames that the run should render. A
+ * failed gate, an engine failure, a lost frame, and a run without comparisons fail the run; a
+ * missing engine does not. */
 void neph_validation_judge(struct neph_validation *validation, int expected);
 
-/* Judge the gates of a scene whose frames are measured: result->gates, in the arena. A frame that
- * no gate of the scene limits has one there when it fails. */
+/* Judge the gates of a measured scene: result->gates, allocated in the arena. A frame without a
+ * gate gets an entry there when it fails the default limit. */
 void neph_gates_judge(const struct neph_scene *scene, struct neph_arena *arena,
                       struct neph_scene_result *result);
 
-/* Whether a gate of the scene limits this quantity of an engine's frame. */
+/* True when a gate of the scene limits this quantity of the engine's frame. */
 bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engine,
                          const char *quantity);
 
-/* As data.json, whose form is written down in scripts/report/README.md. NULL when memory is short
- * or a text is not UTF-8. */
+/* The document data.json, described in scripts/report/README.md. NULL when memory is short or a
+ * text is not UTF-8. */
 json_t *neph_validation_json(const struct neph_validation *validation);
 
-/* A test case for each frame and each gate of the scenes, for each row of the physics suite, and
- * for the verdict of the run. */
+/* Add a test case for each frame and each gate of the scenes, for each row of the physics suite,
+ * and for the verdict of the run. */
 void neph_validation_junit(const struct neph_validation *validation, struct neph_junit *junit);
 
-/* For people: a line for each frame, and what is to be said of it below. */
+/* Print a table for people: one line for each frame, with its remarks below. */
 void neph_validation_print(const struct neph_validation *validation, FILE *out);
 
-/* "pass", and which engines the verdict is without, and in how many scenes: those that are not
- * installed, did not fit their budget, or have fewer samples than were set. No line break. */
+/* Print the verdict, such as "pass", followed by the engines that it does not cover and their
+ * number of scenes: not installed, over budget, or with fewer samples than set. No line break. */
 void neph_validation_print_verdict(const struct neph_validation *validation, FILE *out);
 
 const char *neph_verdict_name(enum neph_verdict verdict);

@@ -14,7 +14,7 @@
 
 /* ---- a scene --------------------------------------------------------------------------------- */
 
-/* null: nothing is random in it. */
+/* null for a deterministic frame. */
 static json_t *noise_json(const struct neph_frame_result *frame)
 {
     char text[128];
@@ -95,7 +95,7 @@ static json_t *engine_json(const struct neph_engine *engine, const struct neph_e
                      info->warning);
 }
 
-/* The lists of a document, each item by its own function. */
+/* The members that are lists. */
 static json_t *head_json(const struct neph_validation *validation)
 {
     const struct neph_run_engines *field = &validation->field;
@@ -136,7 +136,7 @@ static json_t *verdict_json(const struct neph_validation *validation)
     return json;
 }
 
-/* What the numbers are called is explained from the tables that they are measured by. */
+/* The metrics' descriptions, from the tables that the measurements use. */
 static json_t *metrics_json(void)
 {
     json_t *list = neph_measured_metrics_json();

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * The results of the main job and of the physics suite as JUnit's test cases.
+ * The results of `neph validate` and of the physics suite as JUnit test cases.
  */
 #include "harness/report/validation.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
 _Static_assert(NEPH_PHYSICS_VERDICT_COUNT == 3, "a new kind");
 
-/* An engine that does not model a scene, or is not here, has not failed. */
+/* An engine that does not model a scene, or is not installed, is skipped, not failed. */
 static enum neph_junit_result result_of(enum neph_outcome outcome)
 {
     if (outcome == NEPH_OUTCOME_RENDERED)
@@ -51,8 +51,8 @@ static void add_gate(const struct neph_gate_result *gate, const char *group,
     neph_junit_add(junit, group, name, results[gate->verdict], message);
 }
 
-/* Means that no gate of the scene limits, and that are within a factor of two: harness/report/
- * gates.c has a result only of those that are not. */
+/* Add passed cases for means without a gate: harness/report/gates.c lists only the means outside
+ * the factor of two. */
 static void add_means(const struct neph_scene_result *scene, int index, const char *group,
                       struct neph_junit *junit)
 {
@@ -75,7 +75,7 @@ static bool has_engine(const struct neph_scene_result *scene, const char *engine
     return false;
 }
 
-/* Without gates of engines that the run does not have. */
+/* Gates of engines that are not part of the run are left out. */
 static void add_scene(const struct neph_scene_result *scene, struct neph_junit *junit)
 {
     const char *group = neph_arena_format(&junit->arena, "validate %s", scene->name);
@@ -95,7 +95,7 @@ static void add_scene(const struct neph_scene_result *scene, struct neph_junit *
     }
 }
 
-/* An engine that is no reference may be off: the suite tells by how much. */
+/* A deviation fails only reference engines; for other engines the suite reports its size. */
 static void add_row(const struct neph_physics_row *row, struct neph_junit *junit)
 {
     const bool claims_truth = row->engine->rung <= NEPH_RUNG_TRACER;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every verdict. */
 _Static_assert(NEPH_GATE_VERDICT_COUNT == 3, "a new kind");
 
 static void print_number(const struct neph_frame_result *frame, const char *quantity,
@@ -33,18 +33,18 @@ static void print_gates(const struct neph_scene_result *scene, const struct neph
         fprintf(out, "-\n");
 }
 
-/* Below the numbers of a frame that was rendered from voxels: what the voxels alone cost. */
+/* Error of the voxel grids of a frame that was rendered from voxels, below its numbers. */
 static void print_bakes(const struct neph_bakes_summary *bakes, FILE *out)
 {
     fprintf(out, "%38s of %s: ", "", bakes->grid);
     if (bakes->worst.transmittance_max > 0.0)
-        fprintf(out, "off by up to %.1e of transmittance, extinction by %.1e rms\n",
+        fprintf(out, "errors: transmittance up to %.1e, extinction %.1e rms\n",
                 bakes->worst.transmittance_max, bakes->worst.extinction_rms_relative);
     else
         fprintf(out, "nothing is lost\n");
 }
 
-/* The step that a study chose, and what it leaves. */
+/* The step that a study chose, and the remaining bias. */
 static void print_study(const struct neph_study *study, FILE *out)
 {
     const struct neph_study_level *level = &study->levels[study->chosen];

@@ -22,7 +22,7 @@ enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph
     if (!*spec) {
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read the chart's template '%s'",
                            path ? path : "?");
-        neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
+        neph_hint(diag, "set NEPH_DATA_DIR to the folder with scenes/ and scripts/");
     }
     free(path);
     return status;
@@ -61,7 +61,7 @@ enum neph_status neph_vega_draw(char *const *stems, int count, bool *drawn, stru
     for (int i = 0; i < count; i++) {
         argv[2 + 2 * i] = neph_arena_format(&arena, "%s.vl.json", stems[i]);
         argv[3 + 2 * i] = neph_arena_format(&arena, "%s.svg", stems[i]);
-        unlink(argv[3 + 2 * i]); /* a report links to an older one, which is not written to */
+        unlink(argv[3 + 2 * i]); /* it may be a hard link to an older report */
     }
     const char *log_path = neph_arena_format(&arena, "%s.log", stems[0]);
     enum neph_status status = script ? neph_arena_check(&arena, diag) : neph_fail_memory(diag);

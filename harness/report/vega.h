@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Charts as Vega-Lite specifications, drawn by Node where it is installed.
+ * Charts as Vega-Lite specifications, drawn by Node if it is installed.
  */
 #ifndef NEPH_HARNESS_REPORT_VEGA_H
 #define NEPH_HARNESS_REPORT_VEGA_H
@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-/* A specification without its data, scripts/report/NAME; for the caller to json_decref. */
+/* Read a specification without its data, scripts/report/NAME; free it with json_decref(). */
 enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph_diag *diag);
 
 /* Write STEM.vl.json. */
@@ -17,9 +17,9 @@ enum neph_status neph_vega_write(const json_t *spec, const char *stem, struct ne
 
 enum { NEPH_VEGA_CHARTS_MAX = 32 };
 
-/* From such files draw STEM.svg, all in one go: starting Node takes longer than a chart. Of a
- * failure the first one's .log stays. `*drawn` tells whether there are pictures; `why`, never NULL,
- * why not. Errors: NEPH_ERR_MEMORY; NEPH_ERR_INTERRUPTED. */
+/* Draw STEM.svg for each STEM.vl.json, all with one start of Node, which takes longer than a chart.
+ * `*drawn` is false when Node fails; `why`, never NULL, then has the reason, and the .log of the
+ * first stem remains. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_vega_draw(char *const *stems, int count, bool *drawn, struct neph_diag *why,
                                 struct neph_diag *diag);
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The verdict of a run in one sentence. A verdict is about the frames that were compared, so the
- * sentence names each engine that is not installed, did not fit its budget, or has fewer samples
- * than were set.
+ * The verdict of a run in one sentence. A verdict covers only the compared frames, so the sentence
+ * names each engine that is not installed, is over its budget, or has fewer samples than set.
  */
 #include "harness/report/validation.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Compiles only when this file handles every outcome. */
 _Static_assert(NEPH_OUTCOME_COUNT == 7, "a new kind");
 
 static bool is_missing(const struct neph_frame_result *frame)
@@ -19,7 +18,7 @@ static bool is_over_budget(const struct neph_frame_result *frame)
     return frame->outcome == NEPH_OUTCOME_OVER_BUDGET;
 }
 
-/* A frame that claims physics has a note where it got fewer samples. */
+/* A frame of a physical engine has a note when it got fewer samples. */
 static bool has_fewer_samples(const struct neph_frame_result *frame)
 {
     return frame->path && !frame->is_look && frame->note[0];
@@ -27,7 +26,7 @@ static bool has_fewer_samples(const struct neph_frame_result *frame)
 
 static const struct shortfall {
     bool (*has)(const struct neph_frame_result *frame);
-    const char *before, *after; /* the names of the engines */
+    const char *before, *after; /* text around an engine's name */
 } shortfalls[] = {{is_missing, ", without ", " (not installed)"},
                   {is_over_budget, ", without ", " (did not fit its budget)"},
                   {has_fewer_samples, ", with fewer samples than set for ", ""}};

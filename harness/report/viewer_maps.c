@@ -10,23 +10,23 @@
 
 const char *const neph_viewer_overlays[3] = {"relative", "flip", "a4"};
 
-/* A map that was asked for, and who makes it. */
+/* A requested map and the extractor that computes it. */
 struct overlay {
     const struct neph_extractor *extractor;
     const struct neph_map *map;
-    json_t *sets; /* that have it; owned */
+    json_t *sets; /* indices of the sets with this map; owned */
 };
 
 struct maps {
     const struct neph_viewer *view;
     neph_viewer_ship *ship;
     void *context;
-    int set; /* at hand */
+    int set; /* index of the current set */
     struct overlay overlays[NEPH_VIEWER_OVERLAYS_MAX];
     int count;
 };
 
-/* ---- which maps ------------------------------------------------------------------------------ */
+/* ---- requested maps -------------------------------------------------------------------------- */
 
 static bool find_map(const char *name, struct overlay *overlay)
 {
@@ -94,7 +94,7 @@ static struct overlay *find_overlay(struct maps *maps, const struct neph_map *ma
     return NULL;
 }
 
-/* Ships those of radiance that are wanted. */
+/* Ship a map of radiance if it was requested. */
 static enum neph_status take_map(void *context, const struct neph_map *map,
                                  const struct neph_quantity *quantity, int frame,
                                  const struct neph_image *image, struct neph_diag *diag)
@@ -109,7 +109,7 @@ static enum neph_status take_map(void *context, const struct neph_map *map,
         neph_quantity_planes(quantity, image, planes);
     if (frame >= 0)
         snprintf(number, sizeof(number), "%d", frame);
-    if (frame <= 0) /* the first of this set */
+    if (frame <= 0) /* first frame of this set */
         neph_json_add(&overlay->sets, json_integer(maps->set));
     snprintf(key, sizeof(key), "%d_%s_map_%s", maps->set, number, map->name);
     return maps->ship(maps->context, key, planes, planes[1] ? 3 : 1, diag);
@@ -138,7 +138,7 @@ static struct neph_comparison comparison_of(struct maps *maps, int set, bool is_
         .quiet = view->quiet,
     };
     comparison.viewing.frame_rate_hz = frame_rate_hz;
-    if (is_picture) /* it has its exposure already */
+    if (is_picture) /* already contains the exposure */
         comparison.viewing.exposure_ev = 0.0;
     for (int i = 0; i < maps->count; i++)
         choose(&comparison, maps->overlays[i].extractor);
@@ -151,7 +151,7 @@ static void add_obstacle(json_t **not_taken, int set, const char *name, const ch
                   json_pack("{s:i, s:s, s:s}", "set", set, "overlay", name, "because", because));
 }
 
-/* Why maps are missing, by the words of the comparison. */
+/* List the reasons for missing maps, as the comparison gives them. */
 static void tell_missing(const struct maps *maps, const struct neph_compared *compared, int set,
                          json_t **not_taken)
 {
@@ -177,7 +177,7 @@ static enum neph_status compare(struct maps *maps, int set, bool is_picture, dou
     return status;
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- all sets -------------------------------------------------------------------------------- */
 
 static void add_overlays(const struct maps *maps, bool is_picture, json_t **overlays)
 {
@@ -205,7 +205,7 @@ enum neph_status neph_viewer_maps(const struct neph_viewer *view, bool is_pictur
     enum neph_status status = find_maps(&maps, diag);
     for (int s = 1; s < view->set_count && maps.count > 0 && !status; s++) {
         if (view->sets[0].frames.count > 1 && view->sets[s].frames.count == 1)
-            add_obstacle(not_taken, s, "all", "a still is not held against a sequence");
+            add_obstacle(not_taken, s, "all", "a single frame is not compared with a sequence");
         else
             status = compare(&maps, s, is_picture, frame_rate_hz, not_taken, diag);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Maps of the metrics for the page of neph view: what each set is off by against the first.
+ * Metric maps for the page of `neph view`: the difference of each set from the first set.
  */
 #ifndef NEPH_HARNESS_REPORT_VIEWER_MAPS_H
 #define NEPH_HARNESS_REPORT_VIEWER_MAPS_H
@@ -8,21 +8,21 @@
 #include "harness/json.h"
 #include "harness/report/viewer.h"
 
-/* The maps that are laid over pictures when none are named; the last is of sequences alone. */
+/* The default overlays; the last one exists only for sequences. */
 extern const char *const neph_viewer_overlays[3];
 
-/* Whether all overlays of a view are maps of radiance: to be asked before frames are read.
- * NEPH_ERR_USAGE names the first that is not. */
+/* Check, before frames are read, that all overlays of a view are maps of radiance. NEPH_ERR_USAGE
+ * names the first one that is not. */
 enum neph_status neph_viewer_check_overlays(const struct neph_viewer *view, struct neph_diag *diag);
 
-/* Takes the planes of a map under the name that the page knows them by. */
+/* A callback that stores the planes of a map under the key that the page uses. */
 typedef enum neph_status neph_viewer_ship(void *context, const char *key,
                                           const float *const *planes, int plane_count,
                                           struct neph_diag *diag);
 
-/* Make the overlays of a view, of radiance, and ship each: "SET_FRAME_map_NAME", FRAME "all" of a
- * map of the whole sequence. `overlays` and `not_taken` become lists as scripts/report/README.md
- * has them. NEPH_ERR_USAGE: no extractor has a map of a name. */
+/* Compute the overlays of a view, for radiance, and ship each under the key "SET_FRAME_map_NAME";
+ * FRAME is "all" for a map of the whole sequence. `overlays` and `not_taken` become lists as in
+ * scripts/report/README.md. NEPH_ERR_USAGE: an overlay's name is unknown. */
 enum neph_status neph_viewer_maps(const struct neph_viewer *view, bool is_picture,
                                   double frame_rate_hz, neph_viewer_ship *ship, void *context,
                                   json_t **overlays, json_t **not_taken, struct neph_diag *diag);

@@ -17,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Colours of differences end here; of radiance in values of the display. */
+/* Ends of the colour scales of differences; radiance in display values, transmittance as a
+ * share. */
 static const double display_scale = 0.02, share_scale = 0.02, depth_scale_m = 1.0;
 
 static const struct neph_page_parts parts = {
@@ -26,21 +27,21 @@ static const struct neph_page_parts parts = {
     .folders = {"frames"},
 };
 
-/* ---- what all frames have in common ---------------------------------------------------------- */
+/* ---- common properties of the frames --------------------------------------------------------- */
 
-/* A page in work. */
+/* The state of a page while it is written. */
 struct shop {
     const struct neph_viewer *view;
     const char *folder;
     struct neph_viewer_made made;
-    const char *first_path;      /* of the frame that gave the size and the kind; NULL: none yet */
-    struct neph_frame_form form; /* of that frame; owned */
-    bool is_picture;             /* values of a display */
+    const char *first_path;      /* first frame, which sets size and kind; NULL: none yet */
+    struct neph_frame_form form; /* of the first frame; owned */
+    bool is_picture;             /* display values, not linear data */
     double frame_rate_hz;
-    bool has_frame_rate;                                /* a frame said it */
-    int ahead_count;                                    /* frames that are still to be read */
-    size_t frame_bytes;                                 /* of the last one */
-    json_t *sets, *overlays, *not_taken, *codes, *cube; /* of the document; owned */
+    bool has_frame_rate;                                /* a frame states it */
+    int ahead_count;                                    /* number of frames left to read */
+    size_t frame_bytes;                                 /* size of the last frame */
+    json_t *sets, *overlays, *not_taken, *codes, *cube; /* members of the document; owned */
     struct neph_progress progress;
 };
 
@@ -93,12 +94,12 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
         snprintf(names + strlen(names), sizeof(names) - strlen(names), " %s",
                  image->channels[c].name);
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no radiance: its channels are%s", path, names);
-    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
-                    "takes NAME.R NAME.G NAME.B for it");
+    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
+                    "NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
-/* That of the first frame that says one, where nothing else was asked for. */
+/* Take the frame rate of the first frame that states one, unless the user set another. */
 static void take_frame_rate(struct shop *shop, const struct neph_image *image)
 {
     const double rate_hz = neph_frame_rate_hz(image);
@@ -108,7 +109,7 @@ static void take_frame_rate(struct shop *shop, const struct neph_image *image)
     }
 }
 
-/* Whether a frame lies over the others. */
+/* Check that a frame has the size and the kind of the first frame. */
 static enum neph_status check_frame(struct shop *shop, const char *path,
                                     const struct neph_image *image, struct neph_diag *diag)
 {
@@ -124,15 +125,14 @@ static enum neph_status check_frame(struct shop *shop, const char *path,
                          shop->made.width_px, shop->made.height_px);
     if (is_picture != shop->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "'%s' is a picture for a display, '%s' is linear data: they have no "
-                         "common scale",
+                         "'%s' is a display image, '%s' is linear data: they have no common scale",
                          is_picture ? path : shop->first_path,
                          is_picture ? shop->first_path : path);
     const enum neph_status status = neph_frame_form_check(&shop->form, path, image, false, diag);
     return status ? status : check_radiance(path, image, diag);
 }
 
-/* What makes a page smaller. */
+/* Hint for reducing the size of a page. */
 static const char take_less[] = "take fewer frames (a pattern, --warm-up), --quantity radiance, "
                                 "--overlay none, or a higher --limit";
 
@@ -148,7 +148,7 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
     if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
                            shop->view->limit_bytes / 1e6);
-        neph_hint(diag, "take fewer frames (a pattern, --warm-up), --quantity radiance alone, "
+        neph_hint(diag, "take fewer frames (a pattern, --warm-up), only --quantity radiance, "
                         "--overlay none, or a higher --page-limit");
     }
     if (!status)
@@ -158,7 +158,7 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
     return status;
 }
 
-/* A script that gives planes to the page under a name made of numbers and of words of ours. */
+/* Write a script that passes planes to the page under a key. */
 static enum neph_status ship_planes(struct shop *shop, const char *key, const float *const *planes,
                                     int plane_count, size_t count, struct neph_diag *diag)
 {
@@ -171,7 +171,7 @@ static enum neph_status ship_planes(struct shop *shop, const char *key, const fl
     return status;
 }
 
-/* Planes that are as large as the frames. */
+/* Write planes of the frames' size. */
 static enum neph_status ship(void *shop_, const char *key, const float *const *planes,
                              int plane_count, struct neph_diag *diag)
 {
@@ -180,7 +180,8 @@ static enum neph_status ship(void *shop_, const char *key, const float *const *p
                        (size_t)shop->made.width_px * (size_t)shop->made.height_px, diag);
 }
 
-/* All of a frame that is wanted; `found`: what the first frame of its set has of that. */
+/* Write the requested quantities of a frame. `found` is the set of quantities in the first frame of
+ * its set; later frames must have them as well. */
 static enum neph_status ship_frame(struct shop *shop, int set, int frame, const char *path,
                                    const struct neph_image *image, unsigned *found,
                                    struct neph_diag *diag)
@@ -222,8 +223,9 @@ static enum neph_status ship_file(struct shop *shop, int set, int frame, const c
     return status;
 }
 
-/* Frames of a sequence are alike: what is ahead takes about as much as as many of the last frame,
- * less what their noise makes of it. A page that cannot fit is refused by its first frames. */
+/* Refuse a page that will exceed its limit after its first frames. The frames of a sequence have
+ * similar sizes, so the estimate multiplies the last frame's size by the number of frames left; 0.8
+ * allows for their noise. */
 static enum neph_status check_ahead(struct shop *shop, struct neph_diag *diag)
 {
     static const double sure = 0.8;
@@ -289,7 +291,7 @@ static enum neph_status ship_sets(struct shop *shop, struct neph_diag *diag)
     return status;
 }
 
-/* ---- what is the same in all pages ----------------------------------------------------------- */
+/* ---- parts that do not depend on the frames -------------------------------------------------- */
 
 static json_t *colour_json(const uint8_t rgb[3])
 {
@@ -329,7 +331,8 @@ static json_t *quantity_list_json(const struct neph_viewer *view)
     return list;
 }
 
-/* OpenColorIO's view of linear values, from code 1 on: see neph_display_bake(). */
+/* The thresholds of OpenColorIO's view of linear values, from display code 1: see
+ * neph_display_bake(). */
 static enum neph_status bake_display(json_t **codes, struct neph_diag *diag)
 {
     float thresholds[256];
@@ -340,7 +343,8 @@ static enum neph_status bake_display(json_t **codes, struct neph_diag *diag)
     return status;
 }
 
-/* A view of a config of the user's, before frames are read: it may not be there. */
+/* Bake a view of the user's OpenColorIO config. Runs before frames are read, because the config may
+ * be missing. */
 static enum neph_status bake_cube(const struct neph_viewer *view, struct neph_display_cube *cube,
                                   struct neph_diag *diag)
 {
@@ -355,7 +359,7 @@ static enum neph_status bake_cube(const struct neph_viewer *view, struct neph_di
     return status;
 }
 
-/* Null where there is none. */
+/* Write the baked view; null when there is none. */
 static enum neph_status ship_cube(struct shop *shop, const struct neph_display_cube *cube,
                                   struct neph_diag *diag)
 {
@@ -364,7 +368,7 @@ static enum neph_status ship_cube(struct shop *shop, const struct neph_display_c
         return NEPH_OK;
     if (shop->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "these are pictures for a display: --ocio shows linear data");
+                         "these are display images: --ocio shows linear data");
     const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
                               NEPH_DISPLAY_CUBE_SIDE;
     const enum neph_status status = ship_planes(shop, "cube", (const float *const *)cube->nodes, 3,

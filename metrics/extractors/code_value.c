@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Two powers for each pixel of each image would take longer than all else that is measured, so a
- * curve is cut into pieces of equal ratio (32 to the octave), each a polynomial of degree 5 through
- * the curve at Chebyshev's nodes. The piece and the place in it are read off the bits of a double.
+ * Code values by a fast table. Two powers for each pixel of each image would take longer than all
+ * other measurements. So a curve is split into pieces of equal ratio (32 per octave); each piece is
+ * a polynomial of degree 5 through the curve at Chebyshev nodes. Piece and position come from the
+ * bits of a double.
  */
 #include "metrics/extractors/code_value.h"
 
@@ -11,22 +12,22 @@
 #include <math.h>
 #include <stdint.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_CODE_COUNT == 2, "a new kind");
 
 enum {
     DEGREE = 5,
-    PIECE_BITS = 5, /* of the mantissa, say which piece of its octave a number is in */
+    PIECE_BITS = 5, /* bits of the mantissa that select the piece within its octave */
     MANTISSA_BITS = 52,
     OCTAVES_MAX = 22,
     PIECES_MAX = (OCTAVES_MAX << PIECE_BITS),
-    CHUNK_PX = 256, /* pixels at a time: what lies between two loops stays in the first cache */
+    CHUNK_PX = 256, /* pixels per step, so that intermediate values stay in the L1 cache */
 };
 
 struct curve {
-    double low, high; /* values are clamped to this */
+    double low, high; /* values are clamped to this range */
     double peak;
-    double (*of)(double value); /* on low .. high, and smooth a piece beyond */
+    double (*of)(double value); /* defined on low .. high, and smooth one piece beyond */
 };
 
 /* ---- the curves ------------------------------------------------------------------------------ */
@@ -39,7 +40,7 @@ static double pu21_of(double luminance_cd_per_m2)
     return p[6] * (pow((p[0] + p[1] * power) / (1.0 + p[2] * power), p[4]) - p[5]);
 }
 
-/* The power segment of sRGB alone; it begins where the straight one ends. */
+/* Only the power segment of sRGB, which begins at the end of the linear segment. */
 static double srgb_power_of(double display_value)
 {
     return 255.0 * (1.055 * pow(display_value, 1.0 / 2.4) - 0.055);
@@ -62,13 +63,14 @@ double neph_code_peak(enum neph_code_kind kind)
 
 struct neph_code {
     enum neph_code_kind kind;
-    double gain; /* from the quantity to what the curve takes */
+    double gain; /* factor from the quantity to the curve's input */
     double low, high;
     uint64_t first_piece;
     double pieces[PIECES_MAX][DEGREE + 1]; /* in s = -1/2 .. 1/2 across the piece */
 };
 
-/* Newton's divided differences at Chebyshev's nodes, multiplied out. */
+/* Interpolate by Newton's divided differences at Chebyshev nodes; returns the monomial
+ * coefficients. */
 static void fit_piece(double (*of)(double), double start, double end, double *coefficients)
 {
     double node[DEGREE + 1], difference[DEGREE + 1];
@@ -118,7 +120,7 @@ enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_vi
 
 /* ---- pixels ---------------------------------------------------------------------------------- */
 
-/* The polynomials at values within low .. high. */
+/* Evaluate the table at values within low .. high. */
 static void look_up(const struct neph_code *code, const double *values, size_t count, double *codes)
 {
     const uint64_t one = (uint64_t)1023 << MANTISSA_BITS;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Code values: pixels on a scale on which equal steps look about equal, for metrics that were made
- * for display codes (PSNR, SSIM).
+ * Code values: pixels on a scale with perceptually similar steps, for metrics designed for display
+ * codes (PSNR, SSIM).
  *   pu21     PU21 of absolute luminance, variant banding_glare (Mantiuk and Azimi, PU21: A novel
  *            perceptually uniform encoding for adapting existing quality metrics for HDR, PCS
  *            2021): Y = white_cd_per_m2 * 2^exposure_ev * luminance in cd/m2, clamped to
@@ -23,12 +23,12 @@ enum neph_code_kind {
 
 struct neph_code;
 
-/* It lives in the arena. NEPH_ERR_MEMORY. */
+/* Create a table in the arena. NEPH_ERR_MEMORY. */
 enum neph_status neph_code_create(enum neph_code_kind kind, const struct neph_viewing *viewing,
                                   struct neph_arena *memory, struct neph_code **code,
                                   struct neph_diag *diag);
 
-/* 256 or 255. */
+/* The peak of PSNR: 256 (pu21) or 255 (display). */
 double neph_code_peak(enum neph_code_kind kind);
 
 /* Codes of the pixels first .. first + count - 1 of finite R G B planes. The curve is a table of

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Pixels at a time, and columns of the model at a time. */
+/* Pixels per step, and model columns per step. */
 enum { LANES = 16, STRIDE = 4 };
 
 /* ---- the model ------------------------------------------------------------------------------- */
@@ -49,7 +49,7 @@ static double *add_column(struct neph_cycle_model *model, double *columns, int p
     const int c = model->column_count++;
     model->part[c] = part;
     model->squares[c] = square;
-    model->noise_share[c] = noise; /* still without the inverse of the products */
+    model->noise_share[c] = noise; /* later multiplied by the inverse of the products */
     return columns + (size_t)c * (size_t)model->frame_count;
 }
 
@@ -88,7 +88,7 @@ static double dot(const double *a, const double *b, int count)
     return sum;
 }
 
-/* Gram and Schmidt, twice, which is enough (L. Giraud et al., Numer. Math. 101, 2005). */
+/* Gram-Schmidt, applied twice, which is sufficient (L. Giraud et al., Numer. Math. 101, 2005). */
 static void orthonormalize(struct neph_cycle_model *model, const double *columns)
 {
     const int n = model->frame_count, count = model->column_count;
@@ -110,8 +110,8 @@ static void orthonormalize(struct neph_cycle_model *model, const double *columns
     }
 }
 
-/* columns[c] = sum over k <= c of triangle[c][k] orthonormal[k], so that the coefficients x of the
- * columns belong to those y of the orthonormal ones by triangle^T x = y. */
+/* Solve triangle^T x = y for each lane. With columns[c] = sum over k <= c of triangle[c][k]
+ * orthonormal[k], x are the coefficients of the columns, y those of the orthonormal basis. */
 static void solve_triangle(const struct neph_cycle_model *model, double *coefficients, int lanes)
 {
     const int count = model->column_count;
@@ -126,8 +126,8 @@ static void solve_triangle(const struct neph_cycle_model *model, double *coeffic
     }
 }
 
-/* The variance of coefficient c over that of the noise is the square of column c of the inverse of
- * the triangle. `unit` has column_count^2 doubles. */
+/* Set the variance of each coefficient relative to the noise: the squared norm of column c of the
+ * inverse triangle. `unit` has column_count^2 doubles. */
 static void share_noise(struct neph_cycle_model *model, double *unit)
 {
     const int count = model->column_count;
@@ -197,7 +197,7 @@ enum neph_status neph_cycle_model_begin(struct neph_cycle_model *model, int fram
 
 /* ---- pixels ---------------------------------------------------------------------------------- */
 
-/* LANES pixels: their series less the mean, and the sums of squares of these. */
+/* Subtract the mean from the series of LANES pixels, and compute their sums of squares. */
 NEPH_VECTOR
 static void center_series(double *restrict series, size_t n, double *restrict squares)
 {
@@ -216,7 +216,7 @@ static void center_series(double *restrict series, size_t n, double *restrict sq
         }
 }
 
-/* sums[k] = products of STRIDE rows of `units` with the series. */
+/* sums[k] = dot products of STRIDE rows of `units` with the series. */
 NEPH_VECTOR
 static void project(const double *restrict units, const double *restrict series, size_t n,
                     double *restrict sums)
@@ -261,7 +261,7 @@ static void project_all(const struct neph_cycle_model *model, const double *seri
         project_one(model->orthonormal + (size_t)c * n, series, n, sums + (size_t)c * LANES);
 }
 
-/* What the coefficients of a pixel say; `coefficients` are LANES apart. */
+/* Overlap of the parts of a pixel; `coefficients` are LANES apart. */
 static double overlap_of(const struct neph_cycle_model *model, const double *coefficients)
 {
     const int count = model->column_count;

@@ -7,11 +7,12 @@
 
 enum { TERMS = NEPH_CYCLE_FLOOR_TERMS, ROUNDS = 40 };
 
-/* Bins for each term of the curve, so that no line can pull it up. Where the noise scatters much,
- * more terms than it shows would follow the noise. */
+/* Bins per term of the curve: with fewer, a line could pull the curve up. For noise with much
+ * scatter, more terms would fit the noise. */
 static const double bins_per_term = 10.0;
 
-/* Where a line does not reach, and the curve can still be believed to be as wrong [bins]. */
+/* Range of neighbours [bins]: far enough to be unaffected by a line, near enough that an error of
+ * the curve is about the same. */
 static const double nearby_from = 1.2, nearby_to = 6.0;
 
 static const double upper_quartile_z = 0.6744897501960817;
@@ -47,7 +48,7 @@ double neph_cycle_floor_at(const struct neph_cycle_floor *floor, double per_fram
 
 /* ---- the curve ------------------------------------------------------------------------------- */
 
-/* Gauss and Jordan; the matrix is that of normal equations, which need no exchange of rows. */
+/* Gauss-Jordan elimination without pivoting, which normal equations do not need. */
 static void solve(double m[TERMS][TERMS + 1], int count, double *solution)
 {
     for (int i = 0; i < count; i++)
@@ -60,7 +61,7 @@ static void solve(double m[TERMS][TERMS + 1], int count, double *solution)
         solution[i] = m[i][i] != 0.0 ? m[i][count] / m[i][i] : 0.0;
 }
 
-/* One round: each probe weighs as much as its last deviation was small. */
+/* One iteration: each probe's weight is the inverse of its last deviation. */
 static void refit(const struct neph_cycle_probe *probes, int count, bool is_first,
                   struct neph_cycle_floor *floor)
 {
@@ -103,14 +104,15 @@ static double fit_curve(const struct neph_cycle_probe *probes, int count,
 
 /* ---- the scatter ----------------------------------------------------------------------------- */
 
-/* One degree of freedom has half as many squares, of the same skewness each. */
+/* Adapt the scatter to the degrees of freedom: one degree has half as many squares, of the same
+ * skewness each. */
 static struct neph_cycle_scatter scatter_for(struct neph_cycle_scatter scatter, int dof)
 {
     const double part = 0.5 * (double)dof;
     return (struct neph_cycle_scatter){scatter.variance / part, scatter.shape * part};
 }
 
-/* The power over its mean at a normal score. */
+/* The power relative to its mean at a normal score. */
 static double ratio_of(struct neph_cycle_scatter scatter, double z)
 {
     const double k = scatter.shape;
@@ -138,8 +140,8 @@ static int by_score(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Standard deviation of the noise among probes that are sorted by score: that of the lower half, or
- * what the upper quartile says where that is more. */
+/* Standard deviation of the noise among probes sorted by score: from the lower half, or from the
+ * upper quartile if that is larger. */
 static double deviation_of(const struct neph_cycle_probe *sorted, int count, double bins)
 {
     double below = 0.0, squares = 0.0, lower = 0.0, upper = 0.0;

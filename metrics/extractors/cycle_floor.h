@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: MIT
  *
- * The noise under a spectrum whatever its colour: a smooth curve through the powers that robustly
- * passes by the lines in it, and the scatter of the powers about the curve. The scatter is
- * measured, because a picture of a million pixels can have the noise of a million series, or that
- * of one.
+ * The noise floor of a spectrum of any colour: a smooth curve through the powers, fitted robustly
+ * against lines, and the scatter of the powers around the curve. The scatter is measured, because
+ * an image of a million pixels may contain a million independent noise series, or only one.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_CYCLE_FLOOR_H
 #define NEPH_METRICS_EXTRACTORS_CYCLE_FLOOR_H
 
 #include <stdbool.h>
 
-/* A frequency at which the noise may be looked at. */
+/* A frequency for the estimate of the noise. */
 struct neph_cycle_probe {
     double per_frame; /* > 0 [cycles per frame] */
-    double power;     /* for each of its `dof`; what is not above 0 counts as hardly anything */
-    double bins;      /* the part of the spectrum that it stands for, in bins of 1 / N: at most 1 */
-    int dof;          /* 2, or 1 at half a cycle a frame */
-    bool is_noise;    /* may be used for the curve */
+    double power;     /* power per degree of freedom; zero and less count as a tiny power */
+    double bins;      /* its part of the spectrum in bins of 1 / N, at most 1 */
+    int dof;          /* 2, or 1 at half a cycle per frame */
+    bool is_noise;    /* usable for the curve: contains no found wave */
     double score;     /* standard deviations above the curve; set by neph_cycle_floor_of() */
 };
 
-/* How the mean power of noise over many series scatters: as a weighted sum of exponential
- * variables, one for each series that is its own. */
+/* The scatter of the mean noise power over many series: a weighted sum of exponential variables,
+ * one for each independent series. */
 struct neph_cycle_scatter {
-    double variance; /* of the power over its mean, two degrees of freedom: 1 / number of series */
-    double shape;    /* of the gamma distribution with the same mean, variance and skewness */
+    double variance; /* of the power relative to its mean, for two degrees of freedom: 1 / number of
+                      * series */
+    double shape;    /* shape of the gamma distribution with the same mean, variance and skewness */
 };
 
 enum { NEPH_CYCLE_FLOOR_TERMS = 11 };
@@ -33,39 +33,40 @@ struct neph_cycle_floor {
     double coefficients[NEPH_CYCLE_FLOOR_TERMS]; /* Chebyshev series of ln(median power) in the
                                                     logarithm of the frequency */
     int term_count;
-    double low, high; /* logarithms of the frequencies that it was made from */
+    double low, high; /* logarithms of the lowest and highest fitted frequency */
     struct neph_cycle_scatter scatter;
-    double median;  /* power over its mean */
-    double widened; /* standard deviation of the scores of the probes, at least 1 */
-    const struct neph_cycle_probe *probes; /* borrowed, in the order of their scores */
+    double median;  /* median power relative to its mean */
+    double widened; /* standard deviation of the probes' scores, at least 1 */
+    const struct neph_cycle_probe *probes; /* borrowed, sorted by score */
     int probe_count;
     double bin; /* 1 / N [cycles per frame] */
 };
 
-/* The curve is the regression of least absolute deviations of ln(power) on the polynomial (by
- * iteratively reweighted least squares: E. J. Schlossmacher, JASA 68, 1973). Scores are those of a
- * shifted gamma distribution of three moments (K. Pearson's type III) in the normal approximation
- * of E. B. Wilson and M. M. Hilferty (PNAS 17, 1931). They are divided by their own deviation: the
- * larger of that of the lower half, where no line is, and of the upper quartile, which holds what
- * the curve does not follow. `probes` come back in another order, and stay with the floor. */
+/* Fit the floor. The curve is the least-absolute-deviations regression of ln(power) on the
+ * polynomial, by iteratively reweighted least squares (E. J. Schlossmacher, JASA 68, 1973). Scores
+ * come from a shifted gamma distribution with three moments (K. Pearson's type III), in the normal
+ * approximation of E. B. Wilson and M. M. Hilferty (PNAS 17, 1931). They are divided by their own
+ * deviation, the larger one of two: the deviation of the lower half, which contains no lines, and
+ * the deviation from the upper quartile, which includes the curve's misfit. `probes` are reordered
+ * and must stay valid with the floor. */
 struct neph_cycle_floor neph_cycle_floor_of(struct neph_cycle_probe *probes, int count, double bin,
                                             struct neph_cycle_scatter scatter);
 
-/* The mean power of noise there. */
+/* The mean noise power at a frequency. */
 double neph_cycle_floor_at(const struct neph_cycle_floor *floor, double per_frame);
 
-/* By how many standard deviations the power of `probe` is above the noise, and above the median of
- * the probes nearby where that is above the curve: a line stands alone, a curve that does not bend
- * enough is wrong for all of them. */
+/* Standard deviations of `probe` above the noise, and above the median of nearby probes if that
+ * median is above the curve: a line is a single outlier, but a misfit of the curve raises all
+ * probes nearby. */
 double neph_cycle_floor_z(const struct neph_cycle_floor *floor,
                           const struct neph_cycle_probe *probe);
 
-/* Whether its power is above eight times the median of the probes nearby, whatever the curve says:
- * at the ends of the spectrum a strong line bends it. */
+/* Whether the power exceeds eight times the powers of half of the nearby probes, independent of the
+ * curve: near the ends of the spectrum a strong line bends the curve. */
 bool neph_cycle_floor_towers(const struct neph_cycle_floor *floor,
                              const struct neph_cycle_probe *probe);
 
-/* The power over its mean that is `z` above it, for two degrees of freedom. */
+/* The power relative to its mean that is `z` above the noise, for two degrees of freedom. */
 double neph_cycle_floor_ratio(const struct neph_cycle_floor *floor, double z);
 
 #endif

@@ -7,11 +7,11 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* The sum is made in as many parts, whatever the number of threads; of each part as many pixels at
- * a time. */
+/* The sum has a fixed number of parts, so that it does not depend on the number of threads; each
+ * part processes GROUP pixels at a time. */
 enum { PARTS = 16, GROUP = 8 };
 
-/* Pixels times frames that are looked at: 131072 pixels of 256 frames. */
+/* Limit of pixels times frames in the moments: 131072 pixels of 256 frames. */
 static const double sample_limit = 0x1p25;
 
 static const double least_std = 0.25 / 255.0;
@@ -36,13 +36,13 @@ enum neph_status neph_cycle_frames_begin(struct neph_cycle_frames *frames, int w
 
 struct work {
     const struct neph_cycle_frames *frames;
-    int side_px;          /* of the squares of which a pixel is taken */
-    int columns, rows;    /* of squares */
+    int side_px;          /* side of the squares; one pixel of each is used */
+    int columns, rows;    /* number of squares */
     double *parts[PARTS]; /* owned */
     atomic_bool out_of_memory;
 };
 
-/* 0 .. count - 1, by the place alone. */
+/* A hash of the position, 0 .. count - 1. */
 static int choose(int column, int row, int count)
 {
     uint64_t z = (uint64_t)(uint32_t)row << 32 | (uint32_t)column;
@@ -66,7 +66,7 @@ static void pick(const struct work *work, int column, int row, int place[2])
     place[1] = top + which / across;
 }
 
-/* The pixel about its mean, over its standard deviation about its line. */
+/* A pixel's series minus its mean, divided by its standard deviation around its line. */
 static void read_series(const struct neph_cycle_frames *frames, const int place[2], double *series)
 {
     const int count = frames->frame_count;
@@ -87,7 +87,7 @@ static void read_series(const struct neph_cycle_frames *frames, const int place[
         series[t] *= scale;
 }
 
-/* Lower triangle; `series` are GROUP rows. */
+/* Add to the lower triangle; `series` has GROUP rows. */
 NEPH_VECTOR
 static void add_moments(const double *restrict series, size_t n, double *restrict moments)
 {
@@ -127,7 +127,7 @@ static void add_part(int part, void *context)
     free(series);
 }
 
-/* Part after part, then the upper triangle. */
+/* Add up all parts in order, then fill the upper triangle. */
 static void add_up(const struct work *work, double *moments)
 {
     const size_t n = (size_t)work->frames->frame_count;

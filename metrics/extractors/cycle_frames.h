@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A signal of each pixel in all frames, kept: 4 bytes a pixel and frame, 0.5 GB for 256 frames of
- * 960x540. What flickers is known only at the end, and then the frames are looked at once more.
+ * Stores a signal of each pixel for all frames: 4 bytes per pixel and frame, 0.5 GB for 256 frames
+ * of 960x540. The periods are known only after the last frame, and then all frames are needed
+ * again.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_CYCLE_FRAMES_H
 #define NEPH_METRICS_EXTRACTORS_CYCLE_FRAMES_H
@@ -12,10 +13,10 @@
 
 struct neph_cycle_frames {
     int width_px, height_px, frame_count;
-    float *values; /* by row, frame, column */
+    float *values; /* index: row, frame, column */
 };
 
-/* The arena has the values. NEPH_ERR_MEMORY, with what it takes. */
+/* Allocate the values in the arena. NEPH_ERR_MEMORY names the needed size. */
 enum neph_status neph_cycle_frames_begin(struct neph_cycle_frames *frames, int width_px,
                                          int height_px, int frame_count, struct neph_arena *memory,
                                          struct neph_diag *diag);
@@ -26,11 +27,11 @@ static inline float *neph_cycle_frames_row(const struct neph_cycle_frames *frame
     return frames->values + line * (size_t)frames->width_px;
 }
 
-/* The frame_count^2 second moments of the pixels about their means, for neph_cycle_search(), in
- * the arena. Each pixel has one vote: it is divided by its own variance about a line,
- * which counts as at least that of a quarter of a step of an 8-bit display, so that the noise of a
- * cloud does not hide what a wire does. Of large pictures one pixel in each square is taken, by
- * chance with a fixed seed. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
+/* The frame_count^2 second moments of the pixels about their means, for neph_cycle_search(), in the
+ * arena. Each pixel has one vote: it is divided by its own variance around a line, but at least by
+ * the variance of a quarter step of an 8-bit display. So the noise of a cloud does not hide the
+ * flicker of a wire. In large images one pixel of each square is used, chosen at random with a
+ * fixed seed. NEPH_ERR_MEMORY, NEPH_ERR_INTERRUPTED. */
 enum neph_status neph_cycle_moments(const struct neph_cycle_frames *frames,
                                     struct neph_arena *memory, double **moments,
                                     struct neph_diag *diag);

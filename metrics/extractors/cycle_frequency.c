@@ -18,9 +18,9 @@ int neph_cycle_longest(int frame_count)
     return longest < NEPH_CYCLE_PERIOD_MAX ? longest : NEPH_CYCLE_PERIOD_MAX;
 }
 
-/* ---- what is declared ------------------------------------------------------------------------ */
+/* ---- declared periods ------------------------------------------------------------------------ */
 
-/* Without the blanks about it. */
+/* Copy a name without surrounding spaces. */
 static void copy_name(const char *begin, const char *end, char name[NEPH_CYCLE_NAME_MAX])
 {
     while (begin < end && isspace((unsigned char)*begin))
@@ -100,7 +100,7 @@ static int by_frequency(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-/* wanted[P] for the periods up to `limit`. */
+/* Set wanted[P] for the declared periods and their beats up to `limit`. */
 static void want_declared(int limit, const struct neph_cycle_declared *declared, bool *wanted)
 {
     for (int i = 0; i < declared->count; i++)

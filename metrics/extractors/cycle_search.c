@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Forward by what stands out most of the noise, each step followed by exchanges with near
- * frequencies; more is taken than is there, and what the others explain as well is dropped again at
- * the level that counts.
+ * Forward selection of the wave that is most prominent above the noise. Each step is followed by
+ * exchanges with near frequencies. Selection is generous; at the end, waves that the others explain
+ * as well are removed at the final level.
  */
 #include "metrics/extractors/cycle_search.h"
 
@@ -13,49 +13,50 @@
 #include <float.h>
 #include <math.h>
 
-/* A wave is taken on trial above this, and from this share of the movement on. */
+/* A wave is selected on trial above this score and this share of the total square sum. */
 static const double trial_z = 3.0, trial_share = 1e-9;
 
-/* The gain of a wave that is less apart from the set is rounding. */
+/* Below this separation from the set, the gain of a wave is rounding error. */
 static const double separation_min = 1e-4;
 
-/* What is told to be there is apart from the rest by more: in noise of a steep spectrum many waves
- * close together follow what is at lower frequencies. Two neighbours of 31 and 32 frames in 256 are
- * at 0.2. */
+/* Reported waves need at least this separation from the other waves: in noise with a steep
+ * spectrum, many waves close together follow the noise of lower frequencies. Two neighbours, of 31
+ * and 32 frames in 256, are at 0.2. */
 static const double separation_told = 0.05;
 
-/* From here on what is left of a wave shows the noise at its own frequency. */
+/* From this separation on, the residual of a wave shows the noise at its own frequency. */
 static const double separation_of_probe = 0.25;
 
-/* Frequencies that near [bins of 1 / N] may be mistaken for each other. */
+/* Frequencies nearer than this [bins of 1 / N] may be confused. */
 static const double near_bins = 4.0;
 
-/* Twice the log likelihood by which a wave must be better than another to be told from it. */
+/* Twice the log-likelihood difference that distinguishes two waves. */
 static const double told_apart = 20.0;
 
-/* What rounding leaves of the sum of squares at one frequency. */
+/* Rounding error of the sum of squares at one frequency, relative to the total. */
 static const double rounding = 1e-14;
 
 enum { ROUNDS = 4, SWEEPS = 4 };
 
 struct search {
     int frame_count;
-    const struct neph_cycle_frequencies *candidates; /* waves 1 ... of the tableau */
-    double *per_frame;                               /* of waves 1 ..., candidates and bins */
+    const struct neph_cycle_frequencies *candidates; /* waves 1 .. of the tableau */
+    double *per_frame;                               /* frequencies of waves 1 .., candidates and
+                                                      * bins */
     double *bins;                                    /* see struct neph_cycle_probe */
-    int count;                                       /* of them */
-    int window_count; /* of further waves, windowed, for what the series have in common */
+    int count;                                       /* number of these waves */
+    int window_count; /* number of additional windowed waves, for the correlation of the series */
     struct neph_cycle_tableau tableau;
-    struct neph_cycle_probe *probes; /* room for all */
+    struct neph_cycle_probe *probes; /* room for all waves */
     struct neph_cycle_floor floor;
-    double total;    /* sum of squares about the line */
-    double residual; /* the same beside the set */
+    double total;    /* sum of squares around the line */
+    double residual; /* sum of squares not explained by the set */
     int inside_count;
 };
 
-/* ---- beginning ------------------------------------------------------------------------------- */
+/* ---- set-up ---------------------------------------------------------------------------------- */
 
-/* Bins of 1 / N where the candidates leave gaps, for the floor. */
+/* Add bins of 1 / N in the gaps between the candidates, for the noise floor. */
 static int add_bins(const struct search *search, double *per_frame, int count)
 {
     const int candidate_count = search->candidates->count;
@@ -72,7 +73,7 @@ static int add_bins(const struct search *search, double *per_frame, int count)
     return count;
 }
 
-/* Five bins apart. */
+/* Add windowed waves, five bins apart. */
 static int add_windowed(const struct search *search, double *per_frame)
 {
     int count = 0;
@@ -151,9 +152,10 @@ static struct neph_cycle_probe probe_of(const struct search *search, int wave)
     };
 }
 
-/* Over the coefficients of pairs and triples of waves that share no frequency: the means of W_ij^2
- * and of W_ij W_jk W_ki are the sums of squares and of cubes of the weights of the series that are
- * their own. Independent pixels count each, the shared half of a noise counts as half. */
+/* Scatter of the noise power, from the coherence W of pairs and triples of waves without common
+ * frequencies: the means of W_ij^2 and of W_ij W_jk W_ki are the sums of the squared and cubed
+ * weights of the independent series. Independent pixels all count; noise that is half shared counts
+ * as half. */
 static struct neph_cycle_scatter scatter_of(const struct search *search)
 {
     const int first = search->count + 1, end = first + search->window_count;
@@ -177,7 +179,7 @@ static struct neph_cycle_scatter scatter_of(const struct search *search)
         }
     if (triples == 0.0 || squares == 0.0)
         return (struct neph_cycle_scatter){1.0, 1.0};
-    /* Weights that are positive and of sum 1 hold these bounds, estimates of them may not. */
+    /* Positive weights with sum 1 satisfy these bounds; estimates of them may not. */
     const double variance = fmin(squares / pairs, 1.0), most = variance * sqrt(variance);
     const double skew = fmin(fmax(cubes / triples, variance * variance), most);
     return (struct neph_cycle_scatter){variance, variance * variance * variance / (skew * skew)};
@@ -197,7 +199,7 @@ static double z_of(const struct search *search, int wave)
     return neph_cycle_floor_z(&search->floor, &probe);
 }
 
-/* Whether a wave may be taken on trial, and by how much it stands out. */
+/* Whether a wave may be selected on trial; `*z`: its score. */
 static bool may_be_taken(const struct search *search, int wave, double *z)
 {
     const struct neph_cycle_tableau *tableau = &search->tableau;
@@ -209,7 +211,7 @@ static bool may_be_taken(const struct search *search, int wave, double *z)
     return *z > trial_z || neph_cycle_floor_towers(&search->floor, &probe);
 }
 
-/* The candidate outside that stands out most, or 0. */
+/* The most prominent candidate outside of the set; 0: none. */
 static int most_prominent(const struct search *search)
 {
     int best = 0;
@@ -230,7 +232,8 @@ static bool is_near(const struct search *search, int a, int b)
     return fabs(off) * (double)search->frame_count < near_bins;
 }
 
-/* The candidate outside and near `wave` that would explain most, or `wave`, which is outside. */
+/* The candidate outside of the set and near `wave` that would explain most; `wave` is outside,
+ * too. */
 static int best_near(const struct search *search, int wave)
 {
     int best = wave;
@@ -265,8 +268,8 @@ static void exchange(struct search *search, int around)
     }
 }
 
-/* Two members for the two near candidates that explain most together: one after the other may not
- * lead there. */
+/* Exchange two members for the two near candidates that together explain most; single exchanges may
+ * not find this pair. */
 static void exchange_pair(struct search *search, int one, int other)
 {
     const int count = search->candidates->count;
@@ -318,12 +321,12 @@ static void take(struct search *search)
 
 static double z_needed(const struct search *search)
 {
-    /* A power can only be too large: the two-sided test at twice the level. */
+    /* Only too large powers count: the two-sided test at twice the level. */
     return neph_normal_critical(2.0 *
                                 neph_sidak_alpha(NEPH_CYCLE_ALPHA, search->candidates->count));
 }
 
-/* Drop the least certain wave until all are certain. */
+/* Remove the least certain wave until all are certain. */
 static void drop(struct search *search)
 {
     const double needed = z_needed(search);
@@ -352,7 +355,8 @@ static void drop(struct search *search)
 
 /* ---- the result ------------------------------------------------------------------------------ */
 
-/* The period that explains best what `wave` does, if it cannot be told from it: 0 if it can. */
+/* The period of a wave that explains the series better than `wave`, or not significantly worse; 0:
+ * none. */
 static int also_period(struct search *search, int wave)
 {
     const double noise = neph_cycle_floor_at(&search->floor, search->per_frame[wave - 1]);

@@ -24,7 +24,7 @@ static struct block block_of(const struct neph_cycle_tableau *tableau, const dou
     return (struct block){{row[0], row[1], row[n], row[n + 1]}};
 }
 
-/* A wave without a sine has one number; its inverse is that of the number. */
+/* The inverse of a block; a wave without a sine has a 1x1 block. */
 static struct block inverse(struct block b)
 {
     if (b.v[3] == 0.0)
@@ -34,7 +34,7 @@ static struct block inverse(struct block b)
         {b.v[3] / determinant, -b.v[1] / determinant, -b.v[2] / determinant, b.v[0] / determinant}};
 }
 
-/* ---- making one ------------------------------------------------------------------------------ */
+/* ---- set-up ---------------------------------------------------------------------------------- */
 
 static void fill_waves(const double *per_frame, int count, int window_count, int frame_count,
                        double *waves)
@@ -71,7 +71,7 @@ static double dot(const double *restrict a, const double *restrict b, size_t cou
     return sum;
 }
 
-/* The symmetric products of `left` with `right`, `n` rows of `length` each. */
+/* Symmetric matrix of the dot products of `left` and `right`, `n` rows of `length` values each. */
 static void multiply(const double *left, const double *right, size_t n, size_t length,
                      double *products)
 {
@@ -112,7 +112,8 @@ enum neph_status neph_cycle_tableau_begin(struct neph_cycle_tableau *tableau, in
     return made ? NEPH_OK : neph_fail_memory(diag);
 }
 
-/* ---- turning --------------------------------------------------------------------------------- */
+/* ---- moving a wave into or out of the set
+ * ------------------------------------------------------ */
 
 /* row += x0 * a + x1 * b */
 NEPH_VECTOR
@@ -123,12 +124,12 @@ static void add_two(double *restrict row, double x0, const double *restrict a, d
         row[i] += x0 * a[i] + x1 * b[i];
 }
 
-/* The vectors of a turn, `n` values each. */
+/* The vectors of one such step, `n` values each. */
 struct turn {
-    size_t n, at; /* columns, and the first of the wave */
+    size_t n, at; /* number of columns, and first column of the wave */
     struct block d;
-    double *a[2], *signed_a[2]; /* products with the wave, and those with the sign of a pair */
-    double *b[2];               /* by how much of the wave each vector changes */
+    double *a[2], *signed_a[2]; /* products with the wave, and the same with the sign of a pair */
+    double *b[2];               /* the wave's coefficient in the change of each vector */
     double *t[2], *g[2];        /* moments with the wave, before and after */
 };
 
@@ -147,8 +148,8 @@ static struct turn turn_of(struct neph_cycle_tableau *tableau, int wave)
     return turn;
 }
 
-/* With v the wave, or what is left of it, and D the inverse of its block, every other vector
- * becomes v_j - a_j D v; those outside, when the wave leaves, v_j + a_j D v. */
+/* Let v be the wave's residual and D the inverse of its block. Every other vector becomes v_j - a_j
+ * D v; if the wave leaves the set, vectors outside become v_j + a_j D v. */
 static void find_changes(const struct neph_cycle_tableau *tableau, int wave, struct turn *turn)
 {
     const bool leaves = tableau->inside[wave];
@@ -177,7 +178,7 @@ static void turn_others(struct neph_cycle_tableau *tableau, int wave, const stru
     for (size_t j = 0; j < turn->n; j++) {
         if (j / 2 == (size_t)wave)
             continue;
-        /* Two vectors of which both are on the other side of the turn add up. */
+        /* The change of two vectors on the other side of the step has the opposite sign. */
         const bool other = tableau->inside[j / 2] != leaves;
         double *const *a = other ? (double *const *)turn->signed_a : (double *const *)turn->a;
         const double sign = other ? 1.0 : -1.0;
@@ -209,7 +210,8 @@ static void set_block(double *matrix, size_t n, size_t at, struct block block)
         matrix[(at + c / 2) * n + at + c % 2] = block.v[c];
 }
 
-/* The rows and columns of the wave itself, last: the others are read from them. */
+/* Update the rows and columns of the wave itself, last, because the others are computed from
+ * them. */
 static void turn_wave(struct neph_cycle_tableau *tableau, int wave, const struct turn *turn)
 {
     const struct block moments = block_of(tableau, tableau->moments, wave);
@@ -247,7 +249,8 @@ void neph_cycle_tableau_refresh(struct neph_cycle_tableau *tableau)
             neph_cycle_tableau_turn(tableau, w);
 }
 
-/* ---- what it says ---------------------------------------------------------------------------- */
+/* ---- results
+ * ----------------------------------------------------------------------------------- */
 
 double neph_cycle_gain(const struct neph_cycle_tableau *tableau, int wave)
 {

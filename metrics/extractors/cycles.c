@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker of every period before a camera that stands still, as a budget: the frames are kept, then
- * the periods that are in them are found in all pixels together, then each pixel's variance is
- * divided among them.
+ * Flicker of every period for a static camera, as a budget: the frames are stored, the periods are
+ * found in all pixels together, then each pixel's variance is divided among them.
  */
 #include "base/threads.h"
 #include "metrics/extractors/cycle_fit.h"
@@ -53,9 +52,9 @@ static const struct neph_option options[] = {
 
 enum { PERIOD_COUNT = NEPH_CYCLE_PERIOD_MAX - NEPH_CYCLE_PERIOD_MIN + 1 };
 
-/* Squares, then what they must be above: FLOORS further. */
+/* Squares, then their noise floors, FLOORS later. */
 enum map {
-    CYCLE, /* by period */
+    CYCLE, /* one for each period */
     REPEATS = CYCLE + PERIOD_COUNT,
     LONG = REPEATS + PERIOD_COUNT,
     DRIFT = LONG + LONG_COUNT,
@@ -69,7 +68,7 @@ enum map {
 
 _Static_assert(MAP_COUNT <= NEPH_MAPS_MAX, "an extractor's maps");
 
-#define SCALE (1e-3) /* of squares: a sine of 8/255 */
+#define SCALE (1e-3) /* of squares: the square of a sine of 8/255 */
 
 #define MAP_OF_PERIOD(p)                                                                           \
     [CYCLE + p - 2] = {"cycle_" #p "_squared", "1", 1, true, SCALE, ended_early, 0},               \
@@ -142,27 +141,27 @@ static const struct neph_metric metrics[] = {
     {0},
 };
 
-/* ---- the life -------------------------------------------------------------------------------- */
+/* ---- state ----------------------------------------------------------------------------------- */
 
 struct cycles {
     struct neph_cycle_declared declared;
     double gain;
     int warm_up;
-    struct neph_cycle_frames frames; /* d */
+    struct neph_cycle_frames frames; /* the signal d */
     int frames_seen;
-    float *reference[3]; /* as last seen, and its luma */
+    float *reference[3]; /* planes and luma of the last reference frame */
     double *reference_luma;
-    struct neph_arena seen; /* of the frames and the reference, until the parts are known */
+    struct neph_arena seen; /* memory of the frames and the reference, until the parts are known */
 
-    struct neph_arena *memory; /* of the rest */
+    struct neph_arena *memory; /* memory of everything else */
 
-    bool complete; /* what follows is known */
+    bool complete; /* the following members are set */
     struct neph_cycle_findings findings;
     struct neph_cycle_model model;
     double **parts; /* by enum neph_cycle_part */
 };
 
-/* The second moments grow with the square of the frames. */
+/* Limited, because the second moments grow with the square of the number of frames. */
 static int frames_used(const struct neph_frame_pair *first, const struct neph_settings *settings)
 {
     const int count = first->frame_count - (int)settings->values[WARM_UP];
@@ -218,7 +217,7 @@ static void cycles_close(void *state)
 struct frame_work {
     struct cycles *cycles;
     const struct neph_frame_pair *pair;
-    int t; /* since the warm-up */
+    int t; /* frame index after the warm-up */
 };
 
 static void luma_of(const float *const planes[3], size_t first, size_t count, double gain,
@@ -228,7 +227,7 @@ static void luma_of(const float *const planes[3], size_t first, size_t count, do
     neph_display_luma(chunk, count, gain, luma, NULL);
 }
 
-/* The luma of a reference that stands still is worked out once. */
+/* Compute the luma of the reference, only once for a static reference. */
 static void look_at_reference(const struct frame_work *work, size_t first, size_t count)
 {
     struct cycles *cycles = work->cycles;
@@ -345,15 +344,15 @@ static enum neph_status cycles_flush(void *state, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* ---- what it says ---------------------------------------------------------------------------- */
+/* ---- results --------------------------------------------------------------------------------- */
 
-/* Which of the periods a map adds up: `divisors`: all that divide `period`, too. */
+/* The periods that a map adds up; `divisors`: also all divisors of `period`. */
 struct periods_of_map {
     int period;
     bool divisors;
 };
 
-/* The period of a map of squares; 0: of none that was found. */
+/* The periods of a map of squares; period 0: none found. */
 static struct periods_of_map periods_of(const struct cycles *cycles, int map)
 {
     const struct neph_cycle_model *model = &cycles->model;
@@ -381,7 +380,7 @@ static bool has_any(const struct cycles *cycles, struct periods_of_map wanted)
     return false;
 }
 
-/* How much of white noise of variance 1 a pixel's budget shows as noise. */
+/* The part of white noise of variance 1 that a pixel's budget shows as noise. */
 static double noise_per_variance(const struct neph_cycle_model *model)
 {
     const double n = (double)model->frame_count;
@@ -391,12 +390,12 @@ static double noise_per_variance(const struct neph_cycle_model *model)
     return sum;
 }
 
-/* By how many standard deviations a mean over a mask must be above 0: 3, one-sided, 0.1 %. The
- * periods are known to be there; what is asked is whether this mask has them. */
+/* The number of standard deviations that a mean over a mask must be above 0: 3, one-sided 0.1 %.
+ * The periods are known to exist; the test decides whether this mask contains them. */
 static const double mask_z = 3.0;
 
-/* What the noise of a pixel is multiplied with for NEPH_POOL_ROOT_MEAN_ABOVE. The pixels of a mask
- * count as many series as the whole picture's scatter says of as many pixels. */
+/* Factor of a pixel's noise for NEPH_POOL_ROOT_MEAN_ABOVE. The number of independent series in a
+ * mask follows from the scatter of the whole image, in proportion to its pixels. */
 static double floor_factor(const struct cycles *cycles, int map)
 {
     const struct neph_cycle_model *model = &cycles->model;
@@ -429,7 +428,7 @@ static void add_squares(const struct cycles *cycles, int map, size_t begin, size
             values[i] += cycles->parts[NEPH_CYCLE_SQUARES + p][begin + i];
 }
 
-/* The part of a pixel behind the maps that are no sums of periods. */
+/* The part of a pixel's budget for a map that is not a sum of periods. */
 static enum neph_cycle_part part_of(int map)
 {
     switch (map) {
@@ -479,7 +478,7 @@ static bool is_ambiguous(const struct cycles *cycles, int period)
     return false;
 }
 
-/* Why a map of squares has no value. */
+/* The reason why a map of squares has no value. */
 static const char *cycles_empty(const void *state, int map)
 {
     const struct cycles *cycles = state;

@@ -4,14 +4,14 @@
 #include "metrics/metric.h"
 #include "metrics/vector_math.h"
 
-/* The step of IEC 61966-2-1 from a line to a power. */
+/* The threshold of IEC 61966-2-1 between its linear and its power segment. */
 static const double step = 0.0031308;
 
-/* c^(1/2.4) for step <= c <= 1, to 1e-15 of itself: a guess y in single precision, then one step on
- * y^12 = c^5 in double. With s the eighth root of c the power is s^(10/3), smooth over the little
- * more than an octave that s has: the polynomial, which meets it at the Chebyshev nodes, is good to
- * 2e-6. The step leaves the third power of twelve times that. A third of the time of 2^(log2
- * / 2.4).
+/* c^(1/2.4) for step <= c <= 1, with relative error 1e-15: a guess y in single precision, then one
+ * iteration on y^12 = c^5 in double precision. With s the eighth root of c the power is s^(10/3),
+ * which is smooth over the little more than one octave of s. The polynomial interpolates it at
+ * Chebyshev nodes, with error 2e-6; the iteration leaves the third power of twelve times that. A
+ * third of the time of 2^(log2 / 2.4).
  */
 static inline double power(double c)
 {
@@ -28,7 +28,7 @@ static inline double power(double c)
     return y + y * (h * (1.0 / 12.0 - 11.0 / 288.0 * h));
 }
 
-/* Both sides of the step are worked out, so that the loop around has no branch. */
+/* Compute both segments, so that the surrounding loop has no branch. */
 static inline double encoded(double c)
 {
     const double line = 12.92 * c;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the eye is shown of a picture, one number per pixel: the luma of its encoded display values,
- * in which equal steps are about equally visible, and the luminance of the display.
+ * The displayed brightness of a pixel: the luma of its encoded display values, in which equal steps
+ * are about equally visible, and the luminance of the display.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_DISPLAY_LUMA_H
 #define NEPH_METRICS_EXTRACTORS_DISPLAY_LUMA_H
@@ -13,7 +13,7 @@
  *   luma      0.2126 R' + 0.7152 G' + 0.0722 B' with c' = c <= 0.0031308 ? 12.92 c
  *             : 1.055 c^(1/2.4) - 0.055 (IEC 61966-2-1, the weights of ITU-R BT.709)
  *   luminance 0.2126 R + 0.7152 G + 0.0722 B of the clamped values, 1 = display white
- * Both in [0, 1] up to rounding, and right to 2e-15 of themselves. `luminance` may be NULL. */
+ * Both are in [0, 1] up to rounding; the relative error is 2e-15. `luminance` may be NULL. */
 void neph_display_luma(const float *const rgb[3], size_t count, double gain, double *luma,
                        double *luminance);
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * Error of an image against a reference, on linear data. The sign is test - reference: a positive
- * bias means that the test is too bright, too clear or too far.
+ * bias means that the test is too bright, too transparent or too far.
  *
  * d = test - reference. The samples of a mask are all its pixels in all colour channels jointly (3
- * samples a pixel; depth has 1). S is the mean Rec.709 luminance of the quantity over the *whole*
- * reference frame (depth: the mean over its solid pixels), so that a number does not change its
- * meaning from mask to mask. All numbers on depth but hit_mismatch are over the pixels that are
- * solid in both images.
+ * samples per pixel; depth has 1). S is the mean Rec.709 luminance of the quantity over the *whole*
+ * reference frame (depth: the mean over its solid pixels), so that a number means the same in every
+ * mask. All numbers of depth but hit_mismatch use only pixels that are solid in both images.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -16,8 +15,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Shares of S, so that they are tied to the scene: the absolute epsilons in use elsewhere (pbrt,
- * tev, SimpleImageIO) make dark scenes look perfect. */
+/* As shares of S, so that they scale with the scene: the absolute epsilons of other programs (pbrt,
+ * tev, SimpleImageIO) hide errors in dark scenes. */
 static const double mse_epsilon_share = 0.01;
 static const double relative_floor_share = 1e-4;
 
@@ -66,7 +65,7 @@ static const struct neph_metric metrics[] = {
 struct state {
     struct neph_frame_pair pair;
     double epsilon;        /* of rel_mse; NaN without a scene mean */
-    double relative_floor; /* of max_rel; likewise */
+    double relative_floor; /* of max_rel; NaN without a scene mean */
 };
 
 static enum neph_status extract(void *state_, const struct neph_frame_pair *pair,
@@ -81,7 +80,8 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
     return NEPH_OK;
 }
 
-/* One function a map, over `count` samples. A sky (+inf) in either makes NaN: no value. */
+/* The function of one map, over `count` samples. A sky (+inf) in either image gives NaN: no
+ * value. */
 typedef void fill_function(const struct state *state, const float *restrict reference,
                            const float *restrict test, size_t count, double *restrict values);
 

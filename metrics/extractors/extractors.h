@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The list of extractors, in the order of reports: the one line that a new one needs beside its
- * file.
+ * The list of extractors, in the order of reports. A new extractor needs its file and one line
+ * here.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_EXTRACTORS_H
 #define NEPH_METRICS_EXTRACTORS_EXTRACTORS_H
@@ -35,13 +35,14 @@
 NEPH_EXTRACTORS(NEPH_EXTRACTOR_DECLARED)
 #undef NEPH_EXTRACTOR_DECLARED
 
-/* All extractors, in the order of reports. NULL outside 0..count-1. */
+/* The number of extractors; the extractor at an index (in the order of reports; NULL outside
+ * 0..count-1); an extractor by name (NULL: none). */
 int neph_extractor_count(void);
 const struct neph_extractor *neph_extractor_at(int index);
 const struct neph_extractor *neph_extractor_find(const char *name);
 
-/* A metric by name over all extractors; NULL when there is none. `*owner` (if not NULL) receives
- * its extractor. */
+/* Find a metric by name in all extractors; NULL: there is none. `*owner` (if not NULL) receives its
+ * extractor. */
 const struct neph_metric *neph_metric_find(const char *name, const struct neph_extractor **owner);
 
 #endif

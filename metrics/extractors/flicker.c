@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker before a camera that stands still: one pass over the frames (flicker_watch.h), then every
- * map at once, because most of the work of one serves all.
+ * Flicker for a static camera: one pass over the frames (flicker_watch.h), then all maps at once,
+ * because they share most of the work.
  */
 #include "base/threads.h"
 #include "metrics/extractors/extractors.h"
@@ -16,8 +16,9 @@
 
 enum { CYCLE = NEPH_FLICKER_CYCLE, FRAME_COUNT_MIN = 16 };
 
-/* A detrended standard deviation in luma below which a pixel counts as still: half a unit in the
- * last place of the 24 bits of a sample of 1. Shares of less would be shares of rounding. */
+/* Detrended standard deviation in luma below which a pixel counts as static: half a unit in the
+ * last place of the 24 bits of a sample of 1. Shares of smaller variances would be shares of
+ * rounding errors. */
 static const double still_std = 0x1p-24;
 
 static const char too_short[] =
@@ -71,7 +72,7 @@ enum map {
     CYCLE_SHARE,
     CYCLIC,
     UNREST,
-    AGE, /* NEPH_AGE_COUNT of them */
+    AGE, /* NEPH_AGE_COUNT maps */
     AGE_SLOPE = AGE + NEPH_AGE_COUNT,
     REFERENCE_STD,
     REFERENCE_A4,
@@ -81,7 +82,7 @@ enum map {
 
 _Static_assert(MAP_COUNT <= NEPH_MAPS_MAX, "an extractor's maps");
 
-/* Pictures: black at 0; at the top four times the share limit of 4/255, a plain flicker. */
+/* Colour scale: black at 0, top at four times the share limit of 4/255, clearly visible flicker. */
 #define LUMA_SCALE (16.0 / 255.0)
 
 #define MAP(name, is_signed, scale)                                                                \
@@ -110,7 +111,7 @@ static const struct neph_map maps[MAP_COUNT] = {
     [REFERENCE_A2] = MAP("reference_a2", false, LUMA_SCALE),
 };
 
-/* Scalars: the phase-age table by 4 phase + age, then the number of frames. */
+/* Scalars: the phase-age table at index 4 phase + age, then the number of frames. */
 enum { FRAMES = NEPH_PHASE_COUNT * NEPH_AGE_COUNT };
 
 #define POOLED(name, low, high, pool, parameter, map, help)                                        \
@@ -177,23 +178,23 @@ static const struct neph_metric metrics[] = {
     {0},
 };
 
-/* ---- the life -------------------------------------------------------------------------------- */
+/* ---- state ----------------------------------------------------------------------------------- */
 
 struct flicker {
     struct neph_phase_age scheme;
     struct neph_flicker_window window;
     int warm_up;
     int width_px, height_px;
-    struct neph_flicker_watch watch; /* ends with the last frame */
+    struct neph_flicker_watch watch; /* finished after the last frame */
 
-    struct neph_arena *memory; /* of the maps */
-    bool complete;             /* what follows is known */
+    struct neph_arena *memory; /* memory of the maps */
+    bool complete;             /* the following members are set */
     double *values[MAP_COUNT];
     double phase_age[NEPH_PHASE_COUNT * NEPH_AGE_COUNT];
     double phase_pixel_count[NEPH_PHASE_COUNT];
 };
 
-/* Frames in whole cycles after the warm-up. */
+/* Number of frames after the warm-up, in whole cycles. */
 static int frames_used(const struct neph_frame_pair *first, const struct neph_settings *settings)
 {
     return (first->frame_count - (int)settings->values[WARM_UP]) / CYCLE * CYCLE;
@@ -250,7 +251,7 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
-/* Spectrum of the mean over the 2x2 slots that a pixel is in, cut at the border of the image. */
+/* Spectrum of the mean over the 2x2 slots around a pixel, cut at the border of the image. */
 static struct neph_flicker_spectrum block_spectrum(const struct flicker *flicker, int x, int y)
 {
     const struct neph_flicker_watch *watch = &flicker->watch;
@@ -279,7 +280,7 @@ static double cycle_share_of(const struct flicker *flicker, const double *sums,
     return variance > still_std * still_std ? fmin(1.0, cycle / variance) : 0.0;
 }
 
-/* Mean d in the frames in which the pixel has an age, by age. */
+/* Mean d by age, over the frames in which the pixel has that age. */
 static void find_ages(const struct flicker *flicker, int x, int y, const double *sums,
                       double ages[NEPH_AGE_COUNT])
 {
@@ -294,7 +295,7 @@ static void find_ages(const struct flicker *flicker, int x, int y, const double 
     }
 }
 
-/* All maps of a pixel of d alone, without its neighbours. */
+/* All maps of a pixel that depend only on its own d. */
 static void find_pixel(const struct flicker *flicker, int x, int y, double values[MAP_COUNT])
 {
     double sums[NEPH_FLICKER_SUM_COUNT];

@@ -11,9 +11,9 @@ struct neph_flicker_window neph_flicker_window_of(int frame_count, bool detrend,
     return window;
 }
 
-/* The slope of the trend [signal per frame]. In the fit of a line and a cycle together only that
- * part of the line counts which no cycle can follow: the steps from cycle to cycle (Frisch and
- * Waugh, Econometrica 1, 1933), with which NEPH_FLICKER_TREND is weighted. */
+/* The slope of the trend [signal per frame]. In a joint fit of a line and a cycle, only the part of
+ * the line that no cycle can represent determines the slope: its steps from cycle to cycle (Frisch
+ * and Waugh, Econometrica 1, 1933), which are the weights of NEPH_FLICKER_TREND. */
 static double slope_of(const struct neph_flicker_window *window, const double *linear)
 {
     return linear[NEPH_FLICKER_TREND] / window->ramp[NEPH_FLICKER_TREND];
@@ -41,8 +41,8 @@ struct neph_flicker_spectrum neph_flicker_spectrum_of(const struct neph_flicker_
     for (int s = 0; s < NEPH_FLICKER_LINEAR_COUNT; s++)
         sums[s] = linear[s] - slope * window->ramp[s];
 
-    /* For every j the bins N/4 - j and N/4 + j hold twice the squares of their four sums together
-     * (the mixed terms cancel): a mean over four bins is half the sum of the eight squares. A bin
+    /* For every j, the bins N/4 - j and N/4 + j together have twice the squares of their four sums
+     * (the mixed terms cancel): the mean over four bins is half the sum of the eight squares. A bin
      * N/2 - j is the complex number of its two sums. */
     const double quarter_bins = 0.5 * sum_of_squares(sums + NEPH_FLICKER_QUARTER, 8);
     const double half_bins = 0.5 * sum_of_squares(sums + NEPH_FLICKER_HALF, 4);
@@ -87,7 +87,7 @@ double neph_flicker_quarter_p(const struct neph_flicker_spectrum *spectrum)
     const double whole = power + 4.0 * spectrum->quarter_noise;
     if (!(whole > 0.0))
         return 1.0;
-    /* (1 + F / 4)^-4 for F = power / noise, written so that no noise at all is no division by 0. */
+    /* (1 + F / 4)^-4 for F = power / noise, rearranged to avoid a division by zero noise. */
     const double share = 4.0 * spectrum->quarter_noise / whole;
     return (share * share) * (share * share);
 }
@@ -98,10 +98,10 @@ double neph_flicker_half_p(const struct neph_flicker_spectrum *spectrum)
     const double whole = power + 4.0 * spectrum->half_noise;
     if (!(whole > 0.0))
         return 1.0;
-    /* F with 1 and 4 degrees of freedom is Student's t with 4, squared, whose two-sided tail is
-     * 1 - sin a (1 + cos^2 a / 2) with tan a = t / 2 (Abramowitz and Stegun, 26.7.4). With
-     * c = cos^2 a = 4 noise / (4 noise + power) and sin a = sqrt(1 - c) this is, without
-     * cancellation for small c, c^2 (3 + c) / (4 (1 + sin a (1 + c / 2))). */
+    /* F with 1 and 4 degrees of freedom is the square of Student's t with 4, whose two-sided tail
+     * is 1 - sin a (1 + cos^2 a / 2) with tan a = t / 2 (Abramowitz and Stegun, 26.7.4). With c =
+     * cos^2 a = 4 noise / (4 noise + power) and sin a = sqrt(1 - c) this is c^2 (3 + c) / (4 (1 +
+     * sin a (1 + c / 2))), which has no cancellation for small c. */
     const double c = 4.0 * spectrum->half_noise / whole;
     return c * c * (3.0 + c) / (4.0 * (1.0 + sqrt(1.0 - c) * (1.0 + 0.5 * c)));
 }

@@ -19,7 +19,7 @@ struct neph_flicker_weights neph_flicker_weights_of(int first_frame, int frame_c
     for (int k = 0; k < CYCLE; k++) {
         const long long t = first_frame + k;
         for (int j = 1; j <= 2; j++) {
-            /* Reduced by whole turns first: the thousandth frame is as exact as the first. */
+            /* Reduced modulo whole turns first, so that late frames are as exact as early ones. */
             const double turn = (double)(j * t % frame_count) / (double)frame_count;
             const double cosine = cos(2.0 * M_PI * turn), sine = sin(2.0 * M_PI * turn);
             weights.quarter_cos[j - 1][k] = quarter_sign[k] * cosine;

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_FLICKER_KIND_COUNT == 3, "a new kind");
 
 bool neph_flicker_is_cyclic(const struct neph_flicker_spectrum *luma)

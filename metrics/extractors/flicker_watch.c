@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A block of frames is buffered before the sums are touched: the sums are most of the memory, and
- * to go through them is most of the time that the encoding leaves.
+ * Adds the frames of a sequence to the flicker sums. Frames are buffered in blocks: the sums are
+ * most of the memory, and passing through them takes most of the time besides the encoding.
  */
 #include "metrics/extractors/flicker_watch.h"
 
@@ -14,12 +14,13 @@
 
 enum { CYCLE = NEPH_FLICKER_CYCLE, BLOCK = 2 * CYCLE };
 
-/* What the rows of one frame need. */
+/* Shared data for the rows of one frame. */
 struct frame_work {
     struct neph_flicker_watch *watch;
     const struct neph_frame_pair *pair;
-    int t;           /* since the warm-up */
-    int cycle_count; /* to add up after this frame: 0, but at the end of a block and of all */
+    int t;           /* frame index after the warm-up */
+    int cycle_count; /* cycles to add after this frame: 0 except at the end of a block or of the
+                      * sequence */
     struct neph_flicker_weights weights[BLOCK / CYCLE];
 };
 
@@ -57,7 +58,7 @@ static size_t plane_row(const struct neph_flicker_watch *watch, int row)
     return (size_t)row * (size_t)watch->width_px;
 }
 
-/* By value: a caller may well read every frame into the same memory. */
+/* Compare by value: the caller may read every frame into the same memory. */
 static void compare_reference(int row, void *context)
 {
     const struct frame_work *work = context;
@@ -98,7 +99,7 @@ static void subtract(double *restrict values, const double *restrict others, int
         values[i] -= others[i];
 }
 
-/* A row of a picture as its difference to frame 0. */
+/* Convert a row of an image to its difference to frame 0. */
 static void look_at_picture(const struct frame_work *work, struct neph_flicker_signal *signal,
                             const float *const planes[3], int row)
 {
@@ -140,7 +141,7 @@ static void look_at_row(int row, void *context)
         add_cycles(work, reference, row);
 }
 
-/* Whether the reference is another than in frame 0; from then on it is taken to move. */
+/* Detect a change of the reference since frame 0; from then on it counts as moving. */
 static enum neph_status watch_reference(struct frame_work *work, struct neph_diag *diag)
 {
     struct neph_flicker_watch *watch = work->watch;
@@ -157,7 +158,7 @@ static enum neph_status watch_reference(struct frame_work *work, struct neph_dia
     return let_move(watch, &watch->reference, NEPH_FLICKER_VARIANCE_COUNT, diag);
 }
 
-/* At the last frame of a block, and of all: what the frames of the block are multiplied by. */
+/* At the last frame of a block or of the sequence: compute the weights of the block's frames. */
 static void weigh(struct frame_work *work)
 {
     const int frame_count = work->watch->frame_count;
@@ -185,7 +186,7 @@ enum neph_status neph_flicker_watch_frame(struct neph_flicker_watch *watch,
     return status;
 }
 
-/* ---- the life -------------------------------------------------------------------------------- */
+/* ---- begin and end --------------------------------------------------------------------------- */
 
 enum neph_status neph_flicker_watch_begin(struct neph_flicker_watch *watch,
                                           const struct neph_frame_pair *first, int frame_count,

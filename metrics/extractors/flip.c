@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The work goes tile by tile, so that it stays in the second-level cache: rows enter a ring, each
- * filtered horizontally once, and leave as rows of the map as soon as the rows below that the
- * vertical filters need are there. They leave in batches, and a tile is narrow, so that the lines
- * that one output of a batch needs stay in the first-level cache. What a pixel gets does not depend
- * on its tile.
+ * LDR-FLIP, computed tile by tile so that the data stay in the L2 cache. Rows enter a ring buffer,
+ * each filtered horizontally once. They leave as rows of the map as soon as the rows below that the
+ * vertical filters need are present. Rows leave in batches, and tiles are narrow, so that the lines
+ * for one output of a batch stay in the L1 cache. The result of a pixel does not depend on its
+ * tile.
  */
 #include "metrics/extractors/flip.h"
 
@@ -17,20 +17,20 @@
 #include <stdint.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_FLIP_TONE_COUNT == 4, "a new kind");
 
 enum {
     TILE_WIDTH_PX = 192,
     TILE_HEIGHT_PX = 256,
     BATCH_ROWS = 4,
-    LANES = 8, /* of the widest vectors: rows are worked on in whole vectors, past their end */
-    STRIDE = TILE_WIDTH_PX + LANES, /* at a power of two, rows fall on each other in the cache */
+    LANES = 8, /* of the widest vectors; rows are processed in whole vectors, beyond their end */
+    STRIDE = TILE_WIDTH_PX + LANES, /* with a power of two, rows would collide in the cache */
 };
 
-/* Rows of one image in the ring, and the filter that makes each: those of colour from luminance Yn
- * and the opponents Xn - Yn and Yn - Zn, those of features from Yn. The published YCxCz is linear
- * in these three (116 Yn - 16, 500, 200), and the filters are linear too: the factors cancel. */
+/* Rows of one image in the ring, named by their horizontal filter. Colour rows come from luminance
+ * Yn and the opponents Xn - Yn and Yn - Zn, feature rows from Yn. The published YCxCz is linear in
+ * these three (116 Yn - 16, 500, 200), and the filters are linear, too: the factors cancel. */
 enum ring_row {
     RING_LUMINANCE,
     RING_RED_GREEN,
@@ -44,21 +44,21 @@ enum ring_row {
 
 enum input_row { INPUT_LUMINANCE, INPUT_RED_GREEN, INPUT_BLUE_YELLOW, INPUT_COUNT };
 
-/* What an image contributes to a row of the map. */
+/* Rows of an image for the map. */
 enum output_row {
-    OUTPUT_LUMINANCE, /* the first four: blurred, then L a b in the first three */
+    OUTPUT_LUMINANCE, /* the first four: blurred; later L a b in the first three */
     OUTPUT_RED_GREEN,
     OUTPUT_BLUE_YELLOW_WIDE,
     OUTPUT_BLUE_YELLOW_NARROW,
-    OUTPUT_EDGE_X, /* then the length of (x, y) */
+    OUTPUT_EDGE_X, /* later the length of (x, y) */
     OUTPUT_EDGE_Y,
     OUTPUT_POINT_X,
     OUTPUT_POINT_Y,
     OUTPUT_COUNT,
 };
 
-/* An output is a row of the ring under a kernel down the columns; a kernel has the name of the row
- * of the ring that it makes along the rows. */
+/* Each output is a row of the ring under a vertical kernel. A kernel is named after the ring row
+ * that it makes horizontally. */
 static const struct {
     enum ring_row row, kernel;
 } outputs[OUTPUT_COUNT] = {
@@ -72,7 +72,8 @@ static const struct {
     [OUTPUT_POINT_Y] = {RING_SMOOTH, RING_POINT},
 };
 
-/* Half of a kernel: weights of the distances 0..radius; on the other side the same, or negated. */
+/* Half of a kernel: weights of the distances 0..radius. The other side is equal, or negated for an
+ * odd kernel. */
 struct kernel {
     int radius_px;
     bool is_odd;
@@ -85,7 +86,7 @@ struct workspace {
     double *input[INPUT_COUNT];      /* input_stride each */
     double *ring[2][RING_COUNT];     /* of reference and test: ring_rows * STRIDE */
     double *output[2][OUTPUT_COUNT]; /* BATCH_ROWS * STRIDE each */
-    const double **lines;            /* 2 radius + BATCH_ROWS rows under a kernel */
+    const double **lines;            /* 2 radius + BATCH_ROWS rows, the input of a kernel */
 };
 
 struct neph_flip {
@@ -98,9 +99,9 @@ struct neph_flip {
 
 /* ---- colour: constants ----------------------------------------------------------------------- */
 
-/* Linear Rec.709 to XYZ, in units of the white (0.950428545, 1, 1.088900371): rows (10135552,
+/* Linear Rec.709 to XYZ relative to the white (0.950428545, 1, 1.088900371): rows (10135552,
  * 8788810, 4435075) / 24577794, (2613072, 8788810, 887015) / 12288897, (1425312, 8788810, 70074185)
- * / 73733382, each over its component of the white; and the inverse. */
+ * / 73733382, each divided by its component of the white; and the inverse. */
 static const double xyz_of_rgb[3][3] = {
     {0.4338953890036959, 0.37624237277156414, 0.18986223862159324},
     {0.21263682167732384, 0.7151829818412507, 0.07218019648142547},
@@ -112,9 +113,10 @@ static const double rgb_of_xyz[3][3] = {
     {0.05288129285455714, -0.20401120612390997, 1.1511299134617756},
 };
 
-/* The largest colour difference in the gamut, green to blue, is 41.27609841185736 to the power of
- * 0.7; differences below 0.4 of that, the knee, are spread over 0 .. 0.95, those above over the
- * rest. Here in log2: the knee as HyAB, log2(0.4 * 41.27...) / 0.7, and the factor below it. */
+/* The largest colour difference in the gamut, green to blue, is 41.27609841185736 after the power
+ * of 0.7. Differences below the knee, 0.4 of that, are mapped to 0 .. 0.95, those above it to 0.95
+ * .. 1. The constants are in log2: the knee as HyAB, log2(0.4 * 41.27...) / 0.7, and the factor
+ * below it. */
 static const double color_exponent = 0.7;
 static const double log2_knee = 5.779009439549646;
 static const double log2_below_knee = -4.119307189126324;
@@ -125,7 +127,7 @@ static const double feature_width_deg = 0.082;
 
 const char *const neph_flip_tones[] = {"none", "aces", "reinhard", "hable", NULL};
 
-/* (a x^2 + b x) / (d x^2 + e x + f); Reinhard's is that of a grey. NVlabs/flip cancels the
+/* Tone curves (a x^2 + b x) / (d x^2 + e x + f); Reinhard's is for grey. NVlabs/flip cancels the
  * pre-exposure of 0.6 in ACES [Narkowicz 2015]. */
 static const struct {
     double a, b, d, e, f;
@@ -148,7 +150,7 @@ double neph_flip_tone_inverse(enum neph_flip_tone tone, double value)
 
 /* ---- kernels --------------------------------------------------------------------------------- */
 
-/* Sum over both sides; of an odd kernel, over the positive side. */
+/* The sum over both sides; for an odd kernel, over the positive side. */
 static double kernel_sum(const struct kernel *kernel)
 {
     double side = 0.0;
@@ -163,7 +165,7 @@ static void scale_kernel(struct kernel *kernel, double factor)
         kernel->weights[i] *= factor;
 }
 
-/* exp(-pi^2 x^2 / spread), x in degrees: the contrast sensitivity in space [HPG 2020, table 1]. */
+/* exp(-pi^2 x^2 / spread), x in degrees: the spatial contrast sensitivity [HPG 2020, table 1]. */
 static void fill_contrast(struct kernel *kernel, double spread, double pixels_per_degree)
 {
     for (int i = 0; i <= kernel->radius_px; i++) {
@@ -172,7 +174,7 @@ static void fill_contrast(struct kernel *kernel, double spread, double pixels_pe
     }
 }
 
-/* Leave out the ends of a kernel that together are lost in the rounding of its sum. */
+/* Remove the ends of a kernel whose total weight is below the rounding error of its sum. */
 static void trim_kernel(struct kernel *kernel)
 {
     double left_out = 2.0 * kernel->weights[kernel->radius_px];
@@ -195,7 +197,7 @@ static void make_contrast_kernels(struct kernel *kernels, double pixels_per_degr
     trim_kernel(&kernels[RING_LUMINANCE]);
     trim_kernel(&kernels[RING_RED_GREEN]);
 
-    /* Blue-yellow is the sum of two separable kernels: together they have the volume 1. */
+    /* Blue-yellow is the sum of two separable kernels, which together have volume 1. */
     struct kernel *first = &kernels[RING_BLUE_YELLOW_WIDE];
     struct kernel *second = &kernels[RING_BLUE_YELLOW_NARROW];
     fill_contrast(first, wide.spread, pixels_per_degree);
@@ -230,7 +232,7 @@ static void make_feature_kernels(struct kernel *kernels, double sigma_px)
 
 /* ---- creation -------------------------------------------------------------------------------- */
 
-/* Radii by the published rule, three standard deviations, and where each kernel lies in memory. */
+/* Set radii by the published rule, three standard deviations, and each kernel's place in memory. */
 static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_degree,
                                      struct neph_arena *memory, struct neph_diag *diag)
 {
@@ -238,7 +240,8 @@ static enum neph_status make_kernels(struct neph_flip *flip, double pixels_per_d
     const int feature_radius = (int)ceil(3.0 * feature_sigma_px);
     const int color_radius = (int)ceil(3.0 * sqrt(0.04 / (2.0 * M_PI * M_PI)) * pixels_per_degree);
     flip->radius_px = color_radius > feature_radius ? color_radius : feature_radius;
-    const size_t stride = (size_t)flip->radius_px + 2; /* pairs of weights: a 0 at the end */
+    const size_t stride = (size_t)flip->radius_px + 2; /* weights are read in pairs: a 0 at the
+                                                        * end */
 
     for (int k = 0; k < RING_COUNT; k++)
         flip->kernels[k] = (struct kernel){
@@ -268,7 +271,7 @@ static enum neph_status make_workspace(const struct neph_flip *flip, struct work
     if (!rows || !space->lines)
         return neph_fail_memory(diag);
 
-    /* Rows start where vectors do, so that no vector lies on two lines of the cache. */
+    /* Align rows to vectors, so that no vector crosses a cache line. */
     const size_t vector_size = LANES * sizeof(*rows);
     double *next = rows + (vector_size - (uintptr_t)rows % vector_size) / sizeof(*rows);
     for (int i = 0; i < 2 * RING_COUNT; i++, next += ring_size)
@@ -285,7 +288,7 @@ static enum neph_status make_workspaces(struct neph_flip *flip, struct neph_aren
                                         struct neph_diag *diag)
 {
     flip->ring_rows = 2 * flip->radius_px + BATCH_ROWS;
-    flip->margin_px = flip->radius_px + 1; /* of that 0 */
+    flip->margin_px = flip->radius_px + 1; /* for that 0 */
     flip->input_stride = STRIDE + 2 * flip->margin_px;
     flip->workspace_count = neph_processor_count();
     flip->workspaces = neph_arena_zeroed(memory, (size_t)flip->workspace_count,
@@ -325,7 +328,7 @@ NEPH_VECTOR static void widen(int count, const float *restrict from, double *res
         to[i] = from[i];
 }
 
-/* Samples x0 .. of a row, the borders repeated outwards. */
+/* Copy samples x0 .. of a row; borders are repeated outwards. */
 static void copy_row(const float *row, int width_px, int x0, int count, double *to)
 {
     const int before = x0 < 0 ? -x0 : 0;
@@ -337,7 +340,7 @@ static void copy_row(const float *row, int width_px, int x0, int count, double *
         to[i] = row[width_px - 1];
 }
 
-/* Written so that NaN would come out as it came in. */
+/* Ordered so that NaN passes through. */
 static inline double clamp(double x, double low, double high)
 {
     const double above = x < low ? low : x;
@@ -349,7 +352,7 @@ NEPH_VECTOR static void apply_rational(enum neph_flip_tone tone, double scale, i
     const double a = curves[tone].a, b = curves[tone].b;
     const double d = curves[tone].d, e = curves[tone].e, f = curves[tone].f;
     for (int i = 0; i < count; i++) {
-        const double v = clamp(scale * x[i], 0.0, 1e100); /* whose square is finite */
+        const double v = clamp(scale * x[i], 0.0, 1e100); /* so that its square is finite */
         x[i] = clamp((a * v * v + b * v) / (d * v * v + e * v + f), 0.0, 1.0);
     }
 }
@@ -390,7 +393,7 @@ static void apply_display(const struct neph_flip_display *display, int count,
     }
 }
 
-/* R G B to Yn, Xn - Yn, Yn - Zn, in place. */
+/* Convert R G B to Yn, Xn - Yn, Yn - Zn, in place. */
 NEPH_VECTOR static void to_opponents(int count, double *restrict red, double *restrict green,
                                      double *restrict blue)
 {
@@ -407,8 +410,8 @@ NEPH_VECTOR static void to_opponents(int count, double *restrict red, double *re
 
 /* ---- filters --------------------------------------------------------------------------------- */
 
-/* out = sum over j of weights[j] (lines[radius - j] + lines[radius + j]), four j at a time so that
- * `out` is loaded and stored less often than the lines are. */
+/* out = sum over j of weights[j] (lines[radius - j] + lines[radius + j]), four j at a time to load
+ * and store `out` less often. */
 NEPH_VECTOR static void filter_even(const struct kernel *kernel, const double *const *lines,
                                     int count, double *restrict out)
 {
@@ -463,7 +466,8 @@ NEPH_VECTOR static void filter_odd(const struct kernel *kernel, const double *co
     }
 }
 
-/* One kernel down the columns: rows of out, STRIDE apart, from as many lines and 2 radius more. */
+/* Apply one kernel vertically: `row_count` rows of out, STRIDE apart, from row_count + 2 radius
+ * lines. */
 static void filter_columns(const struct kernel *kernel, const double *const *lines, int row_count,
                            int count, double *out)
 {
@@ -474,8 +478,9 @@ static void filter_columns(const struct kernel *kernel, const double *const *lin
             filter_even(kernel, lines + row, count, out + (size_t)row * STRIDE);
 }
 
-/* Along a row, all kernels of an input at once, since they share its sums and differences: a kernel
- * of smaller radius has weights of 0 beyond it. `center` is the input above out[0]. */
+/* Filter horizontally with all kernels of an input at once, because they share its sums and
+ * differences; kernels of smaller radius have weights of 0 beyond it. `center` is the input at
+ * out[0]. */
 NEPH_VECTOR static void filter_luminance(const struct kernel *kernels, int radius, int count,
                                          const double *restrict center, double *restrict luminance,
                                          double *restrict smooth, double *restrict edge,
@@ -527,7 +532,7 @@ NEPH_VECTOR static void filter_blue_yellow(const struct kernel *kernels, int rad
 
 /* ---- a row of the map ------------------------------------------------------------------------ */
 
-/* CIE 1976, of a component relative to white. */
+/* The curve of CIE 1976 L*a*b*, of a component relative to white. */
 static inline double lab_curve(double t)
 {
     const double delta = 6.0 / 29.0;
@@ -536,7 +541,7 @@ static inline double lab_curve(double t)
     return t > delta * delta * delta ? root : line;
 }
 
-/* Blurred opponents to L a b, with the chroma of a dark colour lessened [Hunt 1952]; in place. */
+/* Convert blurred opponents to L a b, with reduced chroma of dark colours [Hunt 1952]; in place. */
 NEPH_VECTOR static void to_lab(int count, double *restrict luminance, double *restrict red_green,
                                double *restrict blue_yellow, const double *restrict blue_yellow_2)
 {
@@ -565,9 +570,9 @@ NEPH_VECTOR static void to_length(int count, double *restrict x, const double *r
         x[i] = sqrt(x[i] * x[i] + y[i] * y[i]);
 }
 
-/* log2 of the share 0..1 of the largest colour difference: HyAB [Abasi 2020], to the power of 0.7,
- * bent at the knee and stretched. -inf for none. Below the knee a line in log2 of HyAB; above it,
- * from 5.78 to 7.67 for the whole gamut, a polynomial at Chebyshev nodes, good to 1e-14. */
+/* log2 of the colour difference as a share 0..1 of the largest one; -inf for none. HyAB [Abasi
+ * 2020] to the power of 0.7, with the knee. Below the knee it is a line in log2 of HyAB; above it,
+ * from 5.78 to 7.67 for the whole gamut, a polynomial at Chebyshev nodes with error 1e-14. */
 static inline double log2_color_share(double dl, double da, double db)
 {
     const double hyab = neph_log2(fabs(dl) + sqrt(da * da + db * db));
@@ -638,13 +643,13 @@ static struct tile tile_at(const struct map_job *job, int index)
     return tile;
 }
 
-/* Columns to work on: those of the tile in whole vectors. */
+/* Number of columns to process: the tile's, rounded up to whole vectors. */
 static int lane_count(const struct tile *tile)
 {
     return (tile->width_px + LANES - 1) / LANES * LANES;
 }
 
-/* Filter row y of an image along x into its place in the ring. */
+/* Filter row y of an image horizontally into its place in the ring. */
 static void enter_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
                       const struct neph_flip_display *display, int image, int y)
 {
@@ -672,8 +677,8 @@ static void enter_row(const struct map_job *job, struct workspace *space, const 
     filter_even(red_green, space->lines, count, ring[RING_RED_GREEN]);
 }
 
-/* Filter rows y .. y + row_count - 1 down the columns, and turn them into L a b and the strengths
- * of edge and point. */
+/* Filter rows y .. y + row_count - 1 vertically, and convert them to L a b and to the strengths of
+ * edges and points. */
 static void leave_rows(const struct map_job *job, struct workspace *space, const struct tile *tile,
                        int image, int y, int row_count)
 {
@@ -698,7 +703,8 @@ static void leave_rows(const struct map_job *job, struct workspace *space, const
     }
 }
 
-/* Row y of the map from row `row` of the batch; of later displays, where it is larger. */
+/* Write row y of the map from row `row` of the batch; for later displays, only where it is
+ * larger. */
 static void write_row(const struct map_job *job, struct workspace *space, const struct tile *tile,
                       bool is_first, int row, int y)
 {
@@ -711,7 +717,8 @@ static void write_row(const struct map_job *job, struct workspace *space, const 
         keep_larger_of(tile->width_px, scratch, to);
 }
 
-/* There are as many workspaces as threads run, so one is free or will be at once. */
+/* Take a free workspace. There are as many workspaces as threads, so one is free at once or
+ * soon. */
 static struct workspace *take_workspace(struct neph_flip *flip)
 {
     for (int i = 0;; i = (i + 1) % flip->workspace_count)
@@ -737,7 +744,8 @@ static void map_display(const struct map_job *job, struct workspace *space, cons
     }
 }
 
-/* All displays of a tile one after another, while its samples and its map are in the cache. */
+/* Process all displays of a tile one after another, while its samples and its map are in the
+ * cache. */
 static void map_tile(int index, void *context)
 {
     const struct map_job *job = context;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * FLIP between frames of one sequence. FLIP measures what one sees when two pictures alternate in
- * place, which is what a cycle of four frames does on the display: frame t against t + 1 is what
- * alternates with the period 2, and t against t + 2 with the period 4. The same of the reference is
- * taken off, so that what is meant to move does not count.
+ * FLIP between frames of one sequence. FLIP measures the visible difference of two images that
+ * alternate at one place, which is how a cycle of four frames appears on the display: frames t and
+ * t + 1 alternate with the period 2, frames t and t + 2 with the period 4. The same number of the
+ * reference is subtracted, so that intended motion does not count.
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
@@ -22,10 +22,10 @@ struct state {
     struct neph_flip *flip;
     struct neph_flip_display display;
     int width_px, height_px;
-    int wanted_pairs; /* of each distance: whole cycles */
+    int wanted_pairs; /* for each distance, whole cycles */
     int pairs[DISTANCE_COUNT];
     float *kept[SIDE_COUNT][DISTANCE_COUNT][3]; /* frame t at t % DISTANCE_COUNT */
-    double *sums[SIDE_COUNT][DISTANCE_COUNT];   /* of FLIP over the pairs so far */
+    double *sums[SIDE_COUNT][DISTANCE_COUNT];   /* sum of FLIP over the pairs so far */
     double *map;                                /* of one pair */
 };
 
@@ -94,7 +94,8 @@ static bool same_planes(const struct state *state, float *const a[3], const floa
     return true;
 }
 
-/* Add FLIP(frame `distance` ago, this frame) of one side. That of equal frames is 0. */
+/* Add FLIP between the frame `distance` earlier and this frame, for one side; 0 for equal
+ * frames. */
 static enum neph_status add_pair(struct state *state, enum side side, int distance,
                                  const float *const planes[3], int frame, struct neph_diag *diag)
 {

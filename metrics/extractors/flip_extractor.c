@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * LDR-FLIP as extractors: at the viewing distance of the record, and at that of a desk.
+ * LDR-FLIP as two extractors: at the recorded viewing distance, and at the distance of a desk.
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
@@ -70,7 +70,7 @@ static void rows(const void *opaque, int map, int first_row, int row_count, doub
     "Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images (HPG); "           \
     "constants of NVlabs/flip 1.6"
 
-/* The metrics of both, which differ in the names alone. */
+/* The metrics of both; only the names differ. */
 /* clang-format off */
 #define METRIC(prefix, name, pool, share, help, at) \
     {prefix name, "1", 0.0, 1.0, pool, share, 0, 0, help at}

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * How a renderer follows light that goes up and down: by how much of its swing, and how late.
+ * How a renderer follows periodically changing light: its gain and its delay.
  *
- * Radiance is linear in the light of the scene. So of each pixel's luminance Y of linear data, of
- * the test and of the reference alike, mean, line and one sine of each known period are fitted
- * jointly, by least squares: Y(t) = m + b t + sum_k A_k cos(2 pi t / P_k - phi_k).
+ * Radiance is linear in the light of the scene. So for each pixel, the luminance Y of linear data
+ * is fitted by least squares with a mean, a line and one sine for each known period, jointly, for
+ * the test and for the reference: Y(t) = m + b t + sum_k A_k cos(2 pi t / P_k - phi_k).
  *   gain       A_k of the test over A_k of the reference
  *   phase lag  (phi_k of the test - phi_k of the reference) P_k / 2 pi [frame], in -P_k/2 .. P_k/2
- * An exponential average of the weight a, w = 2 pi / P: gain = a / |1 - (1 - a) exp(-i w)|,
- * lag = atan2((1 - a) sin w, 1 - (1 - a) cos w) / w. A delay of d frames: gain 1, lag d.
+ * An exponential average with the weight a, w = 2 pi / P: gain = a / |1 - (1 - a) exp(-i w)|, lag =
+ * atan2((1 - a) sin w, 1 - (1 - a) cos w) / w. A delay of d frames: gain 1, lag d.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -20,12 +20,12 @@
 
 enum { PERIODS_MAX = 3, BASIS_MAX = 2 + 2 * PERIODS_MAX };
 
-/* Amplitude of a sine over its standard error: white noise alone is above it in 1e-7 of the pixels
- * (exp(-4^2)). */
+/* Smallest amplitude of a sine over its standard error: pure white noise exceeds it in 1e-7 of the
+ * pixels (exp(-4^2)). */
 static const double least_signal = 4.0;
 
-/* The variance that rounding to floats makes, over the square of the value: an error of up to
- * 2^-24, all equally likely. Without it what never moves would be above its noise of exactly 0. */
+/* Variance of rounding to float, relative to the squared value: errors up to 2^-24, uniformly
+ * distributed. It keeps the noise of a constant pixel above 0, which any amplitude would exceed. */
 static const double rounding = 0x1p-48 / 3.0;
 
 static const double shortest_period = 3.0; /* at 2 a sine has no phase */
@@ -86,11 +86,11 @@ static const struct neph_option options[] = {
 };
 /* clang-format on */
 
-/* The functions that are fitted: 1, t, then cosine and sine of each period that was given. */
+/* The fitted functions: 1, t, then cosine and sine of each given period. */
 struct basis {
     int period_count, count;
-    double periods[PERIODS_MAX]; /* [frame], those that were given */
-    int slots[PERIODS_MAX];      /* as which option */
+    double periods[PERIODS_MAX]; /* the given periods [frame] */
+    int slots[PERIODS_MAX];      /* index of their options */
 };
 
 static struct basis basis_of(const struct neph_settings *settings)
@@ -117,7 +117,7 @@ static void take_basis(const struct basis *basis, int frame, double values[BASIS
     }
 }
 
-/* Why so many frames do not tell these functions apart; NULL: they do. */
+/* The reason why this number of frames cannot separate these functions; NULL: it can. */
 static const char *too_short_for(const struct basis *basis, int frame_count)
 {
     if (frame_count <= basis->count)
@@ -149,15 +149,15 @@ static const char *obstacle(const struct neph_frame_pair *first,
 
 enum picture { TEST, REFERENCE, PICTURE_COUNT };
 
-/* What is kept of each pixel: the sums of Y with each function and of Y^2; after the last frame its
- * maps, in the place of the first of them. */
+/* The state of each pixel: the sums of Y with each function, and of Y^2. After the last frame the
+ * maps replace the first of these planes. */
 struct state {
     int width_px, height_px;
     int frame_count;
     double gain; /* display value of the radiance 1 */
     struct basis basis;
-    double gram[BASIS_MAX][BASIS_MAX]; /* sums of products of the functions; then its inverse */
-    double *sums[PICTURE_COUNT][BASIS_MAX], *squares[PICTURE_COUNT]; /* in one block: */
+    double gram[BASIS_MAX][BASIS_MAX]; /* sums of products of the functions; later its inverse */
+    double *sums[PICTURE_COUNT][BASIS_MAX], *squares[PICTURE_COUNT]; /* allocated in: */
     double *block;
 };
 
@@ -204,10 +204,10 @@ NEPH_VECTOR static void add_product(const double *restrict luminance, double wei
 struct work {
     struct state *state;
     const struct neph_frame_pair *pair;
-    double values[BASIS_MAX]; /* of the functions in this frame */
+    double values[BASIS_MAX]; /* values of the functions in this frame */
 };
 
-/* A piece at a time, so that the luminance stays in the cache. */
+/* Pixels per step, so that the luminance stays in the cache. */
 enum { PIECE_PX = 256 };
 
 static void add_row(int row, void *context)
@@ -244,8 +244,8 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
 
 /* ---- the fit --------------------------------------------------------------------------------- */
 
-/* In place, of a symmetric positive definite matrix: Gauss-Jordan without a choice of pivots, which
- * such a matrix does not need. */
+/* Invert a symmetric positive definite matrix in place: Gauss-Jordan without pivoting, which such a
+ * matrix does not need. */
 static void invert(double matrix[BASIS_MAX][BASIS_MAX], int count)
 {
     for (int p = 0; p < count; p++) {
@@ -264,10 +264,10 @@ static void invert(double matrix[BASIS_MAX][BASIS_MAX], int count)
     }
 }
 
-/* A picture's functions at a pixel. */
+/* The fit of one image's pixel. */
 struct fit {
     double coefficients[BASIS_MAX];
-    double noise; /* variance about the fit */
+    double noise; /* variance around the fit */
 };
 
 static struct fit fit_pixel(const struct state *state, enum picture picture, size_t i)
@@ -320,7 +320,7 @@ static void compare_sines(const struct state *state, const struct fit fits[PICTU
                             : (double)NAN;
 }
 
-/* Where a map of a period that was given stands: in the planes of the sums, which it replaces. */
+/* The plane of a map of a given period; the maps replace the planes of the sums. */
 static double *plane_of(const struct state *state, int k, int map)
 {
     const size_t pixel_count = (size_t)state->width_px * (size_t)state->height_px;
@@ -356,7 +356,7 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
 
 /* ---- the numbers ----------------------------------------------------------------------------- */
 
-/* Which of the given periods an option is; -1: it was not given. */
+/* The index of an option among the given periods; -1: not given. */
 static int given_as(const struct basis *basis, int slot)
 {
     for (int k = 0; k < basis->period_count; k++)

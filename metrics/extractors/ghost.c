@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ghosts behind moving edges: how much is still seen of what had hidden a pixel.
+ * Ghosts behind moving edges: the remaining part of an occluder's colour after a disocclusion.
  *
- * A pixel is disoccluded when what it shows was in the picture of the frame before, but hidden
- * (moved.h). That frame has the age 1, and the age goes with what is shown along its motion. Y is
- * the luminance of linear data, Y_front the reference where it was hidden, in the frame before age
- * 1. Over the pixels of an age
+ * A pixel is disoccluded if its point was inside the previous frame, but hidden (moved.h). This
+ * frame has the age 1; the age moves with the point. Y is the luminance of linear data, Y_front the
+ * reference luminance of the occluder, in the frame before age 1. Over the pixels of an age
  *
  *   residual = sum (test - reference) (Y_front - reference) / sum (Y_front - reference)^2
  *
- * is 1 when all of what was in front is still seen, 0 when none is, below 0 when the test goes
- * beyond. It is (1 - alpha)^age behind an exponential average of the weight alpha that had settled
- * on the front. A ghost is where |test - reference| > |Y_front - reference| / 10.
+ * is 1 if the occluder is completely visible, 0 if it is not, and below 0 if the test overshoots.
+ * An exponential average with weight alpha that had settled on the occluder has (1 - alpha)^age. A
+ * pixel has a ghost if |test - reference| > |Y_front - reference| / 10.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -22,12 +21,16 @@
 #include <math.h>
 #include <stdint.h>
 
-enum { AGE_COUNT = 4, AGE_LAST = 32 }; /* ages of their own numbers; how long ghosts are counted */
+enum {
+    AGE_COUNT = 4,
+    AGE_LAST = 32
+}; /* number of ages with a metric; last age with counted
+    * ghosts */
 
 static const int ages[AGE_COUNT] = {1, 4, 8, 16};
 static const double ghost_share = 0.1;
 
-/* Four of the ages, by index, then two of all. */
+/* Four maps for each age, by index; then maps over all ages. */
 enum age_map { PRODUCT, SQUARE, GHOSTS, TOLD, MAPS_PER_AGE };
 enum map { AREA = MAPS_PER_AGE * AGE_COUNT, FRAMES, DISOCCLUSIONS, MAP_COUNT };
 
@@ -77,8 +80,8 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* The planes of a frame that is kept: Y of the reference, and of what hid the pixel. Its age is 0
- * where it was not disoccluded, or longer ago than AGE_LAST. */
+/* The planes of a stored frame: Y of the reference, and Y of the pixel's occluder. The age is 0
+ * without a disocclusion in the last AGE_LAST frames. */
 enum { REFERENCE, FRONT };
 
 /* Sums at one age. */
@@ -133,7 +136,7 @@ static void look_row(int row, void *context)
     }
 }
 
-/* How old the pixel is, and what was in front of it. */
+/* Update the pixel's age, and the luminance of its occluder. */
 static void follow_age(const struct work *work, int x, int y, size_t i)
 {
     const struct state *state = work->state;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * HDR-FLIP: the largest LDR-FLIP of a pixel over a range of exposures of both pictures. By the
- * published rule the range comes from the reference alone, from the exposure that brings its
- * brightest pixel to 0.85 of the display to the one that brings its median there.
+ * HDR-FLIP: for each pixel the largest LDR-FLIP over a range of exposures. By the published rule,
+ * the range depends only on the reference: from the exposure that maps its brightest pixel to 0.85
+ * of the display, to the exposure that maps its median there.
  *
- * Two departures, both stated in the record by the exposures that were used. The median of a night
- * sky is 0, for which the rule gives no range (NVlabs/flip 1.6 then reports a difference of 0): the
- * median is then taken over the positive luminances. And the range is that of the first frame for
- * the whole sequence, because numbers at other exposures cannot be compared.
+ * Two deviations, both visible in the recorded exposures. The median of a night sky is 0, for which
+ * the rule has no range (NVlabs/flip 1.6 then reports a difference of 0): the median is then taken
+ * over the positive luminances. And the range of the first frame is used for the whole sequence,
+ * because numbers at different exposures are not comparable.
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/flip.h"
@@ -45,7 +45,7 @@ static const struct neph_option options[] = {
     {0},
 };
 
-/* The display value to which the rule brings the brightest and the median luminance. */
+/* The display value to which the rule maps the brightest and the median luminance. */
 static const double anchor = 0.85;
 
 /* ---- the range ------------------------------------------------------------------------------- */
@@ -75,7 +75,7 @@ static const char *obstacle(const struct neph_frame_pair *first,
            "stop_ev";
 }
 
-/* What the rule asks of the finite luminances; a bad pixel has no say. */
+/* Statistics of the finite luminances for the rule; other pixels are ignored. */
 struct census {
     size_t count, positive_count;
     double largest;
@@ -97,7 +97,7 @@ static struct census take_census(const struct neph_frame_pair *pair)
 
 enum { DIGIT_BITS = 16, DIGIT_VALUES = 1 << DIGIT_BITS };
 
-/* An unsigned number in the order of the doubles. */
+/* An unsigned integer with the same order as the doubles. */
 static uint64_t key_of(double value)
 {
     const uint64_t bits = neph_bits_of(value);
@@ -109,8 +109,9 @@ static double value_of(uint64_t key)
     return neph_of_bits(key >> 63 ? key ^ 0x8000000000000000u : ~key);
 }
 
-/* The finite luminance of that rank in ascending order, digit by digit from the first: each look at
- * the picture counts those that begin as the result does. `counts` holds DIGIT_VALUES. */
+/* The finite luminance at a rank in ascending order, found digit by digit: each pass over the
+ * image counts the luminances that start with the digits found so far. `counts` has
+ * DIGIT_VALUES entries. */
 static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank, size_t *counts)
 {
     uint64_t key = 0;
@@ -131,8 +132,8 @@ static double luminance_of_rank(const struct neph_frame_pair *pair, size_t rank,
     return value_of(key);
 }
 
-/* Element n / 2 of n sorted values, over all pixels and, if that is not positive, over the positive
- * ones, of which the caller knows that there are some. */
+/* The range by the rule. The median is element n / 2 of n sorted values, over all pixels, or, if
+ * that is not positive, over the positive ones, of which there is at least one. */
 static enum neph_status range_by_rule(const struct neph_frame_pair *pair, enum neph_flip_tone tone,
                                       struct exposures *range, struct neph_diag *diag)
 {

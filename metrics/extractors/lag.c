@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
- * How long a renderer takes to follow a step of the scene: sun switched, card removed, camera cut.
- * The reference steps from one frame to the next at `step_frame`.
+ * The time that a renderer needs to follow a step of the scene: sun switched, card removed, camera
+ * cut. The reference steps between two frames, at `step_frame`.
  *
- * On the luminance Y of linear data, with n = 1, 2, ... the frames from the step on and Y_old what
- * the reference would show without the step:
+ * On the luminance Y of linear data, with n = 1, 2, ... the frames from the step on and Y_old the
+ * reference without the step:
  *   s(n) = (test(n) - reference(n)) / (Y_old - reference),  q = |s|
- * Y_old is the reference in the frame before the step, and the step that of n = 1; or, where the
- * reference moves of itself as well, both are of the same moment: Y_old(n) is the second
- * reference, the same sequence without the step. s(0) = 1 + (test(0) - reference(0)) / step(1) is
- * of the frame before; it is 1 when the test had settled. An exponential average with the weight
- * alpha has q(n) = (1 - alpha)^n.
+ * Y_old is the reference in the frame before the step, with the step at n = 1. If the reference
+ * also moves by itself, Y_old(n) is the second reference, the same sequence without the step, in
+ * the same frame. For the frame before the step, s(0) = 1 + (test(0) - reference(0)) / step(1); it
+ * is 1 if the test had settled. An exponential average with the weight alpha has q(n) = (1 -
+ * alpha)^n.
  *
- * A time is that of the last crossing: from there to the end of the sequence q stays at or below
- * the limit. Between frames log q is linear, which is exact for an exponential average (s is linear
- * where it changes its sign). A pixel that has not settled when the sequence ends counts with all
- * its frames, which is too few: the shares of such pixels are reported beside.
+ * A time is the time of the last crossing: after it, q stays at or below the limit until the end of
+ * the sequence. Between frames log q is interpolated linearly, which is exact for an exponential
+ * average (s is interpolated linearly where it changes its sign). A pixel that has not settled by
+ * the end counts with all its frames, which is too few; the shares of such pixels are reported,
+ * too.
  *
- * A ghost is where more than a tenth of the step is left: its area is a share of the whole mask,
- * pixels that do not step (and show no ghost) included. What a renderer never gets right counts as
- * well, so that its area at the end stands beside.
+ * A pixel has a ghost if more than a tenth of the step remains. The ghost area is a share of the
+ * whole mask, including pixels without a step, which have no ghost. Permanent errors count as well,
+ * so the area at the end is reported, too.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -31,7 +32,11 @@
 #include <stdint.h>
 
 enum { RESIDUAL_FRAME = 16, PHASE_COUNT = 4, LIMIT_COUNT = 3 };
-enum { GHOST_LIMIT = 1, GHOST_FRAMES = 32 }; /* which of the limits; how long ghosts are summed */
+enum {
+    GHOST_LIMIT = 1,
+    GHOST_FRAMES = 32
+}; /* index of the ghost limit; frames in which ghosts are
+    * summed */
 
 static const double limits[LIMIT_COUNT] = {0.5, 0.1, 0.01};
 
@@ -53,7 +58,7 @@ enum map {
     MAP_COUNT
 };
 
-static const int ghost_ages[] = {1, 4, 8, 16}; /* of the last four maps */
+static const int ghost_ages[] = {1, 4, 8, 16}; /* ages of the last four maps */
 
 static const char no_step[] =
     "no pixel of the mask steps by 1/255 of display luma in the reference at step_frame";
@@ -143,24 +148,24 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* What is kept of a pixel: planes of doubles. */
+/* The state of a pixel: planes of doubles. */
 enum plane {
     OLD_REFERENCE,
     OLD_TEST,
-    STEP,     /* old - new reference; NaN when it is too small to follow */
+    STEP,     /* old - new reference; NaN if it is too small */
     LAST_S,   /* s of the last frame */
-    CROSSING, /* one plane a limit: when q came down to it; negative: q is above it */
+    CROSSING, /* one plane per limit: time when q fell to it; negative: q is above it */
     BEYOND = CROSSING + LIMIT_COUNT, /* largest -s */
-    LEFT,                            /* q(16); NaN before */
-    GHOSTS,                          /* an integer: see ghost_bit() */
+    LEFT,                            /* q(16); NaN until then */
+    GHOSTS,                          /* an integer of bits: see ghost_bit() */
     PLANE_COUNT,
 };
 
 struct state {
     int width_px, height_px;
     int step_frame, slot_px;
-    bool old_is_second; /* else it is the frame before the step */
-    int frame_count;    /* from the step on */
+    bool old_is_second; /* else the frame before the step */
+    int frame_count;    /* frames from the step on */
     double gain;        /* display value of the radiance 1 */
     double *planes[PLANE_COUNT];
     bool any_step;
@@ -218,7 +223,7 @@ static double old_at(const struct work *work, size_t i)
                                       : work->state->planes[OLD_REFERENCE][i];
 }
 
-/* NaN when it is too small to follow. */
+/* The step of a pixel; NaN if it is too small. */
 static double step_at(const struct work *work, double reference, size_t i)
 {
     const double old = old_at(work, i);
@@ -237,8 +242,8 @@ static void begin_pixel(const struct work *work, double reference, size_t i)
     state->planes[LEFT][i] = NAN;
 }
 
-/* A bit a frame, the first 32 from the step on, of those with a ghost; and one that is set once
- * there is none. */
+/* The bit of frame n, for the first 32 frames from the step on: it has a ghost. `settled_bit` is
+ * set once there is no ghost. */
 static uint64_t ghost_bit(int n)
 {
     return (uint64_t)1 << (n - 1);
@@ -256,13 +261,13 @@ static void follow_ghost(const struct state *state, bool is_ghost, size_t i)
     state->planes[GHOSTS][i] = (double)bits;
 }
 
-/* Where between two frames q comes down to the limit, 0..1. */
+/* The part of the interval between two frames, 0..1, at which q falls to the limit. */
 static double fraction(double before, double now, double limit)
 {
     const double q_before = fabs(before), q = fabs(now);
     if (before * now < 0.0)
         return (q_before - limit) / (q_before + q);
-    return (log(q_before) - log(limit)) / (log(q_before) - log(q)); /* q = 0: at once */
+    return (log(q_before) - log(limit)) / (log(q_before) - log(q)); /* q = 0: immediately */
 }
 
 static void follow_pixel(const struct state *state, double residual, size_t i)
@@ -311,7 +316,7 @@ static enum neph_status extract(void *state_, const struct neph_frame_pair *pair
     return neph_parallel_rows(state->height_px, follow_row, &work, diag);
 }
 
-/* A time, all frames when it is not over, NaN when nothing stepped. */
+/* A time; all frames if it has not been reached; NaN without a step. */
 static double time_of(const struct state *state, int limit, size_t i)
 {
     const double crossing = state->planes[CROSSING + limit][i];
@@ -358,7 +363,7 @@ static enum neph_status flush(void *state_, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* Pixels that do not step have no ghost. */
+/* Pixels without a step have no ghost. */
 static double ghost_of(const struct state *state, int map, size_t i)
 {
     const uint64_t bits = (uint64_t)state->planes[GHOSTS][i];

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames of a moving camera: each is compared with the one before, moved to where things are now by
- * exact motion vectors (layer motion of the reference, or else of the test). The form is the
- * warping error of Lai et al., with a difference to the reference in place of an absolute value,
- * which would reward blur.
+ * Frames of a moving camera: each is compared with the previous frame, reprojected by exact motion
+ * vectors (layer motion of the reference, or else of the test). This is the warping error of Lai et
+ * al., but with the difference to the reference instead of an absolute value, which would reward
+ * blur.
  *
- * What is said of each pixel, in each frame but the first:
- * - in the picture: the place where it was (moved.h) lies within the frame before;
- * - seen before: and there is its depth, within the tolerance, at that place (1 / Z linear between
- *   the four pixels around, exact for planes) or at one of the four;
- * - disoccluded: in the picture and not seen before;
- * - valid: the depth agrees at that very place, and no step of depth lies within 1 px of the pixel,
- *   nor on the four pixels around the place.
+ * Classes of each pixel, in each frame but the first:
+ * - in the frame: its previous position (moved.h) is inside the previous frame;
+ * - seen before: and the previous frame has its depth, within the tolerance, at that position (1 /
+ *   Z interpolated bilinearly, exact for planes) or at one of the four pixels around it;
+ * - disoccluded: in the frame and not seen before;
+ * - valid: the depth agrees at that position, and there is no depth step within 1 px of the pixel
+ *   or at the four pixels around the position.
  *
- * Residuals x_t - (x_t-1 moved), bilinear, are taken of valid pixels. The change of test -
- * reference since the frame before, in place, is taken of disoccluded pixels and of those seen
- * before. The frames since disocclusion go with the pixel along the motion.
+ * Residuals x_t - (x_t-1 reprojected, bilinear) are computed for valid pixels. The change of test -
+ * reference since the previous frame, at the same pixel, is computed for disoccluded pixels and for
+ * pixels seen before. The number of frames since disocclusion moves with the point.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -50,7 +50,7 @@ enum { AGE_COUNT = 33, AGE_UNKNOWN = 255 };
 
 static const double recovered_share = 0.1;
 
-enum { RECOVERY = AGE_COUNT }; /* of the scalars; those below are ages */
+enum { RECOVERY = AGE_COUNT }; /* index of a scalar; lower ones are ages */
 
 static const struct neph_metric metrics[] = {
     {"motion_residual_excess", "1", -1, 1, NEPH_POOL_ROOT_MEAN_LESS, 0, TEST, REFERENCE,
@@ -98,8 +98,8 @@ static const struct neph_option options[] = {
     {.name = NULL},
 };
 
-/* The planes of a frame that is kept: the signal. Its flags say whether depth steps from here to a
- * 4-neighbour; its age counts frames since disocclusion, at most 254. */
+/* The planes of a stored frame: the signal. `flags`: depth step to a 4-neighbour; `age`: frames
+ * since disocclusion, at most 254. */
 enum { OF_TEST, OF_REFERENCE };
 
 struct pixel {
@@ -108,7 +108,7 @@ struct pixel {
     uint32_t valid, fresh_count, rest_count;
 };
 
-/* By row, so that the sums do not depend on the threads. */
+/* One per row, so that the sums do not depend on the threads. */
 struct ages {
     double squares[AGE_COUNT], counts[AGE_COUNT];
 };
@@ -125,7 +125,8 @@ struct state {
     struct ages totals; /* after the last frame */
 };
 
-/* ---- beginning ------------------------------------------------------------------------------- */
+/* ---- set-up
+ * ------------------------------------------------------------------------------------ */
 
 static enum neph_status init(void *state_, const struct neph_frame_pair *first,
                              const struct neph_settings *settings, struct neph_diag *diag)
@@ -165,7 +166,8 @@ static void look_row(int row, void *context)
         planes[0][c] = work->pair->reference[c] + first;
         planes[1][c] = work->pair->test[c] + first;
     }
-    /* Both signals come at once; the one that is not wanted goes where the depth will stand. */
+    /* Luma and luminance are computed together; the unused one goes into the depth plane, which is
+     * overwritten below. */
     double *signals_of[2] = {work->now->planes[OF_REFERENCE] + first,
                              work->now->planes[OF_TEST] + first};
     double *other = work->now->nearness_per_m + first;
@@ -345,7 +347,7 @@ static double rms_of_age(const struct state *state, int age)
     return sqrt(mean_of(state->totals.squares[age], state->totals.counts[age]));
 }
 
-/* The last time that the residual comes down to the share; log-linear between frames. */
+/* The last time at which the residual falls to the share; log-linear between frames. */
 static const char *recovery(const struct state *state, double *frames)
 {
     const double limit = recovered_share * rms_of_age(state, 0);

@@ -71,7 +71,7 @@ enum neph_status neph_moved_find(const struct neph_frame_pair *pair, struct neph
     return status;
 }
 
-/* Whether volume.distance is where that lies which is seen. */
+/* Whether the visible point is in a medium, at volume.distance. */
 static bool shows_medium(const struct neph_moved *moved, size_t i)
 {
     if (!moved->distance_m || isinf(moved->distance_m[i]))
@@ -82,7 +82,7 @@ static bool shows_medium(const struct neph_moved *moved, size_t i)
                 opaque_transmittance);
 }
 
-/* A depth of 0 counts as the nearest that a float can tell. */
+/* 1 / depth; depth 0 counts as 1e-30 m. */
 static double nearness_per_m(float depth_m)
 {
     return 1.0 / fmax((double)depth_m, 1e-30);

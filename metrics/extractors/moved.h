@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where that which a pixel shows was in the frame before, by exact motion vectors, and whether it
- * was seen there.
+ * Reprojection for metrics: the position of a pixel's point in the previous frame, from exact
+ * motion vectors, and whether it was visible there.
  *
- * motion.x, motion.y: where it was, minus where it is [px], x to the right, y down. Depth is Z of
- * the image that has the motion; in the sky, and where a medium hides what is behind it,
- * volume.distance where that is finite. The depth that is looked for in the frame before is
- * motion.depth, or without it the depth of now: then a surface that comes nearer by more than the
- * tolerance in a frame counts as disoccluded. Depths are kept as nearness, 1 / depth [1/m]: 0 is
- * the sky, and it is linear over the picture of a plane.
+ * motion.x, motion.y: previous minus current position [px], x to the right, y down. Depth is Z of
+ * the image with the motion; for the sky, and where a medium hides the background, it is
+ * volume.distance if that is finite. The expected depth in the previous frame is motion.depth, or
+ * else the current depth; in the latter case a surface that approaches by more than the tolerance
+ * per frame counts as disoccluded. Depths are stored as nearness, 1 / depth [1/m]: it is 0 for the
+ * sky, and linear over the image of a plane.
  */
 #ifndef NEPH_METRICS_EXTRACTORS_MOVED_H
 #define NEPH_METRICS_EXTRACTORS_MOVED_H
@@ -28,21 +28,22 @@ struct neph_moved {
     bool has_transmittance;
 };
 
-/* The hook `obstacle` of an extractor: why a sequence that begins like this has no such layers. */
+/* The hook `obstacle` of an extractor: the reason why a sequence with this first frame has no such
+ * layers. */
 const char *neph_moved_obstacle(const struct neph_frame_pair *first,
                                 const struct neph_settings *settings);
 
-/* The layers of the reference, or else of the test. NEPH_ERR_INPUT: they are not there.
- * NEPH_ERR_GATE: one has a value that cannot be. */
+/* Find the layers of the reference, or else of the test. NEPH_ERR_INPUT: they are missing.
+ * NEPH_ERR_GATE: a layer has an invalid value. */
 enum neph_status neph_moved_find(const struct neph_frame_pair *pair, struct neph_moved *moved,
                                  struct neph_diag *diag);
 
-/* Nearness of what a pixel shows, now and, given that, in the frame before. */
+/* Nearness of a pixel's point, now; and in the previous frame, from its current value. */
 double neph_moved_nearness_per_m(const struct neph_moved *moved, size_t pixel);
 double neph_moved_nearness_before_per_m(const struct neph_moved *moved, size_t pixel,
                                         double now_per_m);
 
-/* What is kept of a frame until the next, a value for each pixel; zeros at first. */
+/* Per-pixel data of a frame, stored until the next frame; initially zero. */
 struct neph_kept {
     double *nearness_per_m;
     double *planes[2];
@@ -50,20 +51,20 @@ struct neph_kept {
     uint8_t *flags;
 };
 
-/* Two frames, for the one at hand and the one before, which change places by parity. The arena has
- * their memory. NEPH_ERR_MEMORY, also when the arena was short before. */
+/* Allocate two frames in the arena, the current and the previous one, which alternate by parity.
+ * NEPH_ERR_MEMORY, also if the arena failed earlier. */
 enum neph_status neph_kept_init(struct neph_kept frames[2], size_t pixel_count,
                                 struct neph_arena *memory, struct neph_diag *diag);
 
-/* Four pixels of the frame before and their weights. */
+/* Four pixels of the previous frame and their bilinear weights. */
 struct neph_place {
     size_t taps[4];
     double weights[4];
     size_t nearest;
 };
 
-/* The place of a pixel in the frame before; false: outside of the picture, but for what rounding
- * of the motion to float may have moved. */
+/* Find a pixel's position in the previous frame; false: outside of the frame, beyond the rounding
+ * of motion to float. */
 static inline bool neph_place_find(const struct neph_moved *moved, int width_px, int height_px,
                                    int x, int y, struct neph_place *place)
 {
@@ -87,7 +88,7 @@ static inline bool neph_place_find(const struct neph_moved *moved, int width_px,
     return true;
 }
 
-/* A plane of the frame before at the place, bilinear. */
+/* Interpolate a plane of the previous frame at the position, bilinearly. */
 static inline double neph_place_value(const struct neph_place *place, const double *plane)
 {
     double sum = 0.0;
@@ -102,14 +103,14 @@ static inline bool neph_nearness_agrees(double nearness_per_m, double wanted_per
     return fabs(nearness_per_m - wanted_per_m) <= tolerance * wanted_per_m;
 }
 
-/* Whether the depth agrees at that very place. */
+/* Whether the depth agrees at that position. */
 static inline bool neph_place_agrees(const struct neph_place *place, const double *nearness_per_m,
                                      double wanted_per_m, double tolerance)
 {
     return neph_nearness_agrees(neph_place_value(place, nearness_per_m), wanted_per_m, tolerance);
 }
 
-/* Whether it was seen: the depth agrees there, or at one of the four pixels. */
+/* Whether the point was visible: the depth agrees at the position or at one of the four pixels. */
 static inline bool neph_place_was_seen(const struct neph_place *place, const double *nearness_per_m,
                                        double wanted_per_m, double tolerance)
 {

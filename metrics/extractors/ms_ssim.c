@@ -11,8 +11,8 @@ enum { SCALE_COUNT = 5, TAPS_MAX = 64 };
 
 static const double powers[SCALE_COUNT] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
 
-/* The low-pass of the 9/7 wavelet in the four digits of Wang's program, made to sum to 1; libvmaf
- * has the quotients to six digits. */
+/* The low-pass of the 9/7 wavelet with the four digits of Wang's program, normalised to sum 1;
+ * libvmaf has the quotients with six digits. */
 #define TAP(x) ((x) / 1.4143)
 static const double wavelet[9] = {TAP(0.0378), TAP(-0.0238), TAP(-0.1106), TAP(0.3774), TAP(0.8527),
                                   TAP(0.3774), TAP(-0.1106), TAP(-0.0238), TAP(0.0378)};
@@ -22,11 +22,11 @@ struct decimation {
     int width_px, height_px, tap_count, factor;
     double *out;
     int out_width_px, out_height_px;
-    double *blurred; /* a padded row for each row of `out` that may be worked on; see ROW_GROUP */
+    double *blurred; /* one padded row for each row of `out` in progress; see ROW_GROUP */
     size_t blurred_stride;
 };
 
-enum { ROW_GROUP = 8 }; /* rows of the result that one thread makes at a time */
+enum { ROW_GROUP = 8 }; /* rows of the result per job */
 
 static int mirrored(int position, int size)
 {
@@ -35,8 +35,8 @@ static int mirrored(int position, int size)
     return position >= size ? 2 * size - 1 - position : position;
 }
 
-/* Three rows at a time: a sum that is loaded and stored once for each would cost more than what is
- * added. `at` and `weights` are of the rows; `sum` is in another place than `image`. */
+/* Add three weighted rows at once: loading and storing the sum for each row would cost more than
+ * the additions. `at` and `weights` belong to the rows; `sum` must not overlap `image`. */
 NEPH_VECTOR static void add_rows(const double *restrict image, const size_t at[3],
                                  const double weights[3], size_t count, double *restrict sum)
 {
@@ -46,7 +46,7 @@ NEPH_VECTOR static void add_rows(const double *restrict image, const size_t at[3
         sum[i] += u * image[a + i] + v * image[b + i] + w * image[c + i];
 }
 
-/* Every second place of a row under nine weights. */
+/* Filter a row with nine weights at every second position. */
 NEPH_VECTOR static void halve_row(const double *restrict row, const double *restrict taps,
                                   size_t count, double *restrict out)
 {
@@ -91,7 +91,7 @@ static void blur_downwards(const struct decimation *work, int row, double *blurr
     }
 }
 
-/* Downwards, then sideways. */
+/* Vertically, then horizontally. */
 static void decimate_row(const struct decimation *work, int row, double *padded)
 {
     const int middle = work->tap_count / 2, width = work->width_px;
@@ -153,7 +153,7 @@ static void free_scale(struct scale *scale)
     *scale = (struct scale){0};
 }
 
-/* Half of two images, as a new scale. */
+/* Downsample two images by 2 into a new scale. */
 static enum neph_status halve(const double *reference, const double *test, int width_px,
                               int height_px, struct scale *half, struct neph_diag *diag)
 {

@@ -3,7 +3,7 @@
 
 #include "base/threads.h"
 
-enum { ROW_GROUP = 8 }; /* rows that one thread encodes at a time */
+enum { ROW_GROUP = 8 }; /* rows per job */
 
 void neph_pair_codes_forget(struct neph_pair_codes *codes)
 {
@@ -29,7 +29,7 @@ static void encode_group(int group, void *context)
     neph_code_pixels(planes->code, pair->test, first, count, planes->test + first);
 }
 
-/* What is there stays for later pairs, also after a failure. */
+/* Allocate the planes, once; they stay for later pairs, also after a failure. */
 static enum neph_status prepare(const struct neph_frame_pair *pair, enum neph_code_kind kind,
                                 struct neph_code_planes *planes, struct neph_diag *diag)
 {

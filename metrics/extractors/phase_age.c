@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "metrics/extractors/phase_age.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_SLOT_ORDER_COUNT == 3, "a new kind");
 
-/* By phase: its place in the order. */
+/* Position of each phase in the order. */
 static const int places[][NEPH_PHASE_COUNT] = {
     [NEPH_SLOT_CLOCKWISE] = {0, 1, 3, 2},
     [NEPH_SLOT_Z] = {0, 1, 2, 3},
@@ -17,7 +17,7 @@ int neph_phase_of(const struct neph_phase_age *scheme, int x_px, int y_px)
     return (column & 1) + 2 * (row & 1);
 }
 
-/* In frame t the place (t + first_slot + ahead) mod 4 is traced. */
+/* In frame t the phase at position (t + first_slot + ahead) mod 4 is traced. */
 int neph_frame_of_age(const struct neph_phase_age *scheme, int x_px, int y_px, int age)
 {
     const int tile_px = 2 * scheme->slot_px;

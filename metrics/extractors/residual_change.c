@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * How the error changes from frame to frame: (T_t - T_t-1) - (R_t - R_t-1) with T the test and R
- * the reference, which is the change of D = T - R. True motion cancels; what is left is flicker,
- * lag and noise. Squared and averaged over the frames but the first, on the linear values of each
- * channel and on display luma.
+ * The frame-to-frame change of the error: (T_t - T_t-1) - (R_t - R_t-1) with the test T and the
+ * reference R, which is the change of D = T - R. True motion cancels; flicker, lag and noise
+ * remain. Squared and averaged over all frames but the first, on the linear values of each channel
+ * and on display luma.
  */
 #include "metrics/extractors/extractors.h"
 
@@ -67,7 +67,7 @@ static enum neph_status init(void *state_, const struct neph_frame_pair *first,
     return neph_arena_check(first->memory, diag);
 }
 
-/* `weight` is 0 in the first frame, which has none before it. */
+/* Add a frame; `weight` is 0 for the first frame, which has no predecessor. */
 NEPH_VECTOR static void add_linear(const float *restrict reference, const float *restrict test,
                                    size_t count, double weight, double *restrict residual,
                                    double *restrict squares)
@@ -95,7 +95,7 @@ struct work {
     const struct neph_frame_pair *pair;
 };
 
-/* A piece at a time, so that what is between stays in the cache. */
+/* Pixels per step, so that intermediate values stay in the cache. */
 enum { PIECE_PX = 256 };
 
 static void follow_luma(const struct work *work, size_t first, int count, double weight)

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker as a person sees it, before a camera that stands still: how far what moves in the test
- * and not in the reference lies above the threshold of the eye (metrics/eye.h), at the luminance,
- * the rate and the distance of the display.
+ * Visible flicker for a static camera: how far the change of the test beyond that of the reference
+ * is above the eye's threshold (metrics/eye.h), for the luminance, frame rate and viewing distance
+ * of the display.
  *
- * Two mechanisms see it, and the one that sees more counts. A pixel is the centre of a disk of one
- * degree, whatever its neighbours do, by the spatial frequencies that it is made of
- * (seen_spatial.h). And what changes together over 1, 5 and 20 degrees is seen as the disk that it
- * is (seen_disks.h). Both sum the squares of all temporal frequencies up to half of the rate, less
- * those below 0.5 Hz, which are drift and lag. Pops, such as the reset of a history, which a
- * spectrum dilutes, are found by an edge filter in time.
+ * Two mechanisms are modelled, and the larger result counts:
+ * - A pixel is the centre of a disk of one degree, independent of its neighbours' phases, weighted
+ *   by its spatial frequencies (seen_spatial.h).
+ * - Change that is common to 1, 5 or 20 degrees is seen as such a disk (seen_disks.h).
+ * Both sum the squares of all temporal frequencies up to half of the frame rate, without those
+ * below 0.5 Hz, which are drift and lag. Pops, such as the reset of a history, which a spectrum
+ * dilutes, are found by an edge filter in time.
  *
- * All frames are kept: 4 N bytes per pixel for N frames, and 40 more. Nothing is worked on in parts
- * of the sequence, so that the numbers cannot depend on such.
+ * All frames are stored: 4 N bytes per pixel for N frames, and 40 more. The sequence is analysed as
+ * a whole, so the numbers do not depend on a division into parts.
  */
 #include "base/threads.h"
 #include "metrics/extractors/extractors.h"
@@ -31,12 +32,12 @@
 
 enum { LANES = NEPH_SEEN_LANES, FRAME_COUNT_MIN = NEPH_SEEN_FRAMES_MIN, CONDITIONS = 3 };
 
-/* The display shows no less than this of its white (a contrast of 1000:1, as desk monitors have),
- * so that flicker in what is darker is not divided by almost nothing. */
+/* Black level of the display, relative to white (a contrast of 1000:1, as of desktop monitors); it
+ * limits the contrast of flicker in dark regions. */
 static const double black = 1e-3;
 
-/* The level of the eye is a choice (eye.h): shares are also told for one twice as good and half as
- * good. */
+/* The absolute sensitivity of the eye is a choice (eye.h): shares are also reported for an eye
+ * twice and half as sensitive. */
 static const double levels[CONDITIONS] = {1.0, 2.0, 0.5};
 
 static const char too_short[] = "what is seen needs at least 16 frames after the warm-up";
@@ -49,7 +50,7 @@ static const char still[] = "nothing moves that the reference does not";
 enum map {
     CONTRAST,
     FOURTH_POWER,
-    SEEN, /* CONDITIONS of them */
+    SEEN, /* CONDITIONS maps */
     POP = SEEN + CONDITIONS,
     HERTZ,
     MAP_COUNT,
@@ -123,7 +124,7 @@ static const struct neph_option options[] = {
     {0},
 };
 
-/* ---- the life -------------------------------------------------------------------------------- */
+/* ---- state ----------------------------------------------------------------------------------- */
 
 struct seen {
     struct neph_viewing viewing;
@@ -135,20 +136,21 @@ struct seen {
     int padded_disk_count;
     struct neph_seen_gains gains;
 
-    struct neph_arena frames; /* of what only frames, or only the way to the maps, need: */
-    float *series;            /* by row, frame and pixel: test - reference, filtered [cd/m2] */
-    float *disk_series;       /* by frame and disk: the mean of the same, not filtered */
-    float *plane;             /* the frame that is worked on */
-    double *sums;             /* of what is before a pixel in its row: width + 1 a row */
-    float *luminance;         /* of the test, summed over the frames; in the end the eye's */
+    struct neph_arena frames; /* memory that is freed once the maps are done: */
+    float *series;            /* index: row, frame, pixel; test - reference, filtered [cd/m2] */
+    float *disk_series;       /* index: frame, disk; mean of the same, not filtered */
+    float *plane;             /* the current frame */
+    double *sums;             /* prefix sums of each row: width + 1 per row */
+    float *luminance;         /* of the test, summed over the frames; later the adaptation
+                               * luminance */
     float *disk_luminance, *disk_contrast, *disk_hertz;
-    float *row_energies; /* by row and bin: what is seen of it */
+    float *row_energies; /* index: row, bin; visible energy */
 
-    struct neph_arena *memory; /* of the maps */
+    struct neph_arena *memory; /* memory of the maps */
     float *values[MAP_COUNT];
     atomic_bool out_of_memory;
 
-    bool complete; /* what follows is known */
+    bool complete; /* the following members are set */
     double scalars[SCALAR_COUNT];
 };
 
@@ -232,7 +234,7 @@ static void seen_close(void *state)
 struct frame_work {
     struct seen *seen;
     const struct neph_frame_pair *pair;
-    int t; /* since the warm-up */
+    int t; /* frame index after the warm-up */
 };
 
 static inline __attribute__((always_inline)) float shown(float channel, float gain)
@@ -288,7 +290,7 @@ static float *series_of(const struct seen *seen, int row, int t)
            ((size_t)row * (size_t)seen->frame_count + (size_t)t) * (size_t)seen->padded_width_px;
 }
 
-/* The reference is shown in what will be the row of the series. */
+/* The reference is first written to the row of the series. */
 static void show_row(int row, void *context)
 {
     const struct frame_work *work = context;
@@ -363,7 +365,7 @@ static void average_row(int row, void *context)
     sum_up(luminance, seen->width_px, sums_of(seen, row));
 }
 
-/* What the eye is adapted to: not the pixel alone, but what is around it as far as it can tell. */
+/* The adaptation luminance of the eye: the mean of a pixel's surroundings. */
 static enum neph_status find_luminance(struct seen *seen, struct neph_diag *diag)
 {
     enum neph_status status = over_rows(seen, average_row, seen, diag);
@@ -375,7 +377,8 @@ static enum neph_status find_luminance(struct seen *seen, struct neph_diag *diag
     return status;
 }
 
-/* LANES pixels of a row, in `room`; their energies, in units of the threshold's, are added up. */
+/* Analyse LANES pixels of a row, in `room`; their energies, in units of the threshold's, are added
+ * to `energies`. */
 static void find_lanes(const struct seen *seen, int row, int first, float *room, float *energies)
 {
     const int count = seen->width_px - first < LANES ? seen->width_px - first : LANES;
@@ -396,7 +399,7 @@ static void find_lanes(const struct seen *seen, int row, int first, float *room,
     memcpy(seen->values[POP] + at, pops, (size_t)count * sizeof(float));
 }
 
-/* Lanes beyond the picture are still, and add nothing. */
+/* Add the energies of the lanes. Lanes beyond the image are constant and add nothing. */
 static void add_energies(const float *energies, int bin_count, float *sums)
 {
     for (int bin = 0; bin < bin_count; bin++) {
@@ -407,7 +410,7 @@ static void add_energies(const float *energies, int bin_count, float *sums)
     }
 }
 
-/* Room for a transform and its energies; NULL: out of memory, which is noted. */
+/* Allocate memory for a transform and its energies; NULL: out of memory, which is recorded. */
 static float *take_room(struct seen *seen)
 {
     const size_t energies = (size_t)seen->window.bin_count * LANES;
@@ -432,7 +435,7 @@ static void find_row(int row, void *context)
     free(room);
 }
 
-/* A disk, with a sensitivity of its own. */
+/* Analyse a disk, with its own sensitivity. */
 static void find_disk(struct seen *seen, int disk, float *energies)
 {
     const double radius_deg = neph_seen_cut_radius_deg(&seen->disks, disk);
@@ -450,7 +453,7 @@ static void find_disk(struct seen *seen, int disk, float *energies)
                                                bin_hz(seen));
 }
 
-/* LANES disks. */
+/* Analyse LANES disks. */
 static void find_disks(int block, void *context)
 {
     struct seen *seen = context;
@@ -466,7 +469,7 @@ static void find_disks(int block, void *context)
     free(room);
 }
 
-/* The mechanism that sees most of a pixel. */
+/* For each pixel, take the mechanism with the largest contrast. */
 static void combine_row(int row, void *context)
 {
     const struct seen *seen = context;
@@ -504,7 +507,7 @@ static enum neph_status find_contrast(struct seen *seen, struct neph_diag *diag)
         status = over_rows(seen, find_row, seen, diag);
     if (!status)
         status = neph_parallel_rows(seen->padded_disk_count / LANES, find_disks, seen, diag);
-    if (!status) /* find_disks() may be out of memory, too */
+    if (!status) /* find_disks() may also run out of memory */
         status = over_rows(seen, combine_row, seen, diag);
     return status;
 }
@@ -525,7 +528,8 @@ static enum neph_status blur_all(struct seen *seen, struct neph_diag *diag)
     return status ? status : over_rows(seen, judge_pops, seen, diag);
 }
 
-/* ---- numbers of the whole picture ------------------------------------------------------------ */
+/* ---- numbers of the whole image
+ * --------------------------------------------------------------- */
 
 static double fourth_power(const struct seen *seen, size_t pixel)
 {
@@ -547,7 +551,7 @@ static int lesser(int a, int b)
     return a < b ? a : b;
 }
 
-/* NaN: nothing moves there. */
+/* The period of a tile; NaN: nothing moves there. */
 static double tile_period(const struct seen *seen, int left, int top, int right, int bottom)
 {
     size_t most = row_begin(seen, top) + (size_t)left;
@@ -591,7 +595,7 @@ static void find_most_coherent(struct seen *seen)
                                      seen->viewing.pixels_per_degree;
 }
 
-/* Over the rows in order, so that it does not matter who worked on which. */
+/* Sum over the rows in order, so that the result does not depend on the threads. */
 static void find_most_seen(struct seen *seen)
 {
     const int bin_count = seen->window.bin_count;
@@ -606,7 +610,7 @@ static void find_most_seen(struct seen *seen)
 static enum neph_status allocate_maps(struct seen *seen, struct neph_diag *diag)
 {
     for (int map = 0; map < MAP_COUNT; map++)
-        if (map != FOURTH_POWER) /* of another */
+        if (map != FOURTH_POWER) /* derived from another map */
             seen->values[map] = neph_arena_zeroed(seen->memory, pixel_count(seen), sizeof(float));
     return neph_arena_check(seen->memory, diag);
 }

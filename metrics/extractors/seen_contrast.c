@@ -47,7 +47,7 @@ static void find_largest(const float *energies, int bin_count, int *largest)
     }
 }
 
-/* Hann's window puts a line into the bins up to two away. */
+/* The Hann window spreads a line over bins up to two away. */
 static float centre_hz(const float *energies, size_t stride, int bin_count, int largest,
                        double bin_hz)
 {
@@ -94,7 +94,7 @@ void neph_seen_pops(const float *series, size_t stride, int frame_count, double 
         average[l] = series[l];
         pops[l] = 0.0f;
     }
-    for (int t = 0; t < frame_count; t++) { /* room: the average of the frames up to t */
+    for (int t = 0; t < frame_count; t++) { /* room: average of the frames up to t */
         const float *frame = series + (size_t)t * stride;
         float *before = room + (size_t)t * LANES;
         NEPH_LANES

@@ -7,7 +7,7 @@
 
 const double neph_seen_radii_deg[NEPH_SEEN_RADII] = {1.0, 5.0, 20.0};
 
-/* How many centres a side has room for. */
+/* Number of centres along a side. */
 static int count_along(int side_px, double radius_px)
 {
     const double spacing_px = fmax(radius_px / 3.0, 1.0);
@@ -36,13 +36,13 @@ const struct neph_seen_grid *neph_seen_grid_of(const struct neph_seen_disks *dis
     return &disks->grids[g];
 }
 
-/* Centre of place `index` of `count` along a side. */
+/* Centre number `index` of `count` along a side. */
 static int centre_px(int index, int count, int side_px)
 {
     return (int)((index + 0.5) * side_px / count);
 }
 
-/* A row of a disk, from `begin` to before `end`. */
+/* A row of a disk, from `begin` (included) to `end` (excluded). */
 struct span {
     int begin, end;
 };
@@ -57,7 +57,7 @@ static int greater(int a, int b)
     return a > b ? a : b;
 }
 
-/* The rows of a disk, and each of them. */
+/* The extent of a disk within the image. */
 struct extent {
     int x_px, y_px;
     double radius_px;
@@ -129,7 +129,8 @@ enum neph_status neph_seen_disk_means(const struct neph_seen_disks *disks, const
     return neph_parallel_rows(disks->disk_count, take_mean, &work, diag);
 }
 
-/* A pixel between two centres: the one before, the one after, and how far it is from the first. */
+/* A pixel's position between two centres: the indices before and after, and the part of the
+ * distance. */
 struct between {
     int before, after;
     double share;

@@ -6,8 +6,7 @@
 
 #include <math.h>
 
-/* The radius of the disk that De Lange's level is of, and that a pixel is taken for the centre of.
- */
+/* Radius of the disk in De Lange's measurements; a pixel counts as the centre of such a disk. */
 static const double disk_deg = 1.0;
 
 static double sinc(double x)

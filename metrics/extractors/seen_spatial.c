@@ -15,7 +15,7 @@ static double cosine(int distance_px, int step)
     return cos(distance_px * M_PI * (step + 0.5) / STEPS);
 }
 
-/* Coefficient of the series at (dy, dx): the mean of the fall times both cosines over all
+/* Coefficient of the series at (dy, dx): the mean of sensitivity times both cosines over all
  * frequencies. */
 static double coefficient(double pixels_per_degree, int dy, int dx)
 {

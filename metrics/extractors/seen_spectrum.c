@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Two real series are the real and the imaginary part of one complex series, whose transform is
- * then taken apart again; a vector holds as many of these as it has room for. In place, radix 2.
+ * Temporal spectra of many series. Two real series are the real and imaginary part of one complex
+ * series, whose transform is then separated; a vector holds several of these pairs. In place, radix
+ * 2.
  */
 #include "metrics/extractors/seen_spectrum.h"
 
@@ -12,7 +13,7 @@
 
 enum { LANES = NEPH_SEEN_LANES, PAIRS = LANES / 2 };
 
-/* Bits of an index in reversed order. */
+/* Reverse the bits of an index. */
 static int reversed(int index, int count)
 {
     int place = 0;
@@ -21,7 +22,7 @@ static int reversed(int index, int count)
     return place;
 }
 
-/* Hann's window, and what a line is fitted with under it. */
+/* Fill the Hann window, and the weights of a line fit under it. */
 static void fill_frames(struct neph_seen_window *window)
 {
     const int n = window->frame_count;
@@ -35,7 +36,7 @@ static void fill_frames(struct neph_seen_window *window)
                 slope_sum += weight * from_centre * from_centre;
                 continue;
             }
-            /* The bins of the two halves of the spectrum are one. */
+            /* The two halves of the spectrum are combined into one. */
             window->taper[t] = (float)(taper * sqrt(4.0 / (window->padded_count * sum)));
             window->mean_weights[t] = (float)(weight / sum);
             window->slope_weights[t] = (float)(weight * from_centre / slope_sum);
@@ -74,7 +75,7 @@ size_t neph_seen_room(const struct neph_seen_window *window)
 
 /* ---- the transform --------------------------------------------------------------------------- */
 
-/* A row of the room: PAIRS real parts, then as many imaginary parts. */
+/* Load a row of the memory: PAIRS real parts, then as many imaginary parts. */
 
 static inline __attribute__((always_inline)) void
 load(const struct neph_seen_window *window, const float *series, size_t stride, float *room)
@@ -126,8 +127,8 @@ static inline __attribute__((always_inline)) void transform(const struct neph_se
             }
 }
 
-/* Two series in one transform, Z = A + i B: A_k = (Z_k + conj Z_-k) / 2, B_k = (Z_k - conj Z_-k) /
- * 2i. */
+/* Separate two series in one transform, Z = A + i B: A_k = (Z_k + conj Z_-k) / 2, B_k = (Z_k - conj
+ * Z_-k) / 2i. */
 static inline __attribute__((always_inline)) void take_apart(const struct neph_seen_window *window,
                                                              const float *room, float *energies)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Is an edge one pixel off, or wrong? The image is cut into blocks of 8x8 px; each is compared to
- * the test moved by -1, 0 or 1 px in x and y, and keeps the one move with the smallest sum of
- * squared differences (no move when none is smaller). A block moves as a whole, because a pixel
- * alone finds something like itself among nine neighbours by chance. Past its border the test
- * continues with its outermost pixels.
+ * Separates shifted edges from wrong ones. The image is cut into blocks of 8x8 px. Each block is
+ * compared with the test shifted by -1, 0 or 1 px in x and y, and keeps the shift with the smallest
+ * sum of squared differences (no shift unless it is smaller). A block shifts as a whole, because a
+ * single pixel finds a similar one among nine neighbours by chance. The test's border pixels are
+ * repeated outwards.
  */
 #include "base/threads.h"
 #include "metrics/extractors/extractors.h"
@@ -17,7 +17,7 @@
 enum {
     BLOCK = 8,
     MOVE_COUNT = 9,
-    STRETCH = 16 * BLOCK, /* pixels of a row of blocks that are looked at together */
+    STRETCH = 16 * BLOCK, /* pixels of a row of blocks that are processed together */
 };
 
 enum { MAP_AS_IS, MAP_MOVED, MAP_COUNT };
@@ -26,14 +26,14 @@ struct move {
     int dx, dy;
 };
 
-/* The first of equals wins, so no move comes first and short ones before long ones. */
+/* The first of equal sums wins, so zero comes first, and short shifts before long ones. */
 static const struct move moves[MOVE_COUNT] = {{0, 0},   {-1, 0}, {1, 0},  {0, -1}, {0, 1},
                                               {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
 
 struct state {
     struct neph_frame_pair pair;
     int columns;   /* of blocks */
-    uint8_t *best; /* for each block, an index of moves */
+    uint8_t *best; /* index into `moves` for each block */
 };
 
 static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
@@ -48,25 +48,26 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
     return neph_arena_check(first->memory, diag);
 }
 
-/* ---- the vote -------------------------------------------------------------------------------- */
+/* ---- choice of the shift
+ * ----------------------------------------------------------------------- */
 
 static int clamped(int position, int size)
 {
     return position < 0 ? 0 : position >= size ? size - 1 : position;
 }
 
-/* A stretch of a row of blocks, with what its moves reach. Single precision: it only ranks the
- * moves. */
+/* Several blocks of a row, with the surrounding pixels that shifts need. Single precision is
+ * enough, because it only ranks the shifts. */
 struct stretch {
     int first_x, width_px;
     const float *reference[BLOCK]; /* rows, from first_x on; NaN outside the image adds nothing */
-    const float *test[BLOCK + 2];  /* rows, from one pixel further up and left on */
+    const float *test[BLOCK + 2];  /* rows, from one pixel further up and left */
     float reference_copy[BLOCK][BLOCK], test_copy[BLOCK + 2][BLOCK + 2]; /* see copy_block() */
     float nothing[STRETCH];
 };
 
-/* The blocks at the two sides make stretches of their own, so that between them rows can be read
- * where they are. */
+/* The border blocks are processed separately, so that the rows between them can be read in
+ * place. */
 static int stretch_width(int image_width_px, int first_x)
 {
     const int inner_px = (image_width_px - 1) / BLOCK * BLOCK - first_x;
@@ -75,7 +76,8 @@ static int stretch_width(int image_width_px, int first_x)
     return inner_px < STRETCH ? inner_px : STRETCH;
 }
 
-/* A block at a side, where rows go on past their ends. The rows of `stretch` are whole here. */
+/* Copy a border block, with rows extended beyond the image. The rows of `stretch` are complete
+ * here. */
 static void copy_block(int image_width_px, struct stretch *stretch)
 {
     const int first_x = stretch->first_x;
@@ -183,7 +185,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
 
 /* ---- the maps -------------------------------------------------------------------------------- */
 
-/* Places in the rows of three planes. */
+/* Positions in the rows of three planes. */
 struct rgb {
     const float *plane[3];
 };
@@ -205,8 +207,8 @@ NEPH_VECTOR static void mean_squares(const struct rgb *from, const struct rgb *t
     }
 }
 
-/* Pixels first_x .. first_x + count - 1 of row y, whose places in the test are `step_px` further on
- * in row `test_y`. */
+/* Compare pixels first_x .. first_x + count - 1 of row y with the test's pixels `step_px` further
+ * right in row `test_y`. */
 static void compare(const struct neph_frame_pair *pair, int first_x, int count, int y, int test_y,
                     int step_px, double *row)
 {
@@ -216,7 +218,7 @@ static void compare(const struct neph_frame_pair *pair, int first_x, int count, 
     mean_squares(&from, &to, (size_t)count, row + x);
 }
 
-/* Pixels first_x .. end_x - 1 of a row, under one move. */
+/* Compare pixels first_x .. end_x - 1 of a row under one shift. */
 static void compare_moved(const struct neph_frame_pair *pair, int first_x, int end_x, int y,
                           struct move move, double *row)
 {

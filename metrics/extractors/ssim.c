@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * SSIM and MS-SSIM. They are one extractor because the first scale of the one is all of the other.
+ * SSIM and MS-SSIM as one extractor, because the first scale of MS-SSIM contains all of SSIM.
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/extractors/ms_ssim.h"
@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* A new kind breaks the build here until this file handles it. */
 _Static_assert(NEPH_CODE_COUNT == 2, "a new kind");
 
 enum { OPTION_CODE, OPTION_DECIMATE };
@@ -39,9 +39,9 @@ struct state {
     enum neph_code_kind code;
     double peak;
     int width_px, height_px;
-    int factor; /* by which ssim is decimated */
+    int factor; /* decimation factor of ssim */
     int small_width_px, small_height_px;
-    double *small_reference, *small_test; /* decimated, when the factor is not 1 */
+    double *small_reference, *small_test; /* decimated images, if the factor is not 1 */
     double *map;                          /* of the decimated size, NaN in the margin */
     double ms_ssim;
     const char *ms_ssim_undefined;
@@ -52,7 +52,7 @@ static enum neph_display_bound bound(const struct neph_settings *settings)
     return settings->values[OPTION_CODE] == NEPH_CODE_PU21 ? NEPH_BOUND_PU21 : NEPH_BOUND_WHITE;
 }
 
-/* libvmaf rounds a half up. */
+/* libvmaf's factor, with halves rounded up. */
 static int factor_of(const struct neph_frame_pair *first, const struct neph_settings *settings)
 {
     int shorter_px = first->width_px < first->height_px ? first->width_px : first->height_px;
@@ -60,7 +60,7 @@ static int factor_of(const struct neph_frame_pair *first, const struct neph_sett
     return settings->values[OPTION_DECIMATE] != 0.0 && factor > 1 ? factor : 1;
 }
 
-/* libvmaf's, with a pixel more when the side is odd. */
+/* The decimated side as in libvmaf, with an extra pixel for an odd side. */
 static int decimated_px(int side_px, int factor)
 {
     return factor == 1 ? side_px : side_px / factor + (side_px & 1);
@@ -100,7 +100,7 @@ static enum neph_status init(void *opaque, const struct neph_frame_pair *first,
 
 /* ---- a frame --------------------------------------------------------------------------------- */
 
-/* A box filter, as libvmaf's. */
+/* Shrink with a box filter, as libvmaf does. */
 static enum neph_status shrink(const struct state *state, const double *image, double *small,
                                struct neph_diag *diag)
 {
@@ -145,8 +145,8 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     return status;
 }
 
-/* A value of the decimated image is told where its pixel was taken from, and nowhere else: so the
- * mean over the image is libvmaf's. */
+/* A value of the decimated image is reported only at the pixel that it was sampled at, so the mean
+ * over the image equals libvmaf's. */
 static void rows(const void *opaque, int map, int first_row, int row_count, double *const values[3])
 {
     (void)map;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Error in stops: how far the exposure of the test would have to be moved, pixel by pixel, to meet
- * the reference. A floor keeps night from counting: below it both sides are black.
+ * Error in stops: the exposure change per pixel that would map the test to the reference. Below a
+ * floor both count as black, so dark pixels contribute nothing.
  */
 #include "metrics/extractors/extractors.h"
 #include "metrics/vector_math.h"
@@ -14,7 +14,7 @@ enum { CHUNK_PX = 256 };
 
 enum { MAP_SIGNED, MAP_ABSOLUTE, MAP_COUNT };
 
-static const double floor_share = 1e-4; /* of the scene's mean luminance */
+static const double floor_share = 1e-4; /* relative to the scene's mean luminance */
 
 static const char black_frame[] = "the mean of the whole reference frame is not positive";
 
@@ -34,7 +34,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     return NEPH_OK;
 }
 
-/* log2(max(test, floor) / max(reference, floor)) of luminance; count is at most CHUNK_PX. */
+/* log2(max(test, floor) / max(reference, floor)) of the luminance; count is at most CHUNK_PX. */
 NEPH_VECTOR static void stops_of(const float *const reference[3], const float *const test[3],
                                  size_t first, size_t count, double floor, double *stops)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The image is cut into columns 48 px wide. Down a column, each row is blurred sideways once and
- * kept in a ring of 11 rows, which the downward blur reads: all of it stays in the first cache, and
- * is aligned, for a vector that straddles two lines of it is loaded at half the speed.
+ * The sliding window of SSIM. The image is cut into columns 48 px wide. Down a column, each row is
+ * blurred horizontally once and stored in a ring of 11 rows, which the vertical blur reads. All
+ * data stay in the L1 cache and are aligned: loads across two cache lines have half the speed.
  */
 #include "metrics/extractors/structure.h"
 
@@ -19,15 +19,15 @@ enum {
     COLUMN = 48,
 };
 
-/* What is averaged over a window; x of the reference, y of the test. */
+/* Averages over a window; x is the reference, y the test. */
 enum moment { X, Y, XX, YY, XY, MOMENT_COUNT };
 
 struct constants {
-    double weight[MARGIN + 1]; /* of the window, from its middle outwards */
+    double weight[MARGIN + 1]; /* window weights, from the centre outwards */
     double c1, c2, c3;
 };
 
-/* Over the rows, for each pixel of a column. */
+/* Sums over the rows, for each pixel of a column. */
 struct sums {
     double luminance[COLUMN], contrast[COLUMN], structure[COLUMN];
 };
@@ -59,7 +59,7 @@ static struct constants constants_of(double peak)
     return constants;
 }
 
-/* Six weights from the middle outwards, over 11 values in a row. */
+/* Symmetric window of 11 values; `w` has six weights, from the centre outwards. */
 #define WINDOWED(w, v0, v1, v2, v3, v4, v5, v6, v7, v8, v9, v10)                                   \
     ((w)[0] * (v5) + (w)[1] * ((v4) + (v6)) + (w)[2] * ((v3) + (v7)) + (w)[3] * ((v2) + (v8)) +    \
      (w)[4] * ((v1) + (v9)) + (w)[5] * ((v0) + (v10)))
@@ -86,9 +86,8 @@ NEPH_VECTOR static void blur_sideways(const struct constants *constants, const d
     }
 }
 
-/* `next` is the place in the ring of its oldest row. Rows are told by their distance from the
- * beginning of the ring and not by eleven pointers, of which the compiler would fear that they
- * overlap the result. */
+/* `next`: position of the oldest row in the ring. Rows are addressed by their offset in the ring;
+ * with eleven pointers the compiler would assume that they alias the result. */
 NEPH_VECTOR static void blur_downwards(const struct constants *constants,
                                        const double *restrict ring, size_t next, size_t count,
                                        double *restrict out)
@@ -106,8 +105,8 @@ NEPH_VECTOR static void blur_downwards(const struct constants *constants,
                               ring[a9 + i], ring[a10 + i]);
 }
 
-/* The three factors, added up, and their product. Rounding may leave a variance below 0 or a
- * covariance above what the variances allow; both are put back, so that an image compared to
+/* Add up the three factors, and compute their product. Rounding may make a variance negative, or a
+ * covariance larger than the variances allow. Both are clamped, so that an image compared with
  * itself gives 1. */
 NEPH_VECTOR static void compare_row(const struct constants *constants, const blurred mean,
                                     size_t count, struct sums *restrict sums,

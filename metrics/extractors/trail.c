@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The trail behind a card that moves over the picture: what is left of it where it has been. The
- * reference says where the card is by its channel mask.card.
+ * The trail behind a moving card: the remaining part of the card at pixels that it has left. The
+ * reference gives the card's pixels in channel mask.card.
  *
- * A pixel is uncovered when the card was over it in the frame before and is not now; that frame has
- * the age 1. At a speed of v px/frame the age a lies a v px behind the card. Y is the luminance of
- * linear data, Y_card the reference in the pixel's last covered frame. Over all pixels and frames
- * of an age
+ * A pixel is uncovered if the card covered it in the previous frame, but not in this one; this
+ * frame has the age 1. At a speed of v px/frame the age a is a v px behind the card. Y is the
+ * luminance of linear data, Y_card the reference in the pixel's last covered frame. Over all pixels
+ * and frames of an age
  *
  *   energy = sum (test - reference)^2 / sum (Y_card - reference)^2
  *
- * is 1 when the card stays as it was, and (1 - alpha)^(2 a) behind an exponential average with the
+ * is 1 if the card stays fully visible, and (1 - alpha)^(2 a) for an exponential average with the
  * weight alpha that had settled on the card.
  */
 #include "metrics/extractors/extractors.h"
@@ -54,10 +54,10 @@ struct pixel {
     double squares; /* sum of (test - reference)^2 over the ages 1..16 */
     uint32_t count;
     uint8_t covered; /* in the last frame */
-    uint8_t age;     /* 0: covered, or never was; stays at 17 */
+    uint8_t age;     /* 0: covered, or never covered; stays at 17 */
 };
 
-/* By row, so that the sums do not depend on the threads. */
+/* One per row, so that the sums do not depend on the threads. */
 struct energies {
     double squares[AGE_MAX + 1], steps[AGE_MAX + 1];
 };

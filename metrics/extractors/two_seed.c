@@ -26,7 +26,7 @@ static enum neph_status extract(void *opaque, const struct neph_frame_pair *pair
     size_t bad_count = 0, count = (size_t)pair->width_px * (size_t)pair->height_px;
     for (int c = 0; c < pair->plane_count; c++)
         bad_count += neph_count_not_finite(pair->reference_second[c], count);
-    if (bad_count > 0) /* nobody else looks at it */
+    if (bad_count > 0) /* no other code checks it */
         return neph_fail(diag, NEPH_ERR_GATE,
                          "%zu values of the second reference of frame %d are "
                          "not finite",

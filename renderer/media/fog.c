@@ -6,15 +6,15 @@
 
 #include <math.h>
 
-/* The reference height of a fog layer is a free choice: a e^(-b (y - h)) is the same fog for all
- * (a, h) with a e^(b h) fixed. The camera's own height is the best one, because there y is small
- * and keeps its digits; but no further than 20 scale heights from the layer's own, so that the
- * extinction stays well inside float32. */
+/* The reference height of a fog layer is arbitrary: a e^(-b (y - h)) is the same fog for all (a, h)
+ * with equal a e^(b h). The camera's height is the best choice, because camera-relative y is small
+ * there and keeps its precision. It is limited to 20 scale heights from the layer's own, so that
+ * the extinction stays in the range of float32. */
 struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *layer,
                                                   double camera_y_m)
 {
     const double scale_heights_max = 20.0;
-    const double exponent_max = 87.0; /* e^88.8 is the end of float32 */
+    const double exponent_max = 87.0; /* float32 overflows at e^88.8 */
     const double extinction_min_per_m = 1e-36;
     double extinction_per_m = layer->extinction_per_m;
     double height_m = layer->height_m;
@@ -35,7 +35,7 @@ struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *l
     };
 }
 
-/* Layers without extinction are left out: nothing in the shaders has to expect a 0. */
+/* Omits layers without extinction, so shaders need no test for 0. */
 static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, uint32_t first,
                  struct neph_gpu_medium *gpu)
 {
@@ -51,7 +51,7 @@ static uint64_t integral_turns(const struct neph_medium *medium)
     return (uint64_t)medium->layer_count;
 }
 
-/* At the heights that the layers are given for. */
+/* At the reference heights of the layers. */
 static double largest_per_m(const struct neph_medium *medium)
 {
     double largest_per_m = 0.0;
@@ -60,8 +60,8 @@ static double largest_per_m(const struct neph_medium *medium)
     return largest_per_m;
 }
 
-/* Extinction times distance of a layer of fog. From above one sees it where it grows by a factor e
- * within a mean free path, unless it ends before. */
+/* Extinction times distance of a fog layer. From above, the visible surface is where the extinction
+ * grows by a factor of e within a mean free path, or the lower bound of the layer. */
 static double layer_reach(const struct neph_fog_layer *layer, const struct neph_bounds *box,
                           struct neph_vec3 camera_m, double *extinction_per_m)
 {
@@ -75,13 +75,13 @@ static double layer_reach(const struct neph_fog_layer *layer, const struct neph_
     const double face_per_m = layer->extinction_per_m *
                               exp(-b_per_m * (box->min_m.y - layer->height_m));
     *extinction_per_m = isfinite(box->min_m.y) ? fmax(b_per_m, fmin(face_per_m, 1e20)) : b_per_m;
-    if (skin_y_m < box->min_m.y) /* thin down to its end */
+    if (skin_y_m < box->min_m.y) /* transparent down to its lower bound */
         return face_per_m * neph_box_distance_m(box, camera_m);
     return fmax(*extinction_per_m * neph_box_distance_m(box, camera_m),
                 b_per_m * fmax(0.0, camera_m.y - skin_y_m));
 }
 
-/* The layer that reaches furthest. */
+/* The layer with the largest product. */
 static double reach(const struct neph_medium *medium, const struct neph_bounds *support,
                     struct neph_vec3 camera_m, double *extinction_per_m)
 {

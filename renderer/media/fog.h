@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fog as the device sees it. Private to renderer/ and its tests.
+ * Fog layers in the device's layout. Private to renderer/ and its tests.
  */
 #ifndef NEPH_RENDERER_MEDIA_FOG_H
 #define NEPH_RENDERER_MEDIA_FOG_H
@@ -8,7 +8,7 @@
 #include "scenes/scene.h"
 #include "shaders/structs.h"
 
-/* The layer as seen from a height; its extinction must be above 0. */
+/* A layer relative to the height of the camera; its extinction must be above 0. */
 struct neph_gpu_fog_layer neph_gpu_fog_layer_from(const struct neph_fog_layer *layer,
                                                   double camera_y_m);
 

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of Gaussian blobs.
+ */
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 
@@ -9,7 +12,8 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
 {
     (void)first;
     const double width_m = medium->gaussian.width_m;
-    /* A line outside a sphere of radius r meets at most the whole line's depth at impact r. */
+    /* Outside a sphere of radius r, a ray's optical depth is at most the depth of a whole line with
+     * impact parameter r. */
     const double central = medium->extinction_per_m * width_m * sqrt(2.0 * M_PI);
     const double widths = sqrt(2.0 * log(fmax(1.0, central / NEPH_GPU_THIN)));
     struct neph_gpu_gaussian *blob = &gpu->shape.gaussian;
@@ -18,7 +22,8 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
     neph_relative_position(blob->center_m, medium->gaussian.center_m, camera_m);
 }
 
-/* Where extinction x w^2 / r is 1. */
+/* The relative slope r / w^2 of the density at the distance r, at least w, where extinction times w
+ * is 1. */
 static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
 {
     const double width_m = medium->gaussian.width_m;

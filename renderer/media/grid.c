@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The largest density that is told: beyond it a medium is opaque anyway. */
+/* Limit of densities on the device: a denser medium is opaque in any case. */
 static float value_max(const struct neph_medium *medium)
 {
     return (float)(NEPH_GPU_EXTINCTION_MAX / fmax(1.0, medium->extinction_per_m));
@@ -27,8 +27,8 @@ void neph_gpu_grid_size(const struct neph_grid *grid, int size[3])
         size[axis] = grid->size[axis] + 2;
 }
 
-/* The node of the grid that one of the padded lattice is; -1: a zero. Along an axis without end the
- * padding is what comes before and behind. */
+/* The node of the grid for a node of the padded grid; -1: padding with 0. Along a periodic axis the
+ * padding repeats the grid. */
 static int node_of(const struct neph_grid *grid, int axis, int padded)
 {
     const int node = padded - 1;
@@ -55,8 +55,8 @@ void neph_gpu_grid_slab(const struct neph_medium *medium, int z, float *slab)
         }
 }
 
-/* Whole periods of a grid without end from its own origin to one that is near the camera: float32
- * has digits to count cells by there. */
+/* Offset from the origin of a periodic grid to the repetition nearest the camera, in whole periods,
+ * so that float32 can count cells there. */
 static struct neph_vec3 periods_to(const struct neph_grid *grid, struct neph_vec3 camera_m)
 {
     const double origin_m[3] = {grid->origin_m.x, grid->origin_m.y, grid->origin_m.z},
@@ -99,17 +99,17 @@ static size_t data_count(const struct neph_medium *medium)
     return (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
 }
 
-/* Slabs of the padded lattice as a kernel reads them: values, or pairs of each value and the one
- * behind it in its row (0 behind the last of a slab). */
+/* Slabs of the padded grid in the layout of a kernel: values, or pairs of each value and its
+ * successor in the row (0 after the last value of a slab). */
 struct slabs {
     const struct neph_medium *medium;
     size_t count_each; /* values of a slab */
     bool are_pairs;
     int first;
-    float *values; /* of slab `first` on; owned */
+    float *values; /* beginning with slab `first`; owned */
 };
 
-/* Pairs are made in place, from the last value on. */
+/* Pairs are made in place, from the last value backwards. */
 static void fill_slab(int i, void *context)
 {
     const struct slabs *slabs = context;
@@ -127,8 +127,8 @@ static void fill_slab(int i, void *context)
     }
 }
 
-/* A few megabytes of slabs after the other: no second copy of the grid in memory, and no wait for
- * the device after each slab. */
+/* Upload a few megabytes of slabs at a time: this avoids a second copy of the whole grid in memory,
+ * and a wait for the device after each slab. */
 static enum neph_status upload_slabs(const struct neph_vulkan *vulkan,
                                      const struct neph_medium *medium, bool are_pairs,
                                      uint32_t first, const struct neph_buffer *buffer,
@@ -183,8 +183,8 @@ static double largest_per_m(const struct neph_medium *medium)
     return medium->extinction_per_m * (double)medium->grid->maximum;
 }
 
-/* Where density rises from 0 in proportion to a way, as far as one cell, optical depth 1 is reached
- * at sqrt(2 cell / extinction). */
+/* If the density rises linearly from 0 within one cell, optical depth 1 is reached at the distance
+ * sqrt(2 cell / extinction). */
 static double skin_per_m(const struct neph_medium *medium, double largest_per_m)
 {
     const struct neph_vec3 spacing_m = medium->grid->spacing_m;

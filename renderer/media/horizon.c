@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of Horizon clouds.
+ */
 #include "scenes/horizon.h"
 
 #include "renderer/media/kind.h"
@@ -7,14 +10,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A place along one axis of a periodic texture [texels], from the first texel's. */
+/* Coordinate along one axis of a periodic texture, relative to the first texel [texels]. */
 static float texel_at(double place_m, double repeats_per_m, int side)
 {
     const double repeats = place_m * repeats_per_m;
     return (float)((repeats - floor(repeats)) * side - 0.5);
 }
 
-/* The largest density is 1, or what the parameter makes of it. */
+/* Upper bound of the density: 1, or more with the density parameter. */
 static double density_max(const struct neph_medium *medium)
 {
     return fmax(1.0, 2.0 * medium->horizon->params.density);
@@ -65,7 +68,7 @@ _Static_assert(NEPH_HORIZON_BASE_SIDE == NEPH_GPU_HORIZON_BASE_SIDE &&
                    NEPH_HORIZON_WEATHER_SIDE == NEPH_GPU_HORIZON_WEATHER_SIDE,
                "the shader's textures");
 
-/* Shaders read four channels of every texture. */
+/* Expand to four channels, the format of all textures in the shaders. */
 static void four_channels(const float *texels, int count, int channels, float *out)
 {
     for (int i = 0; i < count; i++)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "renderer/media/kind.h"
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 
 static const struct neph_gpu_kind *const kinds[NEPH_MEDIUM_KIND_COUNT] = {

@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of plumes.
+ */
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 
 #include <math.h>
 
-/* No line meets more than the density's integral along the axis or across it, at its height: not
- * above 1.5 of the larger, when both count. */
+/* Upper bound of a ray's optical depth: 1.5 times the larger of the integrals of density along and
+ * across the axis. */
 static double largest_depth(const struct neph_medium *medium)
 {
     const double across_m = sqrt(2.0 * M_PI) * medium->plume.width_m;

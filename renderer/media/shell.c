@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of exponential shells around a sphere.
+ */
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 
@@ -9,8 +12,9 @@ static void pack(const struct neph_medium *medium, struct neph_vec3 camera_m, ui
 {
     (void)first;
     const struct neph_shell *shell = &medium->shell;
-    /* The whole of a level line, Chapman's sqrt(2 pi r H), bounds what is above its height; r is
-     * taken where it matters, a few scale heights up, and the excess of 1 covers the rest. */
+    /* The optical depth of a whole horizontal line, by Chapman's sqrt(2 pi r H), bounds the depth
+     * above its height. r is taken a few scale heights up; the additional fold below covers the
+     * rest of the error. */
     const double level_m = sqrt(2.0 * M_PI * (shell->radius_m + 40.0 * shell->scale_height_m) *
                                 shell->scale_height_m);
     const double folds = log(fmax(1.0, medium->extinction_per_m * level_m / NEPH_GPU_THIN));

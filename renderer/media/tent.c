@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The device data of layers around a sphere with a tent profile.
+ */
 #include "renderer/media/kind.h"
 #include "renderer/relative.h"
 

@@ -25,17 +25,17 @@ static size_t texel_count(struct size size)
     return (size_t)size.width_px * (size_t)size.height_px;
 }
 
-/* What the shaders of the eye have in common with us (eye.glsl). */
+/* The buffer shared with the shaders of automatic exposure (eye.glsl). */
 struct eye {
     float adapted_ev, target_ev;
     uint32_t counts[POST_METER_BINS], offsets[POST_METER_BINS];
 };
 
-/* A chain at work. Pictures change places from stage to stage. */
+/* A run of the chain. The two image buffers swap after each stage. */
 struct work {
     struct neph_vulkan *vulkan;
     const struct neph_post_params *params;
-    struct size size; /* of pictures[0], the newest */
+    struct size size; /* of pictures[0], the current image */
     const struct neph_post_stage *stages[NEPH_POST_STAGES_MAX];
     int stage_count;
     struct neph_buffer pictures[2], table, eye, pyramid, readback, eye_readback;
@@ -52,11 +52,11 @@ static int enlarged(int side_px, double percent)
 
 static int reduced(int side_px, double percent)
 {
-    const double rounding = 1e-9; /* 50 % of 38 are 19 */
+    const double rounding = 1e-9; /* 50 % of 38 is 19 in spite of rounding */
     return (int)ceil(side_px * percent / 100.0 - rounding);
 }
 
-/* What stages from the first on make one of the window's size of. */
+/* The input size for which the given stages produce an image of the window's size. */
 static struct size size_before(const struct neph_post_stage *const *stages, int count,
                                const struct neph_settings *settings, struct size window)
 {
@@ -108,7 +108,8 @@ static struct size halved(struct size size)
     return (struct size){(size.width_px + 1) / 2, (size.height_px + 1) / 2};
 }
 
-/* Sizes of the levels, the picture first: at most as many as asked for, down to one texel. */
+/* Sizes of the pyramid levels, beginning with the image: at most the configured number, down to one
+ * texel. */
 static int level_sizes(const struct neph_settings *settings, struct size picture,
                        struct size sizes[POST_LEVELS_MAX + 1])
 {
@@ -144,7 +145,7 @@ static void fill_levels(const struct work *work, struct neph_gpu_post_view *view
     }
 }
 
-/* ---- what the shaders are told --------------------------------------------------------------- */
+/* ---- parameters of the shaders --------------------------------------------------------------- */
 
 static void put_matrix(float rows[9], struct neph_matrix3 matrix)
 {
@@ -173,7 +174,7 @@ static void fill_colours(const struct neph_settings *settings, struct neph_gpu_p
     put_matrix(view->rec709_to_rec2020, neph_colour_matrix(&neph_rec709, &neph_rec2020));
 }
 
-/* Parts of a bin's width: as many as can be summed over all pixels. */
+/* Subdivisions of a bin's width: as many as can be summed over all pixels without overflow. */
 static uint32_t meter_units(size_t pixel_count)
 {
     const size_t most = UINT32_MAX / pixel_count;
@@ -189,7 +190,8 @@ static void fill_eye(const struct neph_post_params *params, size_t pixel_count,
     view->meter_units = meter_units(pixel_count);
 }
 
-/* Light does not fit into 10 bits; what tone mapping makes does. */
+/* Format of a stage's output: radiance does not fit 10-bit formats, the output of tone mapping
+ * does. */
 static uint32_t target_of(const struct work *work, int at)
 {
     const int targets = (int)work->params->settings.values[POST_TARGETS];
@@ -236,7 +238,7 @@ static void dispatch(struct work *work, const struct neph_kernel *kernel,
     }
 }
 
-/* Threads of a run of the stage that writes this level; 0 of all but those of bloom. */
+/* Threads of the stage's dispatch for a level; `level` is used only by the bloom stages. */
 static size_t thread_count(const struct work *work, const struct neph_post_stage *stage,
                            struct size to, int level)
 {
@@ -265,7 +267,7 @@ static bool makes_picture(const struct neph_post_stage *stage)
            stage->makes == NEPH_POST_MAKES_BLOOM;
 }
 
-/* One run, or one a level. */
+/* Dispatch a stage once, or once per level. */
 static void run_stage(struct work *work, const struct neph_post_stage *stage,
                       const struct neph_kernel *kernel, struct neph_dispatch *whole, struct size to,
                       struct neph_diag *diag)
@@ -281,7 +283,8 @@ static void run_stage(struct work *work, const struct neph_post_stage *stage,
     }
 }
 
-/* What a stage is run with: `*view`, which is made, as it is set at `at` of the chain. */
+/* Prepare a stage: its kernel, its bindings, and the uniform buffer `*view` for its position `at`
+ * in the chain. */
 static enum neph_status prepare_stage(struct work *work, int at, struct size to,
                                       struct neph_buffer *view, struct neph_dispatch *whole,
                                       const struct neph_kernel **kernel, struct neph_diag *diag)
@@ -307,7 +310,8 @@ static enum neph_status prepare_stage(struct work *work, int at, struct size to,
     return neph_kernel_get(work->vulkan, &params, kernel, diag);
 }
 
-/* The first that makes a picture writes where the next picture comes, again and again. */
+/* Warm-up: run the first stage that makes an image repeatedly, into the buffer of the next image.
+ */
 static enum neph_status heat(struct work *work, struct neph_diag *diag)
 {
     struct neph_dispatch whole;
@@ -361,7 +365,7 @@ static enum neph_status run_stages(struct work *work, struct neph_post_stats *st
                                       "picture chain", diag);
 }
 
-/* ---- in and out ------------------------------------------------------------------------------ */
+/* ---- upload and read-back -------------------------------------------------------------------- */
 
 static enum neph_status put_in(struct work *work, float *const rgb[3], struct neph_diag *diag)
 {
@@ -402,7 +406,7 @@ static enum neph_status close_eye(struct work *work, struct neph_diag *diag)
     return neph_buffer_upload(work->vulkan, &work->eye, 0, &closed, sizeof(closed), diag);
 }
 
-/* What the eye saw, for the next frame and the statistics. */
+/* Read the exposure state back for the next frame and for the statistics. */
 static enum neph_status look_into_eye(struct work *work, struct neph_post_stats *stats,
                                       struct neph_diag *diag)
 {

@@ -1,7 +1,10 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Checks that settings of the post-processing chain are compatible.
+ */
 #include "renderer/post/chain.h"
 
-/* FXAA and sharpening hold what they make to 0..1, which would cut off radiance. */
+/* FXAA and sharpening clamp their output to 0..1, which would cut off radiance. */
 static enum neph_status check_range(const struct neph_settings *settings, struct neph_diag *diag)
 {
     const bool wants_picture = settings->values[POST_FXAA] != 0.0 ||

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Linear colour spaces: matrices from chromaticities, in double precision. Rows act on columns.
+ * Linear colour spaces: conversion matrices from chromaticities, in double precision, for column
+ * vectors.
  */
 #ifndef NEPH_RENDERER_POST_COLOUR_H
 #define NEPH_RENDERER_POST_COLOUR_H
@@ -23,17 +24,18 @@ extern const struct neph_primaries neph_rec709, neph_rec2020, neph_ap0, neph_ap1
 
 struct neph_matrix3 neph_matrix_product(const struct neph_matrix3 *a, const struct neph_matrix3 *b);
 
-/* From one space to another, white onto white by Bradford's cones (K. Lam 1985; as in ACES). */
+/* The conversion between two spaces, white to white by Bradford's cone responses (K. Lam 1985; as
+ * in ACES). */
 struct neph_matrix3 neph_colour_matrix(const struct neph_primaries *from,
                                        const struct neph_primaries *to);
 
-/* The white of daylight of a correlated colour temperature, 4000 to 25000 K (CIE 015:2018, eq. 4.5
- * ff.), below 4000 K of a black body (Kim et al. 2002, 1667 K and above). At 4000 K the two are
- * 0.006 apart. */
+/* The white of a correlated colour temperature: daylight from 4000 to 25000 K (CIE 015:2018, eq.
+ * 4.5 ff.), a black body below 4000 K (Kim et al. 2002, 1667 K and above). At 4000 K the two differ
+ * by 0.006. */
 struct neph_chromaticity neph_white_of(double temperature_k);
 
-/* What makes light of that temperature white, in Rec.709; the identity at NEPH_WHITE_K. The formula
- * for daylight gives D65 to within 1.2e-4. */
+/* The matrix in Rec.709 that maps light of a colour temperature to white; the identity at
+ * NEPH_WHITE_K. There the daylight formula agrees with D65 to within 1.2e-4. */
 #define NEPH_WHITE_K 6504.0
 struct neph_matrix3 neph_white_balance(double temperature_k);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Unreal Engine 4.26's film curve: toe, straight part and shoulder over log10 of a channel in AP1
- * (shaders/tone.glsl). Where they meet follows from 0.18 being shown as 0.18.
+ * The joints of Unreal Engine 4.26's film curve: toe, straight part and shoulder over log10 of a
+ * channel in AP1 (shaders/tone.glsl). The condition that 0.18 is shown as 0.18 determines them.
  */
 #ifndef NEPH_RENDERER_POST_FILM_H
 #define NEPH_RENDERER_POST_FILM_H
@@ -10,7 +10,7 @@ struct neph_film {
     double slope, toe, shoulder, black_clip, white_clip;
 };
 
-/* log10 of where the straight part begins and ends, and its offset: there y = slope (log10 x +
+/* log10 of the start and the end of the straight part, and its offset: y = slope (log10 x +
  * straight_match). */
 struct neph_film_joints {
     double toe_match, straight_match, shoulder_match;

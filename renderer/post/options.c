@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings in the order of the stages. Defaults within a stage are those of Unreal Engine 4.26
- * where the article on its post-processing has them; those of automatic exposure and bloom are
- * after it, and of an HDR display ITU-R's.
+ * The table of settings, in the order of the stages. Defaults within a stage are Unreal Engine
+ * 4.26's where the article on its post-processing documents them; automatic exposure and bloom have
+ * later ones, and HDR displays ITU-R's.
  */
 #include "renderer/post/options.h"
 

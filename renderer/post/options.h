@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the picture chain can be set to, and the presets: named sets of values.
+ * The settings of the post-processing chain, and its presets.
  */
 #ifndef NEPH_RENDERER_POST_OPTIONS_H
 #define NEPH_RENDERER_POST_OPTIONS_H
@@ -8,7 +8,7 @@
 #include "base/option.h"
 #include "renderer/shaders/post_names.h"
 
-/* By the names POST_*; ends with a NULL name. By default every stage is off. */
+/* Indexed by POST_*; ends with a NULL name. By default every stage is off. */
 extern const struct neph_option neph_post_options[POST_SETTING_COUNT + 1];
 
 extern const struct neph_preset neph_post_presets[];

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which pass of the picture chain may come after which.
+ * The order of passes in the post-processing chain, and which orders are valid.
  */
 #include "renderer/post/chain.h"
 
 #include <stddef.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new pass: this file then needs a change. */
 _Static_assert(NEPH_POST_PASS_COUNT == 7, "a new kind");
 
 const char *const neph_post_pass_names[NEPH_POST_PASS_COUNT + 1] = {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new type: this file then needs a change. */
 _Static_assert(NEPH_FIELD_TYPE_COUNT == 11, "a new kind");
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
@@ -20,7 +20,7 @@ enum { TEXT_MAX = 200, DEPTH_MAX = 5 };
 
 /* --- settings -------------------------------------------------------------------------------- */
 
-/* The options of the chain as keys, each read into a place of its own. */
+/* The options of the chain as keys; each is read to its own variable. */
 struct setting_places {
     double numbers[POST_SETTING_COUNT];
     int wholes[POST_SETTING_COUNT];
@@ -226,7 +226,7 @@ void neph_post_plan_finish(struct neph_post_plan *plan)
 struct neph_settings neph_post_plan_settings(const struct neph_post_plan *plan)
 {
     struct neph_settings settings = neph_options_default(neph_post_options);
-    if (plan->preset) /* it was found when the plan was read */
+    if (plan->preset) /* checked when the plan was read */
         neph_options_preset(neph_post_options, "the picture chain", neph_post_presets, plan->preset,
                             &settings, NULL);
     neph_post_change(&plan->changes, &settings);

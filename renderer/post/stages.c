@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The table of stages of the post-processing chain.
+ */
 #include "renderer/post/chain.h"
 
 static const uint32_t meter_code[] = {

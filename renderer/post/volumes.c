@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_OPTION_KIND_COUNT == 3, "a new kind");
 
 void neph_post_change(const struct neph_post_changes *changes, struct neph_settings *settings)
@@ -45,7 +45,7 @@ static void move_towards(const struct neph_post_changes *changes, double weight,
     }
 }
 
-/* Insertion keeps the order of equal ones. */
+/* Insertion sort is stable. */
 static void sort(const struct neph_post_volume *volumes, int count, int *order)
 {
     for (int i = 0; i < count; i++) {

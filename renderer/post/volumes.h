@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Volumes of a scene in which the picture chain is set otherwise.
+ * Volumes of a scene with their own settings of the post-processing chain.
  */
 #ifndef NEPH_RENDERER_POST_VOLUMES_H
 #define NEPH_RENDERER_POST_VOLUMES_H
@@ -12,19 +12,19 @@
 
 #define NEPH_POST_VOLUMES_MAX 64
 
-/* Some of the settings. */
+/* A subset of the settings. */
 struct neph_post_changes {
     double values[POST_SETTING_COUNT];
     bool is_given[POST_SETTING_COUNT];
 };
 
 struct neph_post_box {
-    bool present; /* else it is everywhere */
+    bool present; /* false: everywhere */
     struct neph_vec3 minimum_m, maximum_m;
 };
 
 struct neph_post_volume {
-    char *name; /* owned by who has the volume */
+    char *name; /* owned by the owner of the volume */
     double priority, weight, blend_radius_m;
     struct neph_post_box box;
     struct neph_post_changes changes;
@@ -32,13 +32,13 @@ struct neph_post_volume {
 
 void neph_post_change(const struct neph_post_changes *changes, struct neph_settings *settings);
 
-/* How much of a volume's settings count at a place: its weight inside, which falls to 0 linearly
- * over the blend radius outside. */
+/* The weight of a volume at a position: its own weight inside, falling linearly to 0 over the blend
+ * radius outside. */
 double neph_post_volume_weight(const struct neph_post_volume *volume, struct neph_vec3 place_m);
 
-/* Settings at a place: volumes one after the other by priority, of equal ones the first first, each
- * moving the numbers towards its own by its weight. Choices and whole numbers are taken over from
- * any weight above 0 on, as Unreal does. At most NEPH_POST_VOLUMES_MAX. */
+/* The settings at a position. Volumes are applied in order of priority, equal ones in the given
+ * order; each interpolates the numbers towards its own by its weight. Choices and whole numbers are
+ * replaced at any weight above 0, as in Unreal Engine. At most NEPH_POST_VOLUMES_MAX volumes. */
 void neph_post_blend(const struct neph_post_volume *volumes, int count, struct neph_vec3 place_m,
                      struct neph_settings *settings);
 

@@ -44,7 +44,8 @@ int reference_cell_px(const struct reference *ref, int resolution)
     return ref->values[resolution] == SCREEN_HALF ? 2 : 1;
 }
 
-/* In frame 0 the first of four, then the one across, and the other two. */
+/* The order of the pixels of a cell: the first in frame 0, then its diagonal neighbour, then the
+ * others. */
 struct reference_pixel reference_pixel_in(const struct reference *ref, int resolution, int x, int y)
 {
     const int side = reference_cell_px(ref, resolution);
@@ -63,7 +64,7 @@ static bool is_half(const struct reference *ref, int resolution)
     return ref->values[resolution] == SCREEN_HALF;
 }
 
-/* Two take turns. */
+/* Two targets alternate. */
 int reference_turned_at(int resolution, int turns)
 {
     const bool is_gi = resolution == SCREEN_GI_RESOLUTION;
@@ -95,7 +96,7 @@ double reference_open(const struct reference *ref, int x, int y)
     return open_at >= 0 ? reference_load(ref, open_at, x, y).v[0] : 1.0;
 }
 
-/* What makes cells whole is one turn more. */
+/* At half resolution the upsampling of cells is one more target. */
 static int light_at(const struct reference *ref, int resolution, int smooth)
 {
     return reference_turned_at(resolution, (int)ref->values[smooth] + is_half(ref, resolution));
@@ -130,7 +131,7 @@ struct neph_vec3 reference_sky_light(const struct reference *ref)
                                          : (struct neph_vec3){0.0, 0.0, 0.0};
 }
 
-/* ---- places ---------------------------------------------------------------------------------- */
+/* ---- positions ------------------------------------------------------------------------------- */
 
 static bool is_orthographic(const struct reference *ref)
 {
@@ -219,7 +220,7 @@ struct vec2 reference_ray_noise(int x, int y, uint32_t salt, uint32_t index)
 
 /* ---- composition ----------------------------------------------------------------------------- */
 
-/* Light of other surfaces and of the sky off a white one; `target` below 0: of the sky alone. */
+/* Indirect light reflected by a white surface; `target` below 0: of the sky only. */
 static struct neph_vec3 indirect(const struct reference *ref, int target, int x, int y)
 {
     const struct texel sky = {{0.0, 0.0, 0.0, reference_open(ref, x, y)}};

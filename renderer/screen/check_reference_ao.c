@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ambient occlusion of the screen by its three methods.
+ * CPU reference: screen-space ambient occlusion by its three methods.
  */
 #include "renderer/screen/check_reference.h"
 
@@ -144,7 +144,7 @@ static double open_arc(double horizon, double tilt)
     return 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
 }
 
-/* What is open of a slice is added to the first, what would be of nothing to the second. */
+/* Add the open part of a slice to the first sum, and that of an unoccluded slice to the second. */
 static void add_slice(const struct site *site, const struct slice *slice, double sums[2])
 {
     const struct neph_vec3 axis = neph_vec3_cross(slice->across, site->to_camera);
@@ -192,7 +192,7 @@ static bool beside(const struct site *site, struct vec2 place_px, double *cosine
     return true;
 }
 
-/* A pair's steepest angles are added as what they leave open, and how much that counts. */
+/* Add the openness left by the steepest angles of a pair, and its weight. */
 static void add_pair(const struct site *site, struct vec2 offset_px, double sums[2])
 {
     const int steps = (int)setting(site, SCREEN_AO_STEPS);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The mean over frames, where nothing moves: a place is where it was, but cells may have looked at
- * another pixel of theirs.
+ * CPU reference: the temporal mean of a static scene. Surface points do not move, but a cell may
+ * have sampled another of its pixels.
  */
 #include "renderer/screen/check_reference.h"
 
@@ -20,7 +20,7 @@ static struct mean mean_of(int resolution)
                                SCREEN_SSR_HISTORY};
 }
 
-/* Whether a pixel had the plane of another in the frame before. */
+/* Whether a pixel was on the plane of another pixel in the previous frame. */
 static bool had_plane(const struct reference *ref, struct reference_pixel at,
                       struct reference_pixel then)
 {
@@ -38,7 +38,7 @@ static bool had_plane(const struct reference *ref, struct reference_pixel at,
            neph_vec3_dot(its_normal, normal) >= 0.9;
 }
 
-/* Between the cells of the frame before; returns how many frames they have. */
+/* Interpolate the previous frame's cells; returns their number of frames. */
 static double history(const struct reference *ref, int resolution, struct reference_pixel at,
                       struct texel *sum)
 {

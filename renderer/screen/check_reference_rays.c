@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rays through the picture: indirect light of diffuse surfaces, and reflections of metal.
+ * CPU reference: screen-space rays for indirect diffuse light and for reflections of metal.
  */
 #include "renderer/screen/check_reference.h"
 
@@ -9,14 +9,14 @@
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 /* ---- a ray ----------------------------------------------------------------------------------- */
 
 struct ray {
     const struct reference *ref;
-    int x, y; /* that it leaves */
+    int x, y; /* the pixel at its origin */
     struct neph_vec3 from_m, direction;
     double length_m, per_from, per_to, share;
     struct vec2 from_px, to_px;
@@ -28,7 +28,7 @@ struct meeting {
     struct neph_vec3 point_m;
 };
 
-/* The share of the way at which it leaves the picture along an axis. */
+/* The fraction of the ray at which it leaves the frame along an axis. */
 static double edge_share(double from, double to, double size)
 {
     const double way = to - from;
@@ -58,7 +58,7 @@ static double along_m(const struct ray *ray, double share)
     return ray->length_m * end / ((1.0 - share) * ray->per_from + end);
 }
 
-/* How far behind what is seen a place of the ray is; `*depth_m`: its own. */
+/* Distance of a point of the ray behind the depth buffer; `*depth_m`: the point's own depth. */
 static double behind_m(const struct ray *ray, double share, int *x, int *y, double *depth_m)
 {
     const struct vec2 place = {ray->from_px.x + share * (ray->to_px.x - ray->from_px.x),
@@ -75,7 +75,7 @@ static double behind_m(const struct ray *ray, double share, int *x, int *y, doub
                            : reference_depth_m(ray->ref, *x, *y));
 }
 
-/* From before a surface to behind it by halves. */
+/* Bisection between a point in front of a surface and one behind it. */
 static double refine(const struct ray *ray, double before, struct meeting *met, double *behind,
                      double gap_m)
 {
@@ -139,7 +139,7 @@ static double offset_of(const struct reference *ref, int x, int y, uint32_t salt
     return ref->values[SCREEN_RAY_NOISE] != 0.0 ? reference_ray_noise(x, y, salt, index).x : 0.0;
 }
 
-/* ---- light of what is met -------------------------------------------------------------------- */
+/* ---- light at the hit point ------------------------------------------------------------------ */
 
 static struct neph_vec3 rgb_of(struct texel texel)
 {
@@ -163,7 +163,7 @@ static double masking(double alpha, double cosine)
     return 2.0 / (1.0 + sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)));
 }
 
-/* Light number `light` at a place of the world. */
+/* Light number `light` at a point in world space. */
 static struct neph_lit lit_by(const struct neph_scene *scene, unsigned light,
                               struct neph_vec3 point_m)
 {
@@ -218,7 +218,7 @@ static struct neph_vec3 sky_reflected(const struct reference *ref, int x, int y)
         reference_open(ref, x, y));
 }
 
-/* Nothing has moved since the frame before: a place is where it was. */
+/* The point in the previous frame; the scene is static. */
 static bool seen_before(const struct reference *ref, const struct meeting *met, int *x, int *y)
 {
     if (ref->frame == 0)
@@ -236,7 +236,7 @@ static bool seen_before(const struct reference *ref, const struct meeting *met, 
            fabs(neph_vec3_dot(normal, neph_vec3_sub(seen_m, met->point_m))) < 0.02 * met->point_m.z;
 }
 
-/* What the cell of a pixel has. */
+/* The value of the pixel's cell. */
 static struct neph_vec3 with_sky(const struct reference *ref, int target, int resolution, int x,
                                  int y)
 {
@@ -346,7 +346,7 @@ static struct neph_vec3 visible_facet(double alpha, struct neph_vec3 eye, struct
         (struct neph_vec3){alpha * facet.x, alpha * facet.y, fmax(1e-6, facet.z)});
 }
 
-/* SCREEN_LIT between the centres of pixels of the same depth. */
+/* SCREEN_LIT, interpolated between pixels of similar depth. */
 static struct neph_vec3 lit_at(const struct reference *ref, const struct meeting *met)
 {
     const struct vec2 place = reference_pixel_of(ref, met->point_m);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * What takes the noise out of cells beside each other: the blur of occlusion, and the smoothing of
- * rays. At full resolution each pixel is a cell.
+ * CPU reference: denoising of cells by their neighbours, for occlusion (blur) and for rays
+ * (smoothing). At full resolution each pixel is a cell.
  */
 #include "renderer/screen/check_reference.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A cell, the pixel that it stands for, and what that shows. */
+/* A cell, its sampled pixel, and the surface of that pixel. */
 struct site {
     const struct reference *ref;
     int resolution;
@@ -27,7 +27,7 @@ static struct site site_of(const struct reference *ref, int resolution, int x, i
                          .normal = reference_normal(ref, pixel.x, pixel.y)};
 }
 
-/* A cell so many cells away; false where there is none, or the sky. */
+/* The cell at an offset; false outside the frame and for the sky. */
 static bool beside(const struct site *site, int across, int down, struct site *other)
 {
     const struct reference *ref = site->ref;
@@ -39,7 +39,7 @@ static bool beside(const struct site *site, int across, int down, struct site *o
     return !reference_is_sky(ref, other->pixel.x, other->pixel.y);
 }
 
-/* 1 in the plane, 0 from a slope of 1:10 on. */
+/* Weight 1 in the plane, falling to 0 at a slope of 1:10. */
 static double in_plane(const struct site *site, const struct site *other)
 {
     const struct neph_vec3 way_m = neph_vec3_sub(other->point_m, site->point_m);
@@ -73,7 +73,7 @@ struct texel reference_blur(const struct reference *ref, int x, int y)
 
 /* ---- the smoothing --------------------------------------------------------------------------- */
 
-/* How far a reflection may be taken from [px]: as far as rough metal spreads it. */
+/* Radius of the samples of a reflection [px]: the spread of rough metal. */
 static double reach_px(const struct site *site)
 {
     const struct reference *ref = site->ref;
@@ -93,14 +93,14 @@ static double likeness(const struct site *site, const struct site *other)
            (is_own ? 1.0 : exp(-fmin(80.0, 0.5 * far * far)));
 }
 
-/* Reflections are taken from metal alone; indirect light from metal, too, which has none. */
+/* Reflections use only neighbours of metal; indirect light also metal, whose value is 0. */
 static bool is_of_kind(const struct site *site)
 {
     return site->resolution == SCREEN_GI_RESOLUTION ||
            reference_has_light(site->ref, site->resolution, site->pixel.x, site->pixel.y);
 }
 
-/* At half resolution cells without the light are left as they are. */
+/* At half resolution cells without the light are unchanged. */
 static bool is_left(const struct site *site)
 {
     const struct reference *ref = site->ref;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * From one pixel of each cell to all.
+ * CPU reference: upsampling from one pixel of each cell to all pixels.
  */
 #include "renderer/screen/check_reference.h"
 
 #include <math.h>
 
-/* How much two pixels are one surface: 1 on one plane. */
+/* Similarity of the surfaces of two pixels: 1 on one plane. */
 static double likeness(const struct reference *ref, int x, int y, struct reference_pixel at)
 {
     const struct neph_vec3 normal = reference_normal(ref, x, y);

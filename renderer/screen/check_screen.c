@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The passes of the screen against their references in double precision, pixel by pixel: occlusion
- * by all methods and its blur, indirect light, reflections, their means and smoothing, the picture;
- * at full and half resolution, with targets of 32 and 16 bits and cameras of both kinds, at an odd
- * size.
+ * Tests of the screen passes against their references in double precision, pixel by pixel:
+ * occlusion by all methods and its blur, indirect light, reflections, their means and smoothing,
+ * the final image; at full and half resolution, with targets of 32 and 16 bits, with perspective
+ * and orthographic cameras, at an odd size.
  */
 #include "renderer/screen/check_screen.h"
 #include "renderer/screen/check_reference.h"
 
 enum { WIDTH = 37, HEIGHT = 23 };
 
-/* A floor, a turned block on it, a ball of rough metal, a plate that is a mirror, a lamp, the sun,
- * and the sky. */
+/* A floor, a turned box on it, a sphere of rough metal, a mirror, a light, the sun, and the sky. */
 static void set_things(struct test_scene *test)
 {
     test_scene_init(test);
@@ -30,7 +29,7 @@ static void set_things(struct test_scene *test)
     test->solids[3].surface.metalness = 1.0;
 }
 
-/* ---- a picture that both know ---------------------------------------------------------------- */
+/* ---- a scene for the device and the reference ------------------------------------------------ */
 
 struct both {
     struct test_scene test;
@@ -40,11 +39,11 @@ struct both {
     float *texels[SCREEN_TARGET_COUNT]; /* owned */
 };
 
-/* By a perspective camera, by an orthographic one, with a floor that is a mirror; with one of rough
- * metal in part and a flat hill of it, whose neighbours are nearly in a plane. */
+/* Scenes: a perspective camera; an orthographic one; a mirror as floor; with some rough metal and a
+ * flat hill of it, whose neighbouring pixels are nearly coplanar, seen by either camera. */
 enum kind { PLAIN, FLAT, MIRROR, ROUGH, FLAT_ROUGH };
 
-/* After so many frames; what is left on the device is that of the last. */
+/* Render a number of frames; the device keeps the targets of the last. */
 static void render(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames,
                    struct both *both)
 {
@@ -93,18 +92,19 @@ static void drop(struct both *both)
     neph_screening_destroy(both->screen);
 }
 
-/* ---- one against the other ------------------------------------------------------------------- */
+/* ---- comparison ------------------------------------------------------------------------------ */
 
 typedef struct texel reference_of(const struct reference *ref, int x, int y);
 
-/* Whether a cell of so many pixels lies in the picture. */
+/* Whether a cell of this size is in the frame. */
 static bool is_cell(int x, int y, int cell_px)
 {
     return cell_px * x < WIDTH && cell_px * y < HEIGHT;
 }
 
-/* Pixels, or cells, off by more than float32 (or a half) leaves: where a step falls onto an edge of
- * depth or between two pixels, its last digit decides which surface is seen. */
+/* Count the pixels or cells that differ by more than the rounding of float32 (or half). Where a
+ * step falls onto a depth edge or between two pixels, its last digit decides which surface is
+ * sampled. */
 static int count_off(const struct both *both, int target, int cell_px, reference_of *ref,
                      int channels, double *largest)
 {
@@ -128,7 +128,7 @@ static int count_off(const struct both *both, int target, int cell_px, reference
     return off;
 }
 
-/* What passes at a resolution have of their cells; 0: of all pixels. */
+/* Check the cells of passes with a resolution setting; 0: all pixels. */
 static void check_cells(const struct both *both, int target, int resolution, reference_of *ref,
                         int channels, int most, const char *what)
 {
@@ -187,7 +187,7 @@ static struct texel ssr_mean(const struct reference *ref, int x, int y)
     return reference_mean(ref, SCREEN_SSR_RESOLUTION, x, y);
 }
 
-/* The second frame, which knows what surfaces had in the first. */
+/* The second frame uses the history of the first. */
 static void check_rays(struct neph_vulkan *vulkan, const char *settings, enum kind kind, int frames)
 {
     struct both both;
@@ -242,7 +242,7 @@ static struct texel whole_ssr(const struct reference *ref, int x, int y)
     return reference_whole(ref, SCREEN_SSR_RESOLUTION, x, y);
 }
 
-/* All pixels, of what the cells have after all else. */
+/* Check all pixels of the final upsampled results. */
 static void check_whole(const struct both *both)
 {
     check(both, SCREEN_OPEN_WHOLE, whole_ao, 4, 0, "occlusion of all");
@@ -264,7 +264,7 @@ static void check_half(struct neph_vulkan *vulkan, const char *settings, enum ki
     drop(&both);
 }
 
-/* In the fourth frame rays are at the last of the four pixels. */
+/* In the fourth frame rays start at the last of the four pixels. */
 static void test_half_resolution(void **state)
 {
     check_half(*state, "gi_rays=1 ssr_rays=1 ray_pixel=turning", PLAIN, 4);
@@ -288,7 +288,8 @@ static struct texel gi_turn_1(const struct reference *ref, int x, int y)
     return reference_smooth(ref, SCREEN_GI_RESOLUTION, 1, x, y);
 }
 
-/* At full resolution nobody looks at what is not metal, where weights are less than float32 has. */
+/* At full resolution pixels without metal are not used, and their weights are below the precision
+ * of float32. */
 static struct texel ssr_turn(const struct reference *ref, int turn, int x, int y)
 {
     if (reference_cell_px(ref, SCREEN_SSR_RESOLUTION) > 1 ||
@@ -307,7 +308,7 @@ static struct texel ssr_turn_1(const struct reference *ref, int x, int y)
     return ssr_turn(ref, 1, x, y);
 }
 
-/* The reference's own, in place of what a later pass has written over. */
+/* Replace a target that a later pass has overwritten by the reference's own values. */
 static void put(struct both *both, int target, int resolution, reference_of *ref)
 {
     const int cell_px = reference_cell_px(&both->ref, resolution);
@@ -320,7 +321,7 @@ static void put(struct both *both, int target, int resolution, reference_of *ref
     }
 }
 
-/* As many turns of a light as there are; one that is made whole has only its last left. */
+/* Check all smoothing passes of a light; with upsampling only the last is still on the device. */
 static void check_turns(struct both *both, int resolution, int turns, reference_of *const *refs,
                         const char *what)
 {
@@ -333,7 +334,7 @@ static void check_turns(struct both *both, int resolution, int turns, reference_
     }
 }
 
-/* Up to two turns. */
+/* Up to two smoothing passes. */
 static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, enum kind kind)
 {
     static reference_of *const gi[] = {gi_turn_0, gi_turn_1}, *const ssr[] = {ssr_turn_0,
@@ -351,7 +352,7 @@ static void check_smoothing(struct neph_vulkan *vulkan, const char *settings, en
     drop(&both);
 }
 
-/* In a frame with history, by pixels and by cells. */
+/* In a frame with history, at full and at half resolution. */
 static void test_blur_and_smoothing(void **state)
 {
     static const char *const by_day[] = {
@@ -376,11 +377,11 @@ static void test_blur_and_smoothing(void **state)
 /* ---- a mirror's rays ------------------------------------------------------------------------- */
 
 struct found {
-    int known, found, wrong; /* meetings that the picture shows; met; met where it shows none */
-    double off_px;           /* summed over those that were met */
+    int known, found, wrong; /* hits that the frame shows; found; found although not shown */
+    double off_px;           /* summed over the found hits */
 };
 
-/* Whether a place of the world is what its pixel shows. */
+/* Whether a point in world space is visible at its pixel. */
 static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct vec2 *place_px)
 {
     const struct neph_camera *camera = &both->ref.camera;
@@ -396,7 +397,7 @@ static bool is_shown(const struct both *both, struct neph_vec3 point_m, struct v
            reference_is_inside(&both->ref, (int)floor(place_px->x), (int)floor(place_px->y));
 }
 
-/* Against what the mirrored ray meets in truth. */
+/* Compare with the exact hit of the mirrored ray. */
 static void look_into_mirror(const struct both *both, int p, struct found *found)
 {
     struct neph_vec3 point_m, met_m;
@@ -421,8 +422,8 @@ static void look_into_mirror(const struct both *both, int p, struct found *found
     found->off_px += hypot(met_px.x - place_px.x, met_px.y - place_px.y);
 }
 
-/* By the reference, which is the device's ray: nearly all that the picture can show is found,
- * within a fraction of a pixel. */
+/* Using the reference, which equals the device's ray: nearly all hits that are visible in the frame
+ * are found, within a fraction of a pixel. */
 static void test_a_mirror_finds_what_is_shown(void **state)
 {
     struct both both;
@@ -438,7 +439,7 @@ static void test_a_mirror_finds_what_is_shown(void **state)
     drop(&both);
 }
 
-/* While nothing moves: the n-th frame counts 1 / n, until the history is full. */
+/* In a static scene frame n has the weight 1 / n, until the history is full. */
 static void test_the_mean_over_frames(void **state)
 {
     struct test_scene test;
@@ -467,7 +468,7 @@ static void test_the_mean_over_frames(void **state)
     }
 }
 
-/* Without rays there is the sky, where it is open. */
+/* Without rays only the sky lights open surfaces. */
 static void test_the_picture_without_rays(void **state)
 {
     struct both both;

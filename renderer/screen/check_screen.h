@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of the screen share: pictures of small scenes, and what a pixel of them sees, in
+ * Shared by the tests of the screen: frames of small scenes, and the visible surface of a pixel in
  * double precision.
  */
 #ifndef NEPH_SCREEN_CHECK_SCREEN_H
@@ -11,7 +11,7 @@
 #include "renderer/screen/screen.h"
 #include "scenes/solids.h"
 
-/* Preset `ours` with "ao=gtao ao_steps=8"; NULL: as it is. */
+/* Preset `ours` with "ao=gtao ao_steps=8"; NULL: unchanged. */
 static inline struct neph_settings screen_settings(const char *assignments)
 {
     struct neph_diag diag = {0};
@@ -35,7 +35,7 @@ static inline struct neph_screening *screen_of(struct neph_vulkan *vulkan,
     return screen;
 }
 
-/* For neph_image_destroy(). */
+/* The caller frees it with neph_image_destroy(). */
 static inline struct neph_image *screen_next(struct neph_screening *screen,
                                              const struct test_scene *test)
 {
@@ -55,7 +55,7 @@ static inline struct neph_image *screen_picture(struct neph_vulkan *vulkan,
     return image;
 }
 
-/* What pixel (i, j) sees. */
+/* The surface visible at pixel (i, j). */
 static inline struct neph_hit screen_hit(const struct test_scene *test, int width_px, int height_px,
                                          int i, int j, struct neph_vec3 *point_m)
 {
@@ -66,9 +66,9 @@ static inline struct neph_hit screen_hit(const struct test_scene *test, int widt
     return hit;
 }
 
-/* The form factor, for a plane, of a rectangle that stands on it, of which a lower corner is at
- * `distance_m` along its normal (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration
- * Factors", B-4). */
+/* The form factor from a plane element to a rectangle perpendicular to the plane, with a lower
+ * corner at `distance_m` along its normal (J. R. Howell, "A Catalog of Radiation Heat Transfer
+ * Configuration Factors", B-4). */
 static inline double standing_rectangle(double distance_m, double width_m, double height_m)
 {
     const double slant_m = hypot(distance_m, height_m);
@@ -76,7 +76,7 @@ static inline double standing_rectangle(double distance_m, double width_m, doubl
            (2.0 * M_PI);
 }
 
-/* Four numbers a pixel, to be freed. */
+/* Four values a pixel, to be freed by the caller. */
 static inline float *screen_read(struct neph_screening *screen, int width_px, int height_px,
                                  int target)
 {
@@ -86,7 +86,7 @@ static inline float *screen_read(struct neph_screening *screen, int width_px, in
     return texels;
 }
 
-/* A light that shines to all sides. */
+/* Add an omnidirectional light. */
 static inline void screen_add_light(struct test_scene *test, struct neph_vec3 position_m)
 {
     test->scene.lights[test->scene.light_count++] = (struct neph_light){

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ambient occlusion of the screen against closed forms: a plane, the foot of a wall that goes on
- * for ever, that of a block. Methods that claim no integral are compared with their CPU reference
- * in check_screen.c.
+ * Tests of screen-space ambient occlusion against closed forms: a plane, the foot of an infinite
+ * wall, the foot of a box. Methods that approximate no integral are compared with their CPU
+ * reference in check_screen.c.
  */
 #include "renderer/screen/check_screen.h"
 
@@ -12,8 +12,8 @@ enum { WIDTH = 81, HEIGHT = 45 };
 
 /* ---- closed forms ---------------------------------------------------------------------------- */
 
-/* What is open of a plane's hemisphere, as far as 1 m, at a distance from an endless wall: all of
- * Nusselt's disk but the cap beyond k = distance / radius. */
+/* Openness of a plane's hemisphere within 1 m at a distance from an infinite wall: Nusselt's disk
+ * without the cap beyond k = distance / radius. */
 static double open_by_wall(struct neph_vec3 point_m)
 {
     const double k = point_m.z / 1.0;
@@ -30,7 +30,7 @@ static double open_by_block(struct neph_vec3 point_m)
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-/* The camera looks down at the foot of the plane z = 0. */
+/* The camera looks down at the intersection of the ground and the plane z = 0. */
 static void set_ground(struct test_scene *test)
 {
     test_scene_init(test);
@@ -57,7 +57,7 @@ struct gap {
     int count;
 };
 
-/* Over pixels of the ground near x = 0 and before the plane z = 0. */
+/* Over pixels of the ground near x = 0 and in front of the plane z = 0. */
 static struct gap gap_to(double (*open)(struct neph_vec3 point_m), void (*set)(struct test_scene *),
                          struct neph_vulkan *vulkan, const char *settings)
 {
@@ -86,8 +86,8 @@ static struct gap gap_to(double (*open)(struct neph_vec3 point_m), void (*set)(s
 
 /* ---- tests ----------------------------------------------------------------------------------- */
 
-/* However flat it is seen. The mean of few slices is not, nor are the centres of pixels, as in the
- * paper. */
+/* At any viewing angle. A mean over few slices does not reach 1, nor do samples at pixel centres,
+ * as in the paper. */
 static void test_a_plane_is_open(void **state)
 {
     static const struct {
@@ -100,7 +100,7 @@ static void test_a_plane_is_open(void **state)
         {"ao=gtao ao_places=pixel", 0.9, 0.98},
         {"ao=ssao", 0.9999, 1.0},
         {"ao=unreal", 0.9999, 1.0},
-        {"ao=gtao ao_radius_m=5 " MANY, 0.9999, 1.0}, /* by night */
+        {"ao=gtao ao_radius_m=5 " MANY, 0.9999, 1.0}, /* nightly only */
     };
     struct test_scene test;
     set_ground(&test);
@@ -116,8 +116,8 @@ static void test_a_plane_is_open(void **state)
     }
 }
 
-/* Slices are the integral; their error is that of the steps and of the angles between them. The
- * block is a dozen pixels high: beside it half a pixel counts. */
+/* With many slices the result converges to the integral; errors come from the steps and from the
+ * angles between slices. The box is only a dozen pixels high, so half a pixel matters beside it. */
 static void test_many_slices_are_the_integral(void **state)
 {
     struct gap gap = gap_to(open_by_wall, set_wall, *state, MANY "ao=gtao");
@@ -128,7 +128,7 @@ static void test_many_slices_are_the_integral(void **state)
     assert_true(gap.mean < 0.01 && gap.worst < 0.04);
 }
 
-/* The same place through a camera without perspective. */
+/* The same point through an orthographic camera. */
 static void test_an_orthographic_camera(void **state)
 {
     struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The G-buffer of the screen against the same rays in double precision, and pictures of odd sizes,
- * in either format, by either camera: no bad values.
+ * Tests of the screen's G-buffer against the same rays in double precision, and of frames of odd
+ * sizes, in both formats, by both cameras: all values are finite.
  */
 #include "renderer/screen/check_screen.h"
 
@@ -10,7 +10,7 @@
 
 enum { WIDTH = 67, HEIGHT = 41 };
 
-/* ---- a scene with a bit of everything -------------------------------------------------------- */
+/* ---- a scene with all kinds of surfaces ------------------------------------------------------ */
 
 static struct neph_solid *last_solid(struct test_scene *test)
 {
@@ -38,12 +38,12 @@ static void set_room(struct test_scene *test)
     last_solid(test)->surface.roughness = 0.45;
     test_add_box(test, (struct neph_vec3){-3, 0, -3.2}, (struct neph_vec3){3, 2, -3});
     last_solid(test)->surface.metalness = 1.0;
-    last_solid(test)->surface.roughness = 0.2; /* a mirror would throw light on the others */
+    last_solid(test)->surface.roughness = 0.2; /* a mirror would reflect light onto the others */
 }
 
 /* ---- the reference --------------------------------------------------------------------------- */
 
-/* Targets of a picture. */
+/* Targets of a frame. */
 struct buffers {
     float *depth, *normal, *base, *direct;
 };
@@ -53,7 +53,7 @@ static bool near(double a, double b, double relative, double absolute)
     return fabs(a - b) <= absolute + relative * fabs(b);
 }
 
-/* Whether a pixel is what the ray in double precision finds. */
+/* Whether a pixel agrees with the ray in double precision. */
 static bool is_reference(const struct test_scene *test, const struct buffers *got, int p)
 {
     const struct neph_camera camera = neph_scene_camera(&test->scene, 0.0);
@@ -83,7 +83,7 @@ static bool is_reference(const struct test_scene *test, const struct buffers *go
     return same;
 }
 
-/* A pixel or two on edges, of solids, shadows and squares, may be on their other side. */
+/* One or two pixels at edges of solids, shadows and checkers may differ. */
 static void test_the_g_buffer_is_what_rays_find(void **state)
 {
     struct test_scene test;
@@ -105,7 +105,7 @@ static void test_the_g_buffer_is_what_rays_find(void **state)
     free(got.direct);
 }
 
-/* ---- no bad values --------------------------------------------------------------------------- */
+/* ---- finite values --------------------------------------------------------------------------- */
 
 static void check_image(const struct neph_image *image)
 {
@@ -146,7 +146,7 @@ static void test_no_bad_values(void **state)
     }
 }
 
-/* Halves have eleven bits: what is computed from them is off by some of the last. */
+/* Halves have 11 significant bits; computed values may differ in the last few. */
 static void test_halves_are_near(void **state)
 {
     struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Presets of the screen are what they were: their pictures are in tables, by these names. The
- * defaults are the article's.
+ * Tests that presets of the screen do not change, because published tables have frames under their
+ * names. The defaults come from the article.
  */
 #include "tests/renderer/renderer_test.h"
 
@@ -20,7 +20,7 @@ static const char defaults[] =
     "gi_smooth=3 ssr=on ssr_resolution=full ssr_rays=4 ssr_steps=64 ssr_roughest=1 "
     "ssr_history=16 ssr_smooth=2 targets=float16 warm_up=31";
 
-/* What presets have otherwise. */
+/* The settings in which presets differ. */
 static const struct {
     const char *name, *settings;
 } frozen[] = {

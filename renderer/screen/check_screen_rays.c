@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rays through the picture against closed forms: a plane mirror, light of a wall on a floor; and
- * the mean over frames while the camera moves.
+ * Tests of screen-space rays against closed forms: a plane mirror, light of a wall on a floor; and
+ * of the temporal mean with a moving camera.
  */
 #include "renderer/screen/check_screen.h"
 
@@ -12,7 +12,7 @@ enum { WIDTH = 97, HEIGHT = 61 };
 
 /* ---- a plane mirror -------------------------------------------------------------------------- */
 
-/* A floor that is a mirror, and a wall behind it with a lamp before. */
+/* A mirror as floor, and behind it a wall with a light in front. */
 static void set_mirror(struct test_scene *test)
 {
     test_scene_init(test);
@@ -27,7 +27,7 @@ static void set_mirror(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){-0.7, 0.6, 0.6}, 0.4);
 }
 
-/* Whether a place is seen, so many pixels from the picture's edge. */
+/* Whether a point is visible, at least `edge_px` pixels from the frame's edge. */
 static bool is_seen(const struct neph_scene *scene, struct neph_vec3 point_m, double edge_px)
 {
     const struct neph_camera camera = neph_scene_camera(scene, 0.0);
@@ -43,7 +43,8 @@ static bool is_seen(const struct neph_scene *scene, struct neph_vec3 point_m, do
            fabs(y) < 1.0 - 2.0 * edge_px / HEIGHT && hit.t_m > distance_m * (1.0 - 1e-6);
 }
 
-/* What pixel p sees in the mirror, where the screen can know it: another surface's direct light. */
+/* Expected radiance of a mirror pixel, if screen-space rays can find it: the direct light of
+ * another surface. */
 static bool in_mirror(const struct test_scene *test, int p, struct neph_rgb *light)
 {
     struct neph_vec3 point_m;
@@ -54,7 +55,7 @@ static bool in_mirror(const struct test_scene *test, int p, struct neph_rgb *lig
     struct neph_vec3 way = neph_vec3_normalize(neph_vec3_sub(point_m, camera.position_m));
     way.y = -way.y;
     const struct neph_vec3 from_m = neph_hit_outside_m(&hit, point_m);
-    struct test_scene dull = *test; /* the mirror throws the lamp's light on the others, too */
+    struct test_scene dull = *test; /* without the light that the mirror reflects onto the others */
     dull.scene.solids = dull.solids;
     dull.solids[0].surface.metalness = 0.0;
     const struct neph_reflected_view view = neph_reflected_view(&dull.scene, from_m, way);
@@ -107,7 +108,7 @@ static void test_a_plane_mirror(void **state)
 
 static const double wall_half_m = 0.9, wall_height_m = 0.8;
 
-/* The sun shines along the floor on a wall alone. */
+/* The sun shines along the floor, so it lights only a wall. */
 static void set_lit_wall(struct test_scene *test)
 {
     test_scene_init(test);
@@ -123,8 +124,8 @@ static void set_lit_wall(struct test_scene *test)
     test->solids[1].albedo = make_grey(0.8);
 }
 
-/* How far the light of a white floor is off by the first bounce, and biased, over pixels before the
- * wall, relative to all of it. */
+/* Error of the first bounce on a white floor, over pixels in front of the wall, relative to the
+ * total light: rms and bias. */
 struct floor_gap {
     double off, bias;
 };
@@ -162,8 +163,8 @@ static struct floor_gap lit_floor_gap(struct neph_vulkan *vulkan, const char *se
     return (struct floor_gap){off / sum, bias / sum};
 }
 
-/* The wall has few pixels, of which the rays lose some at its foot and edges. The rest is noise,
- * which frames and smoothing take away. */
+/* The wall covers few pixels, and rays miss some at its foot and edges. The remaining error is
+ * noise, reduced by frames and smoothing. */
 static void test_light_of_a_wall(void **state)
 {
     const char *const rays = "gi_bounces=one gi_smooth=0 gi_history=1024 gi_rays=4 gi_steps=128 "
@@ -177,7 +178,7 @@ static void test_light_of_a_wall(void **state)
 
 /* ---- the mean over frames -------------------------------------------------------------------- */
 
-/* The lit wall, which is pushed and turned, before a camera that goes to the side. */
+/* The lit wall, translated and rotated, with a camera that moves sideways. */
 struct moving {
     struct test_scene test;
     struct neph_camera_key camera_keys[2];
@@ -213,7 +214,8 @@ static struct neph_scene *still_at(const struct neph_scene *scene, double frame)
     return still;
 }
 
-/* Where what pixel p sees in the second frame was in the first; false where it sees the sky. */
+/* The previous position of the surface point visible at pixel p in the second frame; false for the
+ * sky. */
 static bool was_at(const struct neph_scene *scene, const struct neph_scene *now, int p,
                    struct neph_vec3 *point_m, bool *is_mover)
 {
@@ -231,8 +233,8 @@ static bool was_at(const struct neph_scene *scene, const struct neph_scene *now,
     return true;
 }
 
-/* What comes into the picture, or out from behind the wall, has no history, and all else has: by
- * its own way, of which a pixel or two on edges may be on their other side. */
+/* Disoccluded points (at the frame's edge, or from behind the wall) have no history; all others
+ * have, reprojected by their own motion, except one or two pixels at edges. */
 static void test_history_goes_with_the_surface(void **state)
 {
     struct moving moving;
@@ -257,7 +259,7 @@ static void test_history_goes_with_the_surface(void **state)
         kept[is_mover] += was_seen && counts[4 * p] == 4.0f;
         forgotten[is_mover] += was_seen && counts[4 * p] == 1.0f;
         fresh += !was_seen && counts[4 * p] == 1.0f;
-        strange += !was_seen && counts[4 * p] > 1.0f; /* all but a few at the picture's edge */
+        strange += !was_seen && counts[4 * p] > 1.0f; /* nearly all at the frame's edge */
     }
     printf("kept %d of the floor and %d of the wall, forgotten %d and %d; new %d, old %d\n",
            kept[0], kept[1], forgotten[0], forgotten[1], fresh, strange);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The settings in the order of the passes. Ambient occlusion is by default that of the article on
- * Unreal's post-processing; presets are the defaults with what they do otherwise, ours what is
- * nearest to the truth at a cost that a frame can pay.
+ * The table of settings, in the order of the passes. The default ambient occlusion follows the
+ * article on Unreal Engine's post-processing. Presets are differences from the defaults; `ours` is
+ * the most accurate at a cost that a frame allows.
  */
 #include "renderer/screen/options.h"
 
@@ -112,7 +112,7 @@ const struct neph_option neph_screen_options[SCREEN_SETTING_COUNT + 1] = {
     {.name = NULL},
 };
 
-/* Occlusion as rays of a metre have it, by slices: what presets of ours begin with. */
+/* Occlusion by slices within a radius of 1 m: the start of our own presets. */
 #define RAYS_OF_A_METRE "ao=gtao ao_radius_m=1 ao_places=plane ao_power=1 ao_intensity=1 "
 
 const struct neph_preset neph_screen_presets[] = {

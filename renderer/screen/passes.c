@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The passes in the order in which they run. A pass whose input another may leave out reads both.
+ * The table of passes, in the order of execution. A pass reads two targets where one of its inputs
+ * may be off.
  */
 #include "renderer/screen/screen.h"
 

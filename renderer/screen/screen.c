@@ -10,20 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_PATTERN_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { TILE_PX = 8, BUFFERS = NEPH_GPU_SCENE_BUFFERS + 2, CHANNELS = 4 };
 
-/* A frame of the scene and the one before. */
+/* The current frame and the previous one. */
 struct moment {
     double frame, frame_before;
     bool has_before;
     struct neph_camera now, before;
 };
 
-/* Targets that the next frame has under another name. */
+/* Targets that become the previous frame's. */
 static const int handed_on[][2] = {
     {SCREEN_DEPTH, SCREEN_DEPTH_BEFORE},       {SCREEN_NORMAL, SCREEN_NORMAL_BEFORE},
     {SCREEN_GI_MEAN, SCREEN_GI_BEFORE},        {SCREEN_SSR_MEAN, SCREEN_SSR_BEFORE},
@@ -36,11 +36,11 @@ struct neph_screening {
     struct neph_buffer view, surfaces, targets[SCREEN_TARGET_COUNT], readback;
     const struct neph_kernel *kernels[NEPH_SCREEN_PASSES_MAX];
     double frame_before; /* of the scene */
-    unsigned used;       /* targets, a bit each */
-    uint32_t frame;      /* how many there were: the noise has other numbers in each */
+    unsigned used;       /* targets in use, a bit each */
+    uint32_t frame;      /* number of frames; seed of the noise */
 };
 
-/* --- what can be rendered --------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------- */
 
 bool neph_screen_can(const struct neph_scene *scene, char *reason, size_t reason_size)
 {
@@ -70,9 +70,9 @@ static size_t target_bytes(const struct neph_screening *screen, int target)
     return pixel_count(screen) * words * sizeof(uint32_t);
 }
 
-/* --- making ----------------------------------------------------------------------------------- */
+/* --- creation --------------------------------------------------------------------------------- */
 
-/* What no pass that is on has in hand is one word, for the binding. */
+/* Targets that no enabled pass uses have the size of one word, because they must be bound. */
 unsigned neph_screen_targets_used(const struct neph_settings *settings)
 {
     unsigned used = 0;
@@ -135,7 +135,7 @@ enum neph_status neph_screening_create(struct neph_vulkan *vulkan, const struct 
     made->params = *params;
     enum neph_status status = neph_gpu_scene_create(vulkan, scene, 0.0, params->width_px,
                                                     params->height_px, false, &made->gpu, diag);
-    if (scene->mover_count > 0) /* no box has turned before it moves */
+    if (scene->mover_count > 0) /* boxes that have not turned yet will turn when they move */
         made->gpu.constants[1] |= NEPH_GPU_TURNED;
     if (!status)
         status = create_buffers(made, diag);
@@ -161,15 +161,15 @@ void neph_screening_destroy(struct neph_screening *screen)
     free(screen);
 }
 
-/* --- what the device is told ------------------------------------------------------------------ */
+/* --- parameters of the shaders ---------------------------------------------------------------- */
 
-/* The target in which the last of `turns` turns ends that begin at `first`. */
+/* The target of the last of `turns` smoothing passes that alternate from `first` on. */
 static uint32_t last_target(double turns, uint32_t none, uint32_t first)
 {
     return turns == 0.0 ? none : first + ((uint32_t)turns + 1) % 2;
 }
 
-/* Where the passes of a resolution leave what they find, by the setting that it has. */
+/* The target with the final cells of the passes with this resolution setting. */
 static uint32_t found_target(const double *values, int resolution)
 {
     switch (resolution) {
@@ -182,7 +182,7 @@ static uint32_t found_target(const double *values, int resolution)
     }
 }
 
-/* And where it is then for all pixels: of two that take turns the one that is free. */
+/* The target after upsampling to all pixels: the free one of two alternating targets. */
 static uint32_t whole_target(const double *values, int resolution)
 {
     const uint32_t found = found_target(values, resolution);
@@ -253,8 +253,8 @@ static void fill_view(struct neph_screening *screen, const struct neph_scene *sc
     view->frame = screen->frame;
 }
 
-/* Where a place in the axes of the camera now was in those of the camera before, on a solid that
- * has moved from one placing to another. */
+/* The previous position, in axes of the previous camera, of a point in axes of the current camera,
+ * on a solid that has moved between two placements. */
 static struct neph_vec3 place_before_m(const struct moment *moment, const struct neph_placing *now,
                                        const struct neph_placing *before, struct neph_vec3 own_m)
 {
@@ -299,7 +299,7 @@ static void fill_surface(const struct neph_surface *from, struct neph_gpu_screen
     };
 }
 
-/* `scene` is the one over time, which knows how solids move. */
+/* `scene` is the animated scene, with the motion of its solids. */
 static void fill_surfaces(struct neph_screening *screen, const struct neph_scene *scene,
                           const struct moment *moment)
 {
@@ -319,7 +319,7 @@ static void fill_surfaces(struct neph_screening *screen, const struct neph_scene
 
 /* --- passes ----------------------------------------------------------------------------------- */
 
-/* Whether another pixel of each cell has the rays in each frame. */
+/* Whether each frame samples another pixel of each cell. */
 static bool takes_turns(const double *values, int resolution)
 {
     const int history = resolution == SCREEN_GI_RESOLUTION ? SCREEN_GI_HISTORY : SCREEN_SSR_HISTORY;
@@ -327,7 +327,7 @@ static bool takes_turns(const double *values, int resolution)
            values[SCREEN_RAY_PIXEL] == SCREEN_PIXEL_TURNING && values[history] > 0.0;
 }
 
-/* Which pixel of its cells a pass looks at in a frame. */
+/* The pixel of a cell that a pass samples in a frame. */
 static void find_pixel(const double *values, int resolution, uint32_t frame, uint32_t pixel[2])
 {
     static const uint32_t order[4][2] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
@@ -346,7 +346,8 @@ static struct neph_gpu_screen_run run_of(const struct neph_screening *screen, in
                                       .to = pass->to,
                                       .before = pass->before,
                                       .cell_px = cell_px(values, pass->resolution)};
-    find_pixel(values, pass->resolution, screen->frame - 1, run.own_px); /* it counts this one */
+    find_pixel(values, pass->resolution, screen->frame - 1, run.own_px); /* the number includes the
+                                                                            current frame */
     find_pixel(values, pass->resolution, screen->frame - 2, run.before_px);
     if (pass->turns_setting) {
         run.from = turn == 0 ? pass->from : pass->to + (turn - 1) % 2;
@@ -359,7 +360,8 @@ static struct neph_gpu_screen_run run_of(const struct neph_screening *screen, in
     return run;
 }
 
-/* Along an axis: a thread a cell, or between two of them and beyond the last. */
+/* Work groups along an axis: one thread per cell; when upsampling, one per gap between cells and
+ * beyond the last. */
 static uint32_t tile_count(int size_px, const struct neph_gpu_screen_run *run, bool makes_whole,
                            int axis)
 {
@@ -424,7 +426,7 @@ static void hand_on(struct neph_screening *screen)
     }
 }
 
-/* --- out of the device ------------------------------------------------------------------------ */
+/* --- read-back -------------------------------------------------------------------------------- */
 
 static float float_of_half(uint16_t half)
 {
@@ -458,7 +460,7 @@ enum neph_status neph_screening_read(struct neph_screening *screen, int target, 
     return status;
 }
 
-/* --- the picture ------------------------------------------------------------------------------ */
+/* --- the image -------------------------------------------------------------------------------- */
 
 static enum neph_status take_rgb(struct neph_screening *screen, int target, const char *layer,
                                  float *texels, struct neph_image *image, struct neph_diag *diag)
@@ -473,7 +475,7 @@ static enum neph_status take_rgb(struct neph_screening *screen, int target, cons
     return status;
 }
 
-/* One of a target's channels. */
+/* Copy one channel of a target to the image. */
 static enum neph_status take_one(struct neph_screening *screen, int target, int channel,
                                  const char *name, float *texels, struct neph_image *image,
                                  struct neph_diag *diag)
@@ -489,7 +491,7 @@ static enum neph_status take_one(struct neph_screening *screen, int target, int 
     return status;
 }
 
-/* Indirect light of other surfaces, and of a sky of radiance 1. */
+/* Indirect light of other surfaces, and the response to a sky of radiance 1. */
 static enum neph_status take_rays(struct neph_screening *screen, uint32_t target, const char *layer,
                                   const char *open, float *texels, struct neph_image *image,
                                   struct neph_diag *diag)
@@ -551,7 +553,7 @@ static struct moment moment_of(const struct neph_screening *screen, const struct
     };
 }
 
-/* The device gets the scene as it stands in the frame. */
+/* Upload the scene at a frame. */
 static enum neph_status show(struct neph_screening *screen, const struct neph_scene *scene,
                              double frame, struct neph_diag *diag)
 {

@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: MIT
 //
-// The pyramid of bloom. Each level has half the size of the finer one, rounded up. Going up, a fine
-// texel lies a quarter of a texel off the centre of a coarse one, and is 3/4 of that and 1/4 of its
-// neighbour, along each axis. Going down, a coarse texel is the mean of the fine ones by what it
-// gives to each on the way up, times what these stand for: w, in pixels. So both ways together a
-// constant stays what it is, and no light is won or lost, whatever the sizes.
+// The mip pyramid of bloom: layout, indexing, and the tent filter between two levels. Included by
+// post_bloom_down.comp and post_bloom_up.comp.
+//
+// Each level has half the size of the finer one, rounded up. Along one axis:
+//
+//   coarse  |       0       |       1       |
+//   fine    |   0   |   1   |   2   |   3   |
+//
+// A fine texel centre lies a quarter of a coarse texel off the nearest coarse centre. On the way up
+// a fine texel is therefore 3/4 of the nearest coarse texel and 1/4 of the next one, along each
+// axis.
+//
+// On the way down a coarse texel is the weighted mean of the same fine texels. The weight of a fine
+// texel is its share on the way up (3/4 or 1/4 per axis) times its w, the number of pixels that it
+// represents. The two ways are transposes of each other, so a constant image stays constant and the
+// sum of the light is kept for every image size.
 #ifndef NEPH_BLOOM_GLSL
 #define NEPH_BLOOM_GLSL
 
 #include "post.glsl"
 
 layout(std430, binding = 5) buffer Pyramid {
-    vec4 pyramid[]; // RGB; w: what the texel stands for [px]
+    vec4 pyramid[]; // RGB; w: pixels that the texel represents
 };
 
 ivec2 level_size(uint level)
@@ -24,7 +35,7 @@ int index_in(uint level, ivec2 texel)
     return int(view.level_at[level]) + texel.y * level_size(level).x + texel.x;
 }
 
-// The texel of this thread; false when there is none left.
+// The texel of this thread in level run.level; false when the thread has no texel.
 bool own_texel(out ivec2 texel)
 {
     ivec2 size = level_size(run.level);
@@ -33,7 +44,8 @@ bool own_texel(out ivec2 texel)
     return texel.y < size.y;
 }
 
-// The coarse texels along an axis that a fine one is made of, 3/4 and 1/4.
+// The two coarse texels along an axis that a fine texel is interpolated from: the near one with
+// weight 3/4, the far one with 1/4. At the border both are the same texel.
 int near_of(int fine) { return fine / 2; }
 int far_of(int fine, int size) { return clamp(fine / 2 + 2 * (fine & 1) - 1, 0, size - 1); }
 

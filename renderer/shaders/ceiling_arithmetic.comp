@@ -1,8 +1,11 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// As many fused multiply-adds, or exponentials, as the device can make: each thread makes eight
-// rows of them that do not wait for each other, and nothing else (renderer/ceilings.h).
+// Micro-benchmark of arithmetic throughput, for the roofline limits of renderer/ceilings.h.
+//
+// Each thread computes ROWS independent chains of fused multiply-adds (or of exponentials with
+// EXPONENTIALS), so that the latency of one chain is hidden by the others. It reads no memory and
+// writes one float.
 
 layout(local_size_x = 64) in;
 
@@ -11,13 +14,13 @@ layout(std430, binding = 0) writeonly buffer Results {
 };
 
 layout(push_constant) uniform CeilingTurns {
-    uint turns; // of ROWS operations each
-    float factor, term; // that a compiler does not know
+    uint turns; // operations per chain
+    float factor, term; // push constants, so that the compiler cannot fold them
 } run;
 
 layout(constant_id = 0) const bool EXPONENTIALS = false;
 
-const uint ROWS = 8; // ceilings.c has it, too
+const uint ROWS = 8; // independent chains per thread; ceilings.c has the same number
 
 void main()
 {

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// As many bytes as the memory can read and write: each thread copies 16 of them. What passes move
-// is measured against it (renderer/ceilings.h).
+// Micro-benchmark of memory bandwidth, for the roofline limits of renderer/ceilings.h: each thread
+// copies 16 bytes. The bytes that a pass moves are compared with this rate.
 
 layout(local_size_x = 64) in;
 

@@ -1,10 +1,12 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// As many trilinear samples of a voxel grid as the device can take, from a storage buffer or from
-// its texture unit: each thread walks along a line with grid_density(), or as grid_texture.glsl
-// does, and nothing else, neighbours beside each other as the rays of a camera. What the march
-// takes is measured against it (renderer/ceilings.h).
+// Micro-benchmark of trilinear samples of a voxel grid, for the roofline limits of
+// renderer/ceilings.h. The sample rate of the ray marcher is compared with this rate.
+//
+// Each thread samples along a line, either from a storage buffer with grid_density() (grid.glsl) or
+// from a 3D texture as grid_texture.glsl does. Neighbouring threads sample neighbouring lines, as
+// the rays of a camera do.
 #extension GL_GOOGLE_include_directive : require
 
 layout(local_size_x = 64) in;
@@ -14,9 +16,9 @@ layout(std430, binding = 0) readonly buffer Values {
 };
 
 struct CeilingLine {
-    vec3 start; // in nodes
+    vec3 start; // in nodes of the grid
     float padding;
-    vec3 stride; // from one sample to the next
+    vec3 stride; // from one sample to the next, in nodes
     float padding_2;
 };
 
@@ -29,14 +31,15 @@ layout(std430, binding = 2) writeonly buffer Results {
 };
 
 layout(push_constant) uniform CeilingRun {
-    uint side; // nodes
+    uint side; // nodes along each axis
     uint sample_count;
 } run;
 
 layout(constant_id = 0) const bool TEXTURE = false;
-// Whether each place depends on the sample before it, as nothing may be looked up ahead then.
+// Whether the position of each sample depends on the sample before, so that no fetch can be issued
+// ahead of time.
 layout(constant_id = 1) const bool WAITS = false;
-// Whether values are there in pairs, too, as media.glsl has them for a CPU.
+// Whether the grid is read from texels of two nodes, as media.glsl reads it on a CPU device.
 layout(constant_id = 2) const bool PAIRS = false;
 
 #define SEES_GRID_TEXELS

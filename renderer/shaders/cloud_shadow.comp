@@ -1,9 +1,12 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Fills the shadow map of clouds (cloud_shadow.glsl): one thread a texel, whose depths are those
-// that a march would find from there towards the sun. Solids do not count: whether a point sees the
-// sun is asked at the point.
+// Fills the shadow map of clouds (layout and lookup: cloud_shadow.glsl). One thread computes one
+// texel of one level: it starts behind all shapes, finds where the clouds on this sun ray begin and
+// end, and stores the optical depth towards the sun at `layers` places between these ends. A place
+// has the same depth that a ray marcher would compute there.
+//
+// Solids are left out of the map: the lookup tests separately whether a solid blocks the sun.
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
@@ -17,11 +20,11 @@ layout(std430, binding = 5) writeonly buffer ShadowNumbers {
 };
 
 layout(std430, binding = 6) buffer SunCounters {
-    uint density_evaluations[2]; // lower and upper half
+    uint density_evaluations[2]; // lower and upper half of 64 bits
     uint closed_forms[2];
 } counters;
 
-// Where a ray begins: behind all shapes.
+// Start of a texel's sun ray: on the far side of all shapes, seen from the sun.
 vec3 start_m(uint level, uvec2 texel)
 {
     vec2 place_m = frame.shadow.levels[level].low_m +
@@ -30,8 +33,14 @@ vec3 start_m(uint level, uvec2 texel)
            place_m.y * frame.shadow.side_v + frame.shadow.start_m * to_sun();
 }
 
-// Where shapes are, to a step and a half: from the middle of the step before the first in one to
-// the middle of that behind the last. Where none is found: all of the stretch.
+// The part of a sun ray that has shapes on it. NEPH_GPU_SHADOW_SAMPLES equal steps sample the
+// extinction at their middles; the part reaches from the middle of the step before the first
+// non-empty one to the middle of the step after the last:
+//
+//   samples   .   .   x   x   .   x   .   .      x: extinction > 0
+//   result        |-------------------|
+//
+// When no sample finds extinction, the whole hull is returned: a cloud may be thinner than a step.
 Stretch shapes_on(vec3 origin_m)
 {
     Stretch hull = scene_stretch(SHAPE_KINDS, origin_m, to_sun(), FAR_M);

@@ -1,25 +1,34 @@
 // SPDX-License-Identifier: MIT
 //
-// The shadow map of clouds: what of the sunlight has come through all shapes. A texel is a sun ray:
-// how far along it shapes begin and end, and between these the optical depth towards the sun from
-// some places at equal distances, of which the farthest from the sun has all of it
-// (cloud_shadow.comp writes them). With one place this is the beer shadow map of S. Hillaire,
-// "Physically Based Sky, Atmosphere and Cloud Rendering in Frostbite" (SIGGRAPH 2016).
+// The shadow map of clouds: the sunlight that all shapes (all media but fogs) transmit. Filled by
+// cloud_shadow.comp, used by march_light.glsl for points between clouds and on solids.
 //
-// Transmittance is what is interpolated between texels, not optical depth: light on the ground then
-// keeps its mean, and a sharp edge its place. Maps lie one within the other, and the finest that
-// has a point answers.
+// A texel is one sun ray. It stores the two ends of the clouds on the ray [m along the ray], then
+// for each layer the optical depth towards the sun:
+//
+//            end                              begin
+//   far  ----|--------|--------|--------|-----|---- sun
+//            layer 0  1        2        3     depth 0
+//
+// Layer 0 is the end away from the sun and has the whole optical depth. With one layer this is the
+// beer shadow map of S. Hillaire, "Physically Based Sky, Atmosphere and Cloud Rendering in
+// Frostbite" (SIGGRAPH 2016 course); more layers approximate T. Lokovic and E. Veach, "Deep Shadow
+// Maps" (SIGGRAPH 2000).
+//
+// Between texels the transmittance is interpolated, not the optical depth: this keeps the mean
+// light on the ground and the position of sharp shadow edges. Levels are nested; a lookup uses the
+// finest level that contains the point.
 #ifndef NEPH_CLOUD_SHADOW_GLSL
 #define NEPH_CLOUD_SHADOW_GLSL
 
 #include "sun_cache.glsl"
 
-const uint SHADOW_ENDS = 2; // of the shapes on a texel's ray, before its depths
+const uint SHADOW_ENDS = 2; // words of a texel before its optical depths: end and begin
 
-// Less comes through as nothing: the logarithm of 0 is no depth.
+// Smallest transmittance: its optical depth, -log(), stays finite.
 const float LEAST_THROUGH = 1e-37;
 
-// In the buffer of both.
+// First word of a texel, in the buffer that the map shares with the sun cache (sun_cache.glsl).
 uint shadow_texel(uint level, uvec2 texel)
 {
     uint side = frame.shadow.texels;
@@ -27,7 +36,8 @@ uint shadow_texel(uint level, uvec2 texel)
     return frame.shadow.first + words * (texel.x + side * (texel.y + side * level));
 }
 
-// What comes to a place on a texel's ray.
+// Transmittance towards the sun at the distance `along_m` on a texel's ray: optical depths of the
+// two layers around it are interpolated linearly. The depth beyond the last layer is 0.
 vec3 texel_through(uint at, float along_m)
 {
     uint layers = own(frame.shadow.layers);
@@ -44,7 +54,7 @@ vec3 texel_through(uint at, float along_m)
     return COLOURED ? transmittance(depth) : vec3(transmittance(depth.x));
 }
 
-// Between the four texels around a place in texels.
+// Bilinear interpolation of transmittance at a position in texels.
 vec3 level_through(uint level, vec2 place, float along_m)
 {
     uvec2 low = uvec2(min(floor(place), vec2(frame.shadow.texels - 2u)));
@@ -56,7 +66,8 @@ vec3 level_through(uint level, vec2 place, float along_m)
     return mix(lower, upper, part.y);
 }
 
-// Optical depth of all shapes towards the sun; false where no map reaches.
+// Optical depth of all shapes from a point towards the sun, from the finest level that contains it;
+// false when no level does.
 bool find_mapped_sun_depth(vec3 point_m, out vec3 depth)
 {
     vec2 place_m = vec2(dot(point_m, frame.shadow.across_u) + frame.shadow.across_u_m,

@@ -1,47 +1,50 @@
 // SPDX-License-Identifier: MIT
 //
-// Numbers that shaders and C have in common: this file is both GLSL and C.
+// Constants that shaders and C share. This file is valid GLSL and valid C.
 #ifndef NEPH_GPU_CONSTANTS_H
 #define NEPH_GPU_CONSTANTS_H
 
-// "Infinitely far" [m]. Finite, because inf - inf and 0 * inf are NaN and shaders need not even
-// honour inf; its square still fits a float32.
+// "Infinite" distance [m]. It is finite because inf - inf and 0 * inf are NaN, and because a GLSL
+// implementation need not support infinities. Its square still fits into a float32.
 #define NEPH_GPU_FAR_M 1e15f
 
-// Room in a frame.
+// Capacities of the uniform block of a frame.
 #define NEPH_GPU_MEDIA_MAX 8
-#define NEPH_GPU_LAYERS_MAX 2 // of a fog
+#define NEPH_GPU_LAYERS_MAX 2 // layers of a fog medium
 #define NEPH_GPU_LAMPS_MAX 16
-#define NEPH_GPU_LAMP_PARTS 8 // of a step, at most (march_lamps.glsl)
+#define NEPH_GPU_LAMP_PARTS 8 // sub-steps of a march step for one light, at most (march_lamps.glsl)
 
-// Where kernels that sample images find them, an array of one for each medium.
+// Binding of sampled images: an array with one element per medium.
 #define NEPH_GPU_IMAGES_BINDING 31
-// And where kernels of a CPU find texels of one, two and four words (neph_buffer_see_texels()): an
-// array each, of one texel buffer for each buffer that is seen as such.
+// Bindings of texel buffers for kernels on a CPU device, with texels of one, two and four words
+// (neph_buffer_see_texels()). Each binding is an array with one element per buffer.
 #define NEPH_GPU_TEXELS_BINDING 28
 #define NEPH_GPU_TEXEL_PAIRS_BINDING 29
 #define NEPH_GPU_TEXEL_FOURS_BINDING 30
 #define NEPH_GPU_TEXEL_FORMATS 3
 
-// Bits of specialization constant 1, what is known of a scene beside its kinds of media.
-#define NEPH_GPU_COLOURED 1u // some medium's extinction depends on the channel
+// Bits of specialization constant 1: properties of a scene, beside its kinds of media, for which
+// kernels are specialized.
+#define NEPH_GPU_COLOURED 1u // the extinction of a medium depends on the channel
 #define NEPH_GPU_ORTHOGRAPHIC 2u // the camera is orthographic
 #define NEPH_GPU_ON_CPU 4u // the device is a CPU
-#define NEPH_GPU_TURNED 8u // some box has turned
-#define NEPH_GPU_LAMPS 16u // there are lights beside the sun
-#define NEPH_GPU_SHADED 32u // some solid may stand between a medium and the sun
-#define NEPH_GPU_ENDLESS 64u // some voxel grid has no end along some axis
-#define NEPH_GPU_PAIRS 128u // values of grids are there in pairs, too
-// Behind these, where there are no more than so many media: how many, and from KINDS_SHIFT on four
-// bits for each, the kind and above it 1 for two layers. Else 0, and the frame says.
+#define NEPH_GPU_TURNED 8u // a box is rotated
+#define NEPH_GPU_LAMPS 16u // the scene has point or spot lights
+#define NEPH_GPU_SHADED 32u // a solid may shadow a medium
+#define NEPH_GPU_ENDLESS 64u // a voxel grid repeats without end along an axis
+#define NEPH_GPU_PAIRS 128u // grid values are stored in pairs, too
+// The upper bits of the same constant describe the media, when there are at most KNOWN_MEDIA_MAX:
+// their number from bit MEDIA_SHIFT on, and from bit KINDS_SHIFT on four bits per medium, which are
+// its kind and, in the highest bit, whether the fog has two layers. With more media these bits are
+// 0, and the kernel reads the media from the frame.
 #define NEPH_GPU_KNOWN_MEDIA_MAX 4
 #define NEPH_GPU_MEDIA_SHIFT 8u
 #define NEPH_GPU_KINDS_SHIFT 16u
 
-// Steps of a view ray that are one behind an optical depth, at most.
+// Consecutive steps of a view ray that share one optical depth, at most.
 #define NEPH_GPU_SPAN_MAX 16
 
-// Solids, and those of a block, which has a box around all of them.
+// Solids per scene, and solids per block. A block has a common bounding box.
 #define NEPH_GPU_SOLIDS_MAX 1024
 #define NEPH_GPU_BLOCK_SOLIDS 8
 #define NEPH_GPU_BLOCKS_MAX (NEPH_GPU_SOLIDS_MAX / NEPH_GPU_BLOCK_SOLIDS)
@@ -51,48 +54,50 @@
 #define NEPH_GPU_HORIZON_DETAIL_SIDE 32
 #define NEPH_GPU_HORIZON_WEATHER_SIDE 256
 
-// The path tracer: strata of a pixel's samples, edges of a table of light (tracer_lit.glsl).
+// The path tracer: strata of a pixel's samples, and edges of a table of light (tracer_lit.glsl).
 #define NEPH_GPU_STRATA 4
-#define NEPH_GPU_TAKES 8 // of items, in a turn of a thread
+#define NEPH_GPU_TAKES 8 // items that a thread takes from a queue at once
 #define NEPH_GPU_LIT_EDGES 16
 
-// Octaves of scattering whose factors are fitted (renderer/octaves_fitted.h).
+// Octaves of scattering with fitted factors (renderer/octaves_fitted.h).
 #define NEPH_GPU_FITTED_OCTAVES 8
 
-// The first octaves of an only medium, whose phase functions a march keeps for a ray.
+// Octaves for which the ray marcher computes phase functions once per ray, in scenes of one medium.
 #define NEPH_GPU_KEPT_PHASES 8
 
-// Diffused light: of fluence, what leaves where nothing comes in. Marshak has 0.5, Milne 0.469 of a
-// half-space; this is best over the tuning suite of `neph study light`.
+// Diffused light: the flux through an open face over the fluence in front of it, a boundary
+// condition of diffusion. Marshak's is 0.5, Milne's for a half-space 0.469. This value is the best
+// over the tuning suite of `neph study light`.
 #define NEPH_GPU_OUTWARD 0.4
 
-// The table of slab light (renderer/slab_light.h): optical depths along both axes are
+// The table of slab light (renderer/slab_light.h). Node i of either axis has the optical depth
 // (2^(OCTAVES i / (NODES - 1)) - 1) / PER_DEPTH.
 #define NEPH_GPU_SLAB_NODES 20
 #define NEPH_GPU_SLAB_OCTAVES 10.0
 #define NEPH_GPU_SLAB_PER_DEPTH 8.0
 
-// Bits of what halves.comp is asked: whether the driver reads halves as they are, and writes the
-// nearest, of two the even one.
+// Result bits of halves.comp: the driver's conversion from half to float is wrong; its conversion
+// from float to half is wrong (expected: round to nearest, ties to even).
 #define NEPH_HALVES_READ 1u
 #define NEPH_HALVES_WRITTEN 2u
 
-// The sky: the highest degree of its moments, and how many there are up to it.
+// The sky: highest degree of its spherical-harmonic moments, and number of moments up to that
+// degree.
 #define NEPH_GPU_SKY_DEGREE_MAX 8
 #define NEPH_GPU_SKY_MOMENTS_MAX 45
-#define NEPH_GPU_SKY_PLACES 2 // with a table of views
-#define NEPH_GPU_SKY_SUN_SAMPLES 4 // of a froxel of air
+#define NEPH_GPU_SKY_PLACES 2 // positions that have a table of views
+#define NEPH_GPU_SKY_SUN_SAMPLES 4 // samples of the sunlight in a froxel of air
 #define NEPH_GPU_SKY_WALKERS 8 // threads that share a ray of a table of views
-#define NEPH_GPU_SKY_SLICES_AT_ONCE 32 // of a column of air, a thread each
+#define NEPH_GPU_SKY_SLICES_AT_ONCE 32 // slices of a column of air in parallel, one per thread
 
-// Maps of the shadow of clouds, one within the other (cloud_shadow.glsl).
+// Nested levels of the shadow map of clouds (cloud_shadow.glsl).
 #define NEPH_GPU_SHADOW_LEVELS_MAX 4
-#define NEPH_GPU_SHADOW_SAMPLES 16 // by which a texel's ray finds where clouds begin and end
+#define NEPH_GPU_SHADOW_SAMPLES 16 // by which the clouds on a texel's ray are found
 
-// Cells that a ray goes through in a voxel grid without end, at most: what is farther is not seen.
+// Cells of an endless voxel grid that a ray crosses at most. The grid is cut off beyond them.
 #define NEPH_GPU_ENDLESS_CELLS 4096
 
-// Stretches of a view ray's way through a voxel grid (tracer_way.glsl).
+// Segments of a view ray's way through a voxel grid (tracer_way.glsl).
 #define NEPH_GPU_WAY_STRETCHES 32
 
 #endif

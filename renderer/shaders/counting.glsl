@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Counters of 64 bits, in two halves, that all threads add to.
+// A 64-bit counter for shaders without 64-bit atomics: two 32-bit words, to which all threads add.
 #ifndef NEPH_COUNTING_GLSL
 #define NEPH_COUNTING_GLSL
 
-// Nothing is added where there is nothing: all threads would wait for the same word.
+// Adds `amount` to the lower word and carries into the upper one. An amount of 0 is skipped,
+// because all threads contend for the same word.
 #define ADD_64(counter, amount)                                                                    \
     if ((amount) > 0u && atomicAdd(counter[0], amount) > 0xffffffffu - (amount))                   \
         atomicAdd(counter[1], 1u)

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// The forms that a kernel has on a CPU (lavapipe) and on a GPU, for march and tracer. Only this
-// file reads for which of them a kernel is: others read the constants here, which say what a form
-// does and why, or have the other form in a file of its own (march_texture_cpu.glsl). Both forms
-// give the same frame, to the rounding of sums. Passes of the real-time renderer have variants
-// (renderer/realtime/passes.h).
+// Differences between CPU devices (lavapipe) and GPUs, for the ray marcher and the path tracer.
+//
+// This is the only file that tests the kind of device. Other files use the constants below, which
+// name a form of the code and its reason, or have the other form in a separate file
+// (march_texture_cpu.glsl). Both forms give the same frame up to the rounding of sums. Passes of
+// the real-time renderer have variants instead (renderer/realtime/passes.h).
 #ifndef NEPH_DEVICE_FORMS_GLSL
 #define NEPH_DEVICE_FORMS_GLSL
 
 const bool ON_CPU = (TRAITS & NEPH_GPU_ON_CPU) != 0u;
 
-// A number of the frame that alone decides a branch or ends a loop. lavapipe would compile the
-// kernel anew for its value whenever another buffer is bound; a number of the thread's own, which
-// this is by an index that has no such bit, it leaves alone.
+// Makes a value of the frame formally thread-dependent: the OR with an impossible bit of the local
+// index changes nothing. lavapipe otherwise specializes the kernel for a uniform value that decides
+// a branch or ends a loop, and recompiles it whenever another buffer is bound.
 uint own(uint number)
 {
     return ON_CPU ? number | gl_LocalInvocationIndex & 0x80000000u : number;
@@ -26,24 +27,25 @@ vec3 own(vec3 v)
     return uintBitsToFloat(uvec3(own(bits.x), own(bits.y), own(bits.z)));
 }
 
-// A number of the frame costs lavapipe some 24 instructions, for it is gathered for each lane: what
-// every step reads is read once for a thread. To a GPU it costs nothing.
+// A uniform read costs lavapipe some 24 instructions, because it gathers the value per lane. Values
+// that every step needs are read once per thread. On a GPU a uniform read is free.
 const bool READS_FRAME_ONCE = ON_CPU;
 
-// Few solids are read once, too, and are met without branches (known_solids.glsl). They would fill
-// the registers of a GPU.
+// On lavapipe solids are also read once per thread and intersected without branches
+// (known_solids.glsl). On a GPU they would exhaust the registers.
 const bool READS_SOLIDS_ONCE = ON_CPU;
 
-// lavapipe would run both sides of a branch on a number of the frame, and the body of a loop that
-// no thread enters: what is not needed is not in its kernels. A GPU has one kernel for all frames
-// of a sequence, and decides in it.
+// lavapipe executes both sides of a branch on a uniform, and the body of a loop that no thread
+// enters. Its kernels are specialized and have no such branches. A GPU uses one kernel for all
+// frames of a sequence and branches on the uniform.
 const bool BRANCHES_ON_FRAME = !ON_CPU;
 
-// lavapipe goes through what one of its eight lanes needs with all of them: rays of a subgroup do
-// the same steps together. A GPU waits for a sample: it has several on their way.
+// lavapipe executes a path for all eight lanes when one lane needs it, so the rays of a subgroup do
+// the same steps together. A GPU instead hides the latency of samples by having several in flight.
 const bool STEPS_TOGETHER = ON_CPU;
 
-// Numbers below 2^-126 each cost a CPU the time of a hundred instructions: small ones become 0.
+// Each operation on a denormal (below 2^-126) costs a CPU the time of a hundred instructions, so
+// small values are set to 0.
 const bool DROPS_SMALL_NUMBERS = ON_CPU;
 
 #endif

@@ -1,27 +1,35 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The pieces of a multigrid cycle over the cells of diffused light (diffusion.glsl): one thread is
-// one cell of run.level. Coarse cells are the sums of the fine ones in them; a link between two of
-// them is half the sum of those through their face, for its way is twice as long. (A. Brandt, Math.
-// Comp. 31, 1977; D. Braess, Computing 55, 1995, for that factor.)
+// The steps of a multigrid cycle that solves for diffused light (equations and cells:
+// diffusion.glsl). One dispatch does one job (below) on one level; one thread is one cell of
+// run.level. The C side, renderer/diffused_light.c, orders the dispatches into V-cycles.
 //
-// What flows is told by differences of fluence. Neighbours have nearly the same, and sums of what
-// comes in and of what goes out would leave of it what last bits of many conductances are off by,
-// on each device others: 4e-4 of a layer's light in 256 cells, where this is off by 1e-6.
+// A coarse cell is the sum of the fine cells in it. The link between two coarse cells is half the
+// sum of the fine links through their common face, because the distance between the centres is
+// twice as long. (Multigrid: A. Brandt, Math. Comp. 31, 1977; the factor: D. Braess, Computing 55,
+// 1995.)
+//
+// Flows are computed from differences of fluence:
+//
+//   residual = supply + sum over faces of link (fluence_there - fluence_here) - drain fluence_here
+//
+// Neighbouring fluences are nearly equal. The algebraically equal form with separate sums of inflow
+// and outflow cancels, with an error that depends on the device: 4e-4 of a layer's light over 256
+// cells, against 1e-6 for this form.
 #extension GL_GOOGLE_include_directive : require
 
 #include "diffusion_run.glsl"
 
 // enum job of renderer/diffused_light.c
-const uint CLEAR = 0;   // no fluence
-const uint COARSEN = 1; // make this level of the finer one `other`
-const uint RED = 2, BLACK = 3; // every other cell is balanced with those around it
-const uint LEAVE = 4;   // what the finer level `other` has left is the supply of this one
-const uint CORRECT = 5; // add what the coarser level `other` has found
-const uint LIMIT = 6;   // no more passes a face than the fluence before it can give
+const uint CLEAR = 0;   // set the fluence to 0
+const uint COARSEN = 1; // build this level's cells from the finer level `other`
+const uint RED = 2, BLACK = 3; // Gauss-Seidel in checkerboard order: half of the cells
+const uint LEAVE = 4;   // restrict: the supply of this level is the residual of the finer `other`
+const uint CORRECT = 5; // prolong: add the correction that the coarser level `other` has found
+const uint LIMIT = 6;   // recompute the flux limit of the links from the present fluence
 
-// What flows in from the cells around, less what flows out to them, and all conductances.
+// Net inflow from the neighbours, and the sum of the conductances including the drain.
 struct Around {
     float inflow, conductance;
 };
@@ -44,11 +52,13 @@ Around around(DiffusionLevel level, uvec3 at, DiffusionCell cell)
     return sum;
 }
 
+// The residual of a cell's balance, per 1 W/m^2 of sun [m^2].
 float left_in(DiffusionCell cell, Around sum)
 {
     return cell.supply + sum.inflow - cell.drain * cell.fluence;
 }
 
+// One half-sweep: sets the fluence of every cell of one colour so that its residual is 0.
 void relax(uint index, uvec3 at)
 {
     if (((at.x + at.y + at.z) & 1u) != run.job - RED)
@@ -66,7 +76,7 @@ float left_in(uvec3 at)
     return left_in(cell, around(run.other, at, cell));
 }
 
-// The finer cells of one of this level: from .. to.
+// The fine cells that a cell of this level covers, from `from` up to but without `to`.
 void fine_cells(uvec3 at, out uvec3 from, out uvec3 to)
 {
     uvec3 parts = joined(run.other);

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What a march looks up of diffused light (diffused_light.glsl): in each finest cell the mean flux
-// through its faces, and the fluence. One thread, one cell.
+// Last step of diffused light (diffusion.glsl): the table that the ray marcher looks up
+// (diffused_field.glsl). Each thread writes one cell of the finest level: the flux, as the mean of
+// the fluxes through the two faces of each axis, and the fluence.
 #extension GL_GOOGLE_include_directive : require
 
 #include "diffusion_run.glsl"
@@ -14,7 +15,7 @@ layout(std430, binding = 1) writeonly buffer Field {
 uvec3 at;
 DiffusionCell cell;
 
-// Along the axis, through one of the two faces.
+// Flux density along the axis through the upper or the lower face of the cell.
 float flux_through(int axis, bool is_high)
 {
     float outward = is_high ? 1.0 : -1.0;

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What the media are in each cell of diffused light (diffusion.glsl), and what sunlight does there:
-// means over a few points of the cell. One thread, one cell; the finest level.
+// First step of diffused light (diffusion.glsl): fills one cell of the finest level per thread. The
+// coefficients of the medium and the sunlight in it are means over a few points of the cell. The
+// fluence of the frame before stays as the initial guess of the solver.
 #extension GL_GOOGLE_include_directive : require
 
 #include "march_light.glsl"
@@ -13,13 +14,14 @@ layout(std430, binding = 5) buffer Cells {
     DiffusionCell cells[];
 };
 
-// What is not its own is the same along an axis of one cell.
-const uint ACROSS = 2; // points along an axis of a lattice in three dimensions
-const uint ALONG = 8;  // of one that has cells along one axis alone
+// Sample points of a cell along an axis. An axis with only one cell needs one point, because
+// nothing varies along it.
+const uint ACROSS = 2; // in a grid with several cells along two or three axes
+const uint ALONG = 8;  // in a column: several cells along one axis only
 
 struct Contents {
     float absorption_per_m, transport_per_m; // sigma_a, sigma_tr
-    float supply_per_m, beam_per_m;          // right sides of both equations
+    float supply_per_m, beam_per_m;          // right-hand sides of both equations
 };
 
 Contents contents_at(vec3 point_m)
@@ -49,7 +51,8 @@ bool is_in_solid(vec3 point_m)
 
 vec3 cell_sides_m() { return 1.0 / frame.light_lattice.per_m; }
 
-// The length that light goes where there is nothing.
+// Mean chord of the grid's box, 4 volume / surface (Cauchy), over axes with more than one cell. In
+// an almost empty medium it replaces the mean free path, which has no upper bound there.
 float chord_m()
 {
     vec3 sides_m = vec3(frame.light_lattice.size) * cell_sides_m();
@@ -82,7 +85,7 @@ void main()
     float transport_per_m = max(part * sum.transport_per_m, 1.0 / chord_m());
     DiffusionCell cell;
     cell.link = vec3(0.0);
-    cell.fluence = cells[index].fluence; // of the picture before: a guess
+    cell.fluence = cells[index].fluence; // of the frame before: the initial guess
     cell.drain = part * sum.absorption_per_m * volume_m3;
     cell.supply = part * sum.supply_per_m * volume_m3;
     cell.opacity_per_m = 3.0 * transport_per_m;

@@ -1,8 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Links of the finest cells of diffused light (diffusion.glsl), what they lose through open faces,
-// and what the fluxes of sunlight bring and take: one thread, one cell.
+// Second step of diffused light (diffusion.glsl), for one cell of the finest level per thread:
+// - the links to the next cells, with the flux limit of diffusion_run.glsl,
+// - the loss through open faces, added to the drain,
+// - the flux that sunlight itself carries through the faces, added to the supply.
 #extension GL_GOOGLE_include_directive : require
 
 #include "diffusion_run.glsl"
@@ -28,7 +30,7 @@ void link_to(int axis, float outward)
     }
     DiffusionCell other = cells[index_of(run.level, there)];
     if (is_solid(other)) {
-        open_to(axis, outward); // black
+        open_to(axis, outward); // solids are black
         return;
     }
     Face face = is_high ? face_between(cell, other, axis) : face_between(other, cell, axis);

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Looking up what light diffuses (diffusion.glsl) at a place. Who includes this declares
-// higher_orders, the cells' flux and fluence, first.
+// Trilinear lookup of diffused light (diffusion.glsl). The including shader first declares
+// `higher_orders[]`, the buffer that diffuse_field.comp fills: xyz flux, w fluence.
 #ifndef NEPH_DIFFUSED_FIELD_GLSL
 #define NEPH_DIFFUSED_FIELD_GLSL
 
 #include "scene.glsl"
 
-// Flux and fluence at a place of the lattice, in cells; `low` and `high` are its neighbours.
+// Interpolation along x within a row of cells.
 vec4 field_along_x(uint row, uint low, uint high, float part)
 {
     return mix(higher_orders[row + low], higher_orders[row + high], part);
 }
 
-// Per 1 W/m^2 of sun; beyond the centres of the last cells as in these.
+// Flux (xyz) and fluence (w) at a point, per 1 W/m^2 of sun. Cells have their values at their
+// centres. The field is constant beyond the outermost centres.
 vec4 diffused_field(vec3 point_m)
 {
     uvec3 size = frame.light_lattice.size;

@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: MIT
 //
-// Diffused light (diffusion.glsl says what it is) in a march. What a point sends to the camera is,
-// for each medium, all of it symmetric between sun and eye but for the second term,
+// Diffused light (diffusion.glsl) in the ray marcher. A point sends to the camera, for each medium,
 //
-//   sigma_s p(g) T T_view                                    sunlight scattered once, as it is
-//   sigma_s f p(g) T (T'_view - T_view)                      and then forward, into the peak
-//   sigma_s (1 - f) p(g') (T' T'_view - T T_view)            once off, forward before or after
-//   sigma_s (1 - f) (phi + 3 g' F to the eye) / 4 pi T'_view   off more than once
+//   sigma_s p(g) T T_view                                      single scattering, as it is
+//   sigma_s f p(g) T (T'_view - T_view)                        and then forward, into the peak
+//   sigma_s (1 - f) p(g') (T' T'_view - T T_view)              one deflection, and forward
+//                                                              scattering before or after it
+//   sigma_s (1 - f) (phi + 3 g' F to the eye) / 4 pi T'_view   several deflections
 //
-// with T towards the sun and T_view towards the eye, and T' = exp(-(1 - f albedo) tau) in the
-// similar medium. Where media of other g or albedo mix, that factor is the one of the place.
+// T is the transmittance towards the sun, T_view towards the eye. The primed ones belong to the
+// similar medium: T' = exp(-(1 - f albedo) tau). All terms but the second are symmetric in sun and
+// eye. Where media with different g or albedo mix, the factor (1 - f albedo) of the point is used
+// for the whole way.
 #ifndef NEPH_DIFFUSED_LIGHT_GLSL
 #define NEPH_DIFFUSED_LIGHT_GLSL
 
 #include "diffused_field.glsl"
 #include "march_light.glsl"
 
-// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera.
+// Radiance that a step of optical depth `step_depth`, behind the optical depth `seen_depth`, sends
+// to the camera.
 vec3 diffused_light(Mixture mixture, vec3 point_m, float seen_depth, float step_depth)
 {
     if (mixture.extinction_per_m.x <= 0.0)

@@ -1,37 +1,54 @@
 // SPDX-License-Identifier: MIT
 //
-// Diffused light: light of higher orders as a fluid that seeps through a coarse lattice of cells.
+// Diffused light: multiple scattering by P1 diffusion on a coarse grid, solved on the device. This
+// file has the equations and the grid's layout; the steps of a frame are
 //
-// The medium is the similar one of delta-Eddington (J. H. Joseph, W. J. Wiscombe, J. A. Weinman,
-// J. Atmos. Sci. 33, 1976): a part f = g^2 of what is scattered goes on as if nothing had happened,
-// the rest scatters with g' = g / (1 + g). Sunlight comes as far as exp(-(1 - f albedo) tau), what
-// it loses to the rest feeds the fluence phi [W/m^2] and the flux F [W/m^2] of order P1:
+//   diffuse_fill.comp    media and sunlight in the cells
+//   diffuse_links.comp   conductances of the faces, boundary conditions
+//   diffuse_cycle.comp   multigrid cycles (renderer/diffused_light.c has their schedule)
+//   diffuse_field.comp   the table for the ray marcher, which reads it in diffused_light.glsl
 //
-//   div F + sigma_a phi = (1 - f) sigma_s E'            E': sunlight in the similar medium
+// The medium is replaced by the similar one of delta-Eddington (J. H. Joseph, W. J. Wiscombe, J. A.
+// Weinman, J. Atmos. Sci. 33, 1976): the fraction f = g^2 of the scattered light goes straight on,
+// as if unscattered, and the fraction 1 - f scatters with the asymmetry g' = g / (1 + g). Sunlight
+// is attenuated by exp(-(1 - f albedo) tau). The light that it loses feeds the fluence phi [W/m^2]
+// and the flux F [W/m^2] of the P1 approximation:
+//
+//   div F + sigma_a phi = (1 - f) sigma_s E'               E': sunlight in the similar medium
 //   grad phi / 3 + sigma_tr F = g' (1 - f) sigma_s E' s    sigma_tr = (1 - g albedo) sigma_t
 //
-// and nothing comes in from outside: phi = F / outward at the faces (constants.h). Each face
-// between two cells passes what the one loses to the other, so that all that the sun gives is
-// absorbed or leaves: that is the equation of finite volumes, and holds to what the solver leaves.
+// with s the direction of sunlight. No diffuse light enters from outside: phi = F / outward at the
+// faces of the grid (`outward`: NEPH_GPU_OUTWARD in constants.h, or Marshak's 0.5).
 //
-// Where next to nothing is in the way P1 knows no end to a flux: there light goes no further than
-// the mean chord of the box, as if that were its mean free path.
+// The discretization is a finite-volume method. A face takes from one cell exactly the flux that it
+// gives to the other, so all sunlight is either absorbed or leaves, up to the residual of the
+// solver.
+//
+//         +-----------+-----------+      flux through the face between two cells:
+//         |           |           |
+//         |  phi_low --->  phi_high      link (phi_low - phi_high) + flux of sunlight
+//         |           |           |
+//         +-----------+-----------+
+//
+// In an almost empty medium the P1 flux is not bounded. There the mean free path is limited to the
+// mean chord of the grid's box.
 #ifndef NEPH_DIFFUSION_GLSL
 #define NEPH_DIFFUSION_GLSL
 
 #include "numbers.glsl"
 
-// Per 1 W/m^2 of sun. Of levels above the finest `supply` is what the finer one has left.
+// A cell, per 1 W/m^2 of sun. On the coarse levels `supply` is the residual of the finer level.
 struct DiffusionCell {
-    vec3 link;      // to the next cell along each axis: flux by difference of fluence [m^2]
+    vec3 link;      // conductances to the next cells: flux over difference of fluence [m^2]
     float fluence;  // phi
-    float drain;    // absorbed and lost through faces, by fluence [m^2]
-    float supply;   // [m^2]
-    float opacity_per_m; // 3 sigma_tr; negative: within a solid, where no light is
-    float beam;     // the flux that sunlight has by itself, along its way
+    float drain;    // absorption, and loss through open faces, over the fluence [m^2]
+    float supply;   // right-hand side of the balance [m^2]
+    float opacity_per_m; // 3 sigma_tr; negative: in a solid, which has no light
+    float beam;     // flux that the sunlight term of the second equation drives, along the sunlight
 };
 
-// The levels lie one after the other, the finest first, x fastest.
+// A level of the multigrid pyramid. Levels are stored one after the other, the finest first, in
+// each the x axis fastest.
 struct DiffusionLevel {
     uvec3 size;
     uint first;
@@ -52,7 +69,8 @@ uint index_of(DiffusionLevel level, uvec3 at)
 
 uvec3 axis_of(int axis) { return uvec3(axis == 0, axis == 1, axis == 2); }
 
-// How many cells of a level are one of the next, along each axis.
+// Cells of a level that form one cell of the next coarser level, along each axis: 2, or 1 along an
+// axis of one cell.
 uvec3 joined(DiffusionLevel level) { return uvec3(1u) + uvec3(greaterThan(level.size, uvec3(1u))); }
 
 #endif

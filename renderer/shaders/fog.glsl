@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Fog: layers of extinction(y) = extinction e^(-falloff (y - height)), which add. Homogeneous fog
-// is one layer of falloff 0. Heights are relative to the camera.
+// Exponential height fog: extinction, exact optical depth, its inverse, and the part of a ray that
+// is worth marching. Used by the ray marcher and the path tracer.
+//
+// A fog is a sum of layers with extinction(y) = extinction e^(-falloff (y - height)). Homogeneous
+// fog is one layer of falloff 0. Heights are relative to the camera.
 #ifndef NEPH_FOG_GLSL
 #define NEPH_FOG_GLSL
 
@@ -9,11 +12,11 @@
 #include "stretch.glsl"
 
 struct FogLayer {
-    float extinction_per_m; // > 0, at the reference height
-    float falloff_per_m;    // >= 0
+    float extinction_per_m; //  0, at the reference height
+    float falloff_per_m;    // = 0
     float height_m;         // the reference height
-    float exponent_max;     // where extinction would pass 1e20 per metre: opaque within any step,
-                            // and times FAR_M still a float32
+    float exponent_max;     // upper bound of the exponent: 1e20 per metre is opaque within any
+                            // step, and times FAR_M it is still a float32
 };
 
 float fog_extinction_per_m(FogLayer layer, float y_m)
@@ -22,30 +25,37 @@ float fog_extinction_per_m(FogLayer layer, float y_m)
     return layer.extinction_per_m * exp(clamp(exponent, EXPONENT_MIN, layer.exponent_max));
 }
 
-// Exact optical depth from height y over a length (<= FAR_M) along a direction with vertical
-// component k_y. The textbook a e^(-b y) (1 - e^(-b k L)) / (b k) cancels for level rays and is
-// 0 * inf for a camera high above the fog. Taken from the *denser* end, the exponential is the
-// largest one that occurs and phi, in (0, 1], does the rest.
+// Exact optical depth from height y over a length L (<= FAR_M) along a direction with the vertical
+// component k_y. With falloff b and extinction a the integral is
+//
+//   tau = a e^(-b y) (1 - e^(-b k_y L)) / (b k_y)
+//
+// This form cancels for level rays and is 0 * inf for a camera high above the fog. The code
+// integrates from the denser end of the ray instead: the exponential there is the largest one that
+// occurs, and the remaining factor is L phi(|b k_y| L) with phi(x) = (1 - e^-x) / x in (0, 1].
 float fog_optical_depth(FogLayer layer, float y_m, float k_y, float length_m)
 {
-    float rate_per_m = layer.falloff_per_m * k_y; // > 0: thins out along the ray
+    float rate_per_m = layer.falloff_per_m * k_y; //  0: the fog gets thinner along the ray
     float dense_y_m = rate_per_m >= 0.0 ? y_m : y_m + k_y * length_m;
     float decay = abs(rate_per_m) * length_m;
     return fog_extinction_per_m(layer, dense_y_m) * (length_m * phi(decay));
 }
 
-// The parts of a ray that a fixed number of steps would be wasted on: before the first THIN of
-// optical depth has been met, after all but THIN has been, and behind OPAQUE of it, where
-// e^-16 = 1.1e-7 of the light comes through.
+// Ends of the useful part of a ray, between which the march steps are placed: the part starts where
+// the optical depth reaches THIN, and ends where less than THIN is left, or behind OPAQUE, where
+// e^-16 = 1.1e-7 of the light is transmitted.
 const float THIN = 1e-7;
 const float OPAQUE = 16.0;
 
-// As much, unless some light comes through better than its optical depth tells.
+// Optical depth that counts as opaque. A lighting model with a weaker attenuation raises it.
 float opaque_depth = OPAQUE;
 
-// Roughly (3 %, it only places the ends of a march) the distance within which a ray meets
-// `optical_depth` of the layer, FAR_M when it never does: -ln(1 - z) / rate with
-// z = rate optical_depth / extinction. In logarithms, because extinction may be e^-10000 here.
+// Approximate distance (to 3 %; it only places the ends of a march) within which a ray meets the
+// optical depth `optical_depth` of the layer; FAR_M when it never does:
+//
+//   L = -ln(1 - z) / r,    r = falloff k_y,    z = r optical_depth / extinction(y)
+//
+// Computed in logarithms, because the extinction may be as small as e^-10000.
 float fog_distance_to(FogLayer layer, float y_m, float k_y, float optical_depth)
 {
     float rate_per_m = layer.falloff_per_m * k_y;
@@ -61,8 +71,8 @@ float fog_distance_to(FogLayer layer, float y_m, float k_y, float optical_depth)
     return min(log_1_plus_z / abs(rate_per_m), FAR_M);
 }
 
-// Where the optical depth still to come falls to `thin` on a ray that leaves the fog upwards
-// (<= 0: it is less already); FAR_M on other rays.
+// Distance at which a ray that leaves the fog upwards has only the optical depth `thin` before it
+// (<= 0: less already at its start); FAR_M for other rays.
 float fog_distance_to_thin_end(FogLayer layer, float y_m, float k_y, float thin)
 {
     float rate_per_m = layer.falloff_per_m * k_y;
@@ -73,9 +83,9 @@ float fog_distance_to_thin_end(FogLayer layer, float y_m, float k_y, float thin)
     return min((log_extinction - log(rate_per_m) - log(thin)) / rate_per_m, FAR_M);
 }
 
-// The distance within which a ray from height y meets exactly `optical_depth` of a layer; FAR_M
-// when it never does: -ln(1 - z) / r, with r = falloff k_y and z = r optical_depth / extinction.
-// In logarithms where extinction leaves float32.
+// Exact free path: the distance within which a ray from height y meets the optical depth
+// `optical_depth` of a layer; FAR_M when it never does. Same formula as fog_distance_to(),
+// evaluated in logarithms only where the extinction underflows float32.
 float fog_free_path(FogLayer layer, float y_m, float k_y, float optical_depth)
 {
     float rate_per_m = layer.falloff_per_m * k_y;
@@ -102,16 +112,17 @@ float fog_layer_optical_depth(FogLayer layer, vec3 origin_m, vec3 direction, flo
     return fog_optical_depth(layer, origin_m.y + t0_m * direction.y, direction.y, t1_m - t0_m);
 }
 
-// Where a ray has met an optical depth since t0.
+// Ray parameter at which the ray has met an optical depth since t0.
 float fog_layer_free_path_m(FogLayer layer, vec3 origin_m, vec3 direction, float t0_m,
                             float optical_depth)
 {
     return t0_m + fog_free_path(layer, origin_m.y + t0_m * direction.y, direction.y, optical_depth);
 }
 
-// Add to the hull where a layer has more than THIN optical depth left and is not OPAQUE. What is
-// thin must be so in the strongest channel, what is opaque in the weakest; a channel that does not
-// see the fog at all does not make it longer, but sees what is behind.
+// Extends `hull` by the useful part of the ray in this layer: more than THIN of optical depth is
+// left, and less than `opaque_depth` has been met. THIN is tested in the channel with the largest
+// extinction, opacity in the smallest positive one. A channel without extinction does not extend
+// the part, but sees the background, so `opaque_m` is only set when all channels have extinction.
 void fog_layer_include(FogLayer layer, vec3 color, vec3 origin_m, vec3 direction, Stretch inside,
                        inout Stretch hull, inout float opaque_m)
 {
@@ -123,7 +134,8 @@ void fog_layer_include(FogLayer layer, vec3 color, vec3 origin_m, vec3 direction
     float thin_m = fog_distance_to_thin_end(layer, y_m, direction.y, THIN / most);
     float dark_m = inside.t0_m + fog_distance_to(layer, y_m, direction.y,
                                                  opaque_depth / least_positive(color));
-    if (dark_m < inside.t1_m && all(greaterThan(color, vec3(0.0)))) // a fog that ends hides nothing
+    // A fog that ends before it is opaque hides nothing.
+    if (dark_m < inside.t1_m && all(greaterThan(color, vec3(0.0))))
         opaque_m = min(opaque_m, dark_m);
     include(hull, start_m, min(min(inside.t1_m, inside.t0_m + thin_m), dark_m));
 }

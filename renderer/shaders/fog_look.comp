@@ -1,7 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A picture with a look of fog: one ray a pixel to what it sees, and the fog's closed form.
+// Renders a frame with a game engine's fog model (fog_look.glsl): per pixel one ray to the first
+// surface, which is lit by the sun, and the closed form of the fog in front of it.
 #extension GL_GOOGLE_include_directive : require
 
 #include "fog_look.glsl"
@@ -9,7 +10,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 2) const bool SUN_IS_CLEAR = false; // none of it is lost on its way to solids
+layout(constant_id = 2) const bool SUN_IS_CLEAR = false; // no attenuation on the way to solids
 
 layout(push_constant) uniform FogLookRun {
     FogLook look;
@@ -18,10 +19,10 @@ layout(push_constant) uniform FogLookRun {
 } run;
 
 struct FogLookPixel {
-    vec3 radiance; // with everything
+    vec3 radiance; // fog, surfaces and background [W m^-2 sr^-1]
     float eye_depth_m; // FAR_M for the sky
-    vec3 volume; // of the fog alone
-    float through; // transmittance
+    vec3 volume; // the fog's part of it
+    float through; // transmittance of the fog
 };
 
 layout(std430, binding = 5) writeonly buffer Pixels {

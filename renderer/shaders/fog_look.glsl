@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// The fog of game engines in closed form: truth/fog_look.h in float32, which has the formulas. Both
-// models are one function here, in base 2: Filament's natural exponent is Unreal's times ln 2, and
-// what is left between them is where the series begins, and from where a start counts.
+// The height fog of Unreal Engine and of Filament in closed form. truth/fog_look.h has the formulas
+// and sources; this is their float32 version, used by fog_look.comp and by the ray marcher
+// (march_veil.glsl).
 //
-// Guards, by name: what the engines' own code meets here is no number or infinite.
+// Both models are one function in base 2: Filament's natural exponent is Unreal's times ln 2. Two
+// differences remain: the exponent below which a series replaces the closed form, and the point
+// from which the start distance counts.
+//
+// The engines' own code produces NaN or infinity for some inputs. Each guard against that is a
+// named constant.
 #ifndef NEPH_FOG_LOOK_GLSL
 #define NEPH_FOG_LOOK_GLSL
 
@@ -16,54 +21,60 @@ const uint FOG_FILAMENT = 1;
 
 const float LN2 = 0.693147180559945;
 
-// Unreal's: an exponent below it is taken to be that.
+// Lower bound of the exponents in Unreal's code.
 const float UNREAL_EXPONENT_MIN = -127.0;
 
-// |F| up to which a mean is a series, in base 2.
+// |F| up to which the mean is computed from its series, in base 2.
 const float UNREAL_LEVEL = 0.01;
 const float FILAMENT_LEVEL = 0.00125 / LN2;
 
-// 2^70 per metre is opaque within any step of a float32, and times FAR_M still one: 2^127 d of the
-// engines is infinite from d = 2 on, and infinity times a length of 0 no number.
+// Upper bound of the log2 density. 2^70 per metre is opaque within any step of a float32, and times
+// FAR_M it is still a float32. The engines' bound 2^127 d is infinite for d >= 2, and infinity
+// times a length of 0 is NaN.
 const float LOG_DENSITY_MAX = 70.0;
 
-// A ray goes over no ground that is as upright: twice FAR_M over it is still a float32.
+// Lower bound of a direction's horizontal component. Rays below it count as vertical; 2 FAR_M over
+// it is still a float32.
 const float UPRIGHT = 1e-20;
 
-// Where exp2 of a float32 is 0 on all devices.
+// exp2() is 0 below this on all devices.
 const float LOG_DENSITY_MIN = -126.0;
 
-// The extinction at the observer's height over (ln 2)^2 is mantissa 2^log_density [1/m]: a whole
-// power of 2 costs no digits.
+// A layer. Its extinction at the observer's height, over (ln 2)^2, is mantissa 2^log_density [1/m].
+// Splitting off a whole power of 2 costs no digits.
 struct FogLookLayer {
     float mantissa; // 1/2..1
-    float log_density; // whole
+    float log_density; // a whole number
     float falloff_per_m; // base 2
-    float exponent; // falloff * (the observer's height - the layer's), of whatever sign and size
+    float exponent; // falloff * (observer's height - layer's height): any sign and size
 };
 
 struct FogLook {
     FogLookLayer layers[NEPH_GPU_LAYERS_MAX];
-    vec3 inscattering; // the sky's light in it [W m^-2 sr^-1]
+    vec3 inscattering; // radiance of the sky that the fog scatters [W m^-2 sr^-1]
     float max_opacity;
     vec3 directional; // [W m^-2 sr^-1]; 0 without a sun
     float directional_exponent;
     float directional_start_m;
-    float start_m; // where fog begins, for whatever reason
-    float end_m; // where it ends, over ground; FAR_M and more: nowhere
-    float cutoff_m; // FAR_M and more: nowhere
-    float observer_drop_m; // >= 0: so far below the camera
-    float hand_over_m; // nearer by depth froxels have it (march_veil.glsl); 0: nowhere
+    float start_m; // start of the fog, for any reason
+    float end_m; // end of the fog, in horizontal distance; FAR_M or more: none
+    float cutoff_m; // no fog on surfaces beyond; FAR_M or more: none
+    float observer_drop_m; // = 0: height of the camera above the observer
+    float hand_over_m; // eye depth up to which froxels have the fog (march_veil.glsl); 0: none
     uint layer_count;
     uint model;
 };
 
 struct FogLookLight {
     float through; // transmittance
-    vec3 volume; // added [W m^-2 sr^-1]
+    vec3 volume; // added radiance [W m^-2 sr^-1]
 };
 
-// The mean of 2^-(F t) over t in 0..1, F >= 0.
+// The mean of 2^-(F t) over t in 0..1, F >= 0:
+//
+//   (1 - 2^-F) / (F ln 2) = phi(F ln 2)
+//
+// or its series for small F, as the engines have it: 1 - F ln 2 / 2 (Unreal), 1 (Filament).
 float mean_of_decay(float exponent, uint model)
 {
     if (exponent > (model == FOG_UNREAL ? UNREAL_LEVEL : FILAMENT_LEVEL))
@@ -71,9 +82,9 @@ float mean_of_decay(float exponent, uint model)
     return model == FOG_UNREAL ? 1.0 - 0.5 * LN2 * exponent : 1.0;
 }
 
-// Where the density grows along the way it is taken at its other end, and the mean from there: the
-// exponential is the largest that occurs. But the series is of the near end, as the engines have
-// it.
+// Optical depth of a layer in base 2. Where the density grows along the ray, the integral starts
+// from the far end, so that the exponential is the largest one that occurs. The series is taken at
+// the near end, as in the engines.
 float fog_look_depth_of(FogLookLayer layer, float rise_m, float k_y, float length_m, uint model)
 {
     float before = layer.falloff_per_m * rise_m;
@@ -94,7 +105,7 @@ float fog_look_depth_of(FogLookLayer layer, float rise_m, float k_y, float lengt
     return layer.mantissa * exp2(min(log_density, LOG_DENSITY_MAX)) * (LN2 * mean * length_m);
 }
 
-// From a place so far above the observer.
+// Optical depth in base 2 of a ray that starts `rise_m` above the observer.
 float fog_look_depth(FogLook look, float rise_m, float k_y, float length_m)
 {
     float depth = 0.0;
@@ -103,8 +114,9 @@ float fog_look_depth(FogLook look, float rise_m, float k_y, float length_m)
     return depth;
 }
 
-// cos^exponent towards the light, else 0: pow(0, 0) may be anything. And pow near 1 is as blunt as
-// its logarithm, which may be off by 2^-21 there.
+// The directional lobe: cos^exponent towards the light, else 0. GLSL leaves pow(0, 0) undefined.
+// pow() of a number near 1 has the error of its logarithm, up to 2^-21; log_1_plus() is exact
+// there.
 float fog_lobe(float cosine, float exponent)
 {
     if (cosine <= 0.0)
@@ -112,7 +124,8 @@ float fog_lobe(float cosine, float exponent)
     return exp(max(exponent * log_1_plus(min(cosine, 1.0) - 1.0), EXPONENT_MIN));
 }
 
-// Depth in base 2; `begun` is the part of it that glows.
+// Radiance and transmittance of an optical depth in base 2. `begun` is the fraction of the depth
+// that the directional light applies to.
 FogLookLight fog_look_light(FogLook look, float cosine, float depth, float begun)
 {
     float opacity = min(absorbed_fraction(LN2 * depth), look.max_opacity);
@@ -122,8 +135,8 @@ FogLookLight fog_look_light(FogLook look, float cosine, float depth, float begun
                         look.inscattering * opacity + look.directional * glow);
 }
 
-// The fog between the camera and something at a distance; there is none before what is at the
-// camera, where the engines' rsqrt(0) is infinite.
+// The fog between the camera and a surface at a distance. A surface at distance 0 gets no fog; the
+// engines compute rsqrt(0) there.
 FogLookLight fog_look_along(FogLook look, vec3 direction, float length_m, vec3 light_direction)
 {
     if (look.observer_drop_m > 0.0 && length_m < FAR_M) {

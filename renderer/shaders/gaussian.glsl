@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// A Gaussian blob: extinction e^(-r^2 / 2 w^2). Along a ray at impact parameter p, with
-// x = distance from the nearest point / (w sqrt 2), it is e^(-p^2 / 2 w^2) e^(-x^2): its integral
-// is a difference of error functions. GLSL has none.
+// A Gaussian blob of extinction e^(-r^2 / 2 w^2), and its exact integral along a ray.
+//
+// For a ray with the impact parameter p, let x be the distance from the ray's nearest point to the
+// centre, over w sqrt(2). The density along the ray is e^(-p^2 / 2 w^2) e^(-x^2), so its integral
+// is a difference of error functions, which GLSL does not have.
 #ifndef NEPH_GAUSSIAN_GLSL
 #define NEPH_GAUSSIAN_GLSL
 
@@ -12,7 +14,7 @@
 struct Gaussian {
     vec3 center_m; // relative to the camera
     float width_m;
-    float reach_m; // beyond it a ray meets less than 1e-7 of optical depth
+    float reach_m; // a ray outside this radius meets less than 1e-7 of optical depth
 };
 
 float gaussian_density(Gaussian blob, vec3 point_m)
@@ -21,9 +23,9 @@ float gaussian_density(Gaussian blob, vec3 point_m)
     return transmittance(0.5 * dot(r, r));
 }
 
-// e^(x^2) erfc(x) for 0 <= x <= 10: a Chebyshev interpolation of (1 + 2x) erfcx(x) in
-// x / (x + 2), of relative error 2.6e-8; in float32 below 3e-7 (the variable is the one of J. L.
-// Schonfelder, Math. Comp. 32, 1978).
+// The scaled complementary error function e^(x^2) erfc(x) for 0 <= x <= 10: a Chebyshev
+// interpolation of (1 + 2x) erfcx(x) in x / (x + 2). Relative error 2.6e-8, in float32 below 3e-7.
+// The variable is from J. L. Schonfelder, Math. Comp. 32, 1978.
 float erfcx(float x)
 {
     float y = 2.4 * (x / (x + 2.0)) - 1.0;
@@ -41,11 +43,11 @@ float erfcx(float x)
 }
 
 // The integral of e^(a^2 - x^2) over [a, a + h], a >= 0, h >= 0. While the density falls by less
-// than a factor e the difference of two erfc would cancel, and five-point Gauss-Legendre is good to
-// 1e-8 of it; beyond, what cancels costs at most a factor of 2.
+// than a factor e, the difference of two erfc would cancel; five-point Gauss-Legendre is accurate
+// to 1e-8 there. Beyond it, the cancellation costs at most a factor of 2 in relative error.
 float gaussian_leg(float a, float h)
 {
-    float fall = h * (2.0 * a + h); // b^2 - a^2 without its cancellation
+    float fall = h * (2.0 * a + h); // b^2 - a^2 with b = a + h, without cancellation
     if (fall > 1.0)
         return 0.886226925 * (erfcx(a) - transmittance(fall) * erfcx(min(a + h, 10.0)));
     vec4 x = h * vec4(0.046910077, 0.230765345, 0.769234655, 0.953089923);
@@ -56,6 +58,13 @@ float gaussian_leg(float a, float h)
 }
 
 // Integral of the density along origin + t direction over [t0, t1] [m].
+//
+//          impact parameter
+//                |
+//    ---[========+==================]---> ray
+//       a        0                  b       x = (t - nearest) / scale
+//
+// The two halves of [a, b] on both sides of the nearest point are integrated outwards from it.
 float gaussian_integral_m(Gaussian blob, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     const float FAR = 10.0; // e^-100 is 0
@@ -65,7 +74,7 @@ float gaussian_integral_m(Gaussian blob, vec3 origin_m, vec3 direction, float t0
     vec3 impact = (offset_m + nearest_m * direction) / scale_m;
     float a = clamp((t0_m - nearest_m) / scale_m, -FAR, FAR);
     float b = clamp((t1_m - nearest_m) / scale_m, -FAR, FAR);
-    // The half of [a, b] beyond the nearest point, and the half before it, seen from its end.
+    // The half beyond the nearest point, or the whole when [a, b] lies on one side.
     float h = clamp((t1_m - t0_m) / scale_m, 0.0, 2.0 * FAR); // keeps the digits that b - a loses
     bool before = b <= 0.0, beyond = a >= 0.0;
     float near_a = before ? -b : max(a, 0.0);
@@ -76,6 +85,7 @@ float gaussian_integral_m(Gaussian blob, vec3 origin_m, vec3 direction, float t0
     return scale_m * sum;
 }
 
+// Clips `inside` to the sphere of radius reach_m.
 void gaussian_narrow(Gaussian blob, vec3 origin_m, vec3 direction, inout Stretch inside)
 {
     float near_m, far_m;

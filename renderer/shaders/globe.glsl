@@ -1,38 +1,40 @@
 // SPDX-License-Identifier: MIT
 //
-// Heights above a sphere as large as a planet. r - R from float32 positions would be good to half a
-// metre at Earth's size; here every height is the camera's, which was subtracted in double on the
-// CPU, plus a climb that does not cancel.
+// Heights above a sphere of planetary size, without cancellation. In float32 the difference r - R
+// is accurate to half a metre at Earth's size. Every height here is instead the camera's altitude,
+// subtracted in double precision on the CPU, plus a climb relative to the camera:
+//
+//   r - r0 = (r^2 - r0^2) / (r + r0)
 #ifndef NEPH_GLOBE_GLSL
 #define NEPH_GLOBE_GLSL
 
 #include "numbers.glsl"
 
 struct Globe {
-    vec3 up;                 // from the centre to the camera, unit
+    vec3 up;                 // from the sphere's centre to the camera, unit
     float camera_radius_m;   // the camera's distance from the centre
-    float camera_altitude_m; // the same less the radius
+    float camera_altitude_m; // camera_radius_m - radius_m, computed in double
     float radius_m;
 };
 
-// From radius r0 along a way whose square of radius grows by `growth` = r^2 - r0^2.
+// Climb r - r0 from the radius r0, for growth = r^2 - r0^2.
 float globe_climb_m(float r0_m, float growth_m2)
 {
     float r_m = sqrt(max(r0_m * r0_m + growth_m2, 0.0));
-    return growth_m2 / max(r0_m + r_m, 1e-20); // 0 / 0: the centre, from the centre
+    return growth_m2 / max(r0_m + r_m, 1e-20); // avoids 0 / 0 at the sphere's centre
 }
 
-// Height of a point (relative to the camera) above the sphere; negative inside.
+// Height above the sphere of a point relative to the camera; negative inside.
 float globe_altitude_m(Globe globe, vec3 point_m)
 {
     float growth_m2 = 2.0 * globe.camera_radius_m * dot(globe.up, point_m) + dot(point_m, point_m);
     return globe.camera_altitude_m + globe_climb_m(globe.camera_radius_m, growth_m2);
 }
 
-// A ray as the sphere sees it: (r + t)^2 = r^2 + 2 rise t + t^2.
+// A ray relative to the sphere: r(t)^2 = r^2 + 2 rise t + t^2.
 struct GlobeRay {
     float altitude_m; // of its origin
-    float rise_m;     // radius times the cosine to the vertical at its origin; lowest at t = -rise
+    float rise_m;     // r times the cosine to the vertical, at its origin; lowest at t = -rise
 };
 
 GlobeRay globe_ray(Globe globe, vec3 origin_m, vec3 direction)
@@ -41,8 +43,9 @@ GlobeRay globe_ray(Globe globe, vec3 origin_m, vec3 direction)
                     globe.camera_radius_m * dot(globe.up, direction) + dot(origin_m, direction));
 }
 
-// Where the ray is inside the sphere of radius R + height; false when it never is. The roots of
-// t^2 + 2 rise t + c, the smaller one from the larger, c without cancellation.
+// The part of the ray inside the sphere of radius R + height; false when there is none. The ends
+// are the roots of t^2 + 2 rise t + c, with c = r^2 - (R + height)^2 factored against cancellation.
+// The root of larger magnitude is computed first, the other one as c over it.
 bool globe_interval(Globe globe, GlobeRay ray, float height_m, out float t0_m, out float t1_m)
 {
     float above_m = ray.altitude_m - height_m;
@@ -56,7 +59,8 @@ bool globe_interval(Globe globe, GlobeRay ray, float height_m, out float t0_m, o
     return discriminant > 0.0;
 }
 
-// The hull of where the ray is between two heights, within [t0, t1]; empty when t1 <= t0.
+// The hull of the ray's parts between two heights, clipped to [t0, t1]; empty when t1 <= t0. The
+// lower sphere only shortens the hull when one of its ends is inside that sphere.
 void globe_hull(Globe globe, vec3 origin_m, vec3 direction, float low_m, float high_m,
                 inout float t0_m, inout float t1_m)
 {
@@ -67,7 +71,7 @@ void globe_hull(Globe globe, vec3 origin_m, vec3 direction, float low_m, float h
         return;
     }
     float from_m = max(t0_m, a_m), to_m = min(t1_m, b_m);
-    if (globe_interval(globe, ray, low_m, a_m, b_m)) { // inside the hole at either end
+    if (globe_interval(globe, ray, low_m, a_m, b_m)) { // one end may be inside the lower sphere
         if (a_m <= from_m)
             from_m = max(from_m, b_m);
         if (b_m >= to_m)

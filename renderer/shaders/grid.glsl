@@ -1,37 +1,46 @@
 // SPDX-License-Identifier: MIT
 //
-// A voxel grid, trilinear by hand: samplers interpolate with 8-bit weights on some devices. The
-// lattice comes with a layer of zeros on every side, so that no lookup has to test for the border.
-// Along an axis without end that layer is the lattice's other side: cells 1 to `period` of it are
-// one period, and any other is one of these.
-// `grid_values[]` is declared by the shader that includes this file.
+// A voxel grid: trilinear density, its exact integral along a ray, the free path to a given
+// integral, and a stochastic one-node sample. The including shader declares `grid_values[]`.
+//
+// Interpolation is done in the shader, because samplers of some devices interpolate with 8-bit
+// weights. The grid is stored with a layer of zeros on every side, so a lookup needs no border
+// test:
+//
+//    0   0   0   0   0        node 0 of each axis belongs to the layer of zeros
+//    0   v   v   v   0
+//    0   v   v   v   0
+//    0   0   0   0   0
+//
+// Along an endless axis this layer contains the nodes of the opposite side instead: cells 1 to
+// `period` are one period, and every other cell is wrapped into it.
 #ifndef NEPH_GRID_GLSL
 #define NEPH_GRID_GLSL
 
 #include "numbers.glsl"
 
 struct Grid {
-    vec3 origin_m; // of node (0, 0, 0), a node of the layer of zeros
-    uint first;    // its place in grid_values[]
+    vec3 origin_m; // of node (0, 0, 0), in the layer of zeros
+    uint first;    // index of node (0, 0, 0) in grid_values[]
     vec3 nodes_per_m;
-    float full; // the largest density: what a texture has as 1 (grid_texture.glsl)
-    uvec3 size; // nodes, the layer of zeros included; each side >= 3
+    float full; // largest density: the value 1 in a texture (grid_texture.glsl)
+    uvec3 size; // nodes with the layer of zeros; each side >= 3
     float padding;
-    vec3 texel; // 1 / size: a node's share of a texture
-    vec3 period; // nodes after which it repeats without end; 0: it ends
+    vec3 texel; // 1 / size: a node's extent in texture coordinates
+    vec3 period; // nodes per repetition; 0: the grid ends along this axis
 };
 
-const bool ENDLESS = (TRAITS & NEPH_GPU_ENDLESS) != 0u; // some grid is, along some axis
-const float CELLS_AWAY = 1e9; // more than there are
+const bool ENDLESS = (TRAITS & NEPH_GPU_ENDLESS) != 0u; // a grid is endless along an axis
+const float CELLS_AWAY = 1e9; // bound for cells of endless axes: more than a ray crosses
 
-// A place in the lattice, or a cell of it, where its values are kept.
+// The stored place or cell that an unwrapped one repeats.
 vec3 grid_wrapped(Grid grid, vec3 at)
 {
     bvec3 repeats = greaterThan(grid.period, vec3(0.0));
     return ENDLESS ? mix(at, 1.0 + mod(at - 1.0, max(grid.period, vec3(1.0))), repeats) : at;
 }
 
-// The first and the last cell of a lattice of so many.
+// Bounds of a walk in cells: the grid's own, or +-CELLS_AWAY along endless axes.
 vec3 first_cell(Grid grid)
 {
     return ENDLESS ? mix(vec3(0.0), vec3(-CELLS_AWAY), greaterThan(grid.period, vec3(0.0)))
@@ -44,14 +53,19 @@ vec3 last_cell(Grid grid)
     return ENDLESS ? mix(last, vec3(CELLS_AWAY), greaterThan(grid.period, vec3(0.0))) : last;
 }
 
-// Where a walk ends at the latest, `slope` being nodes per metre: it meets no more cells than that.
+// Upper end of a walk through an endless grid: it crosses at most NEPH_GPU_ENDLESS_CELLS cells.
+// `slope` is in nodes per metre of the ray.
 float walked_to_m(vec3 slope, float t0_m, float t1_m)
 {
     return ENDLESS ? min(t1_m, t0_m + float(NEPH_GPU_ENDLESS_CELLS) / dot(abs(slope), vec3(1.0)))
                    : t1_m;
 }
 
-// The eight nodes of a cell: those at its lower z face and those at its upper one, x fastest.
+// The eight nodes of a cell, at its lower and its upper z face:
+//
+//    low.z --- low.w       x to the right, y upwards
+//      |         |
+//    low.x --- low.y
 struct Cell {
     vec4 low, high;
 };
@@ -71,6 +85,7 @@ Cell grid_cell(Grid grid, uvec3 cell)
 #endif
 }
 
+// Trilinear interpolation at a place 0..1 in the cell.
 float cell_density(Cell cell, vec3 at)
 {
     vec4 z = mix(cell.low, cell.high, at.z);
@@ -78,10 +93,12 @@ float cell_density(Cell cell, vec3 at)
     return mix(y.x, y.y, at.x);
 }
 
-// Density at a point, in the values' own unit. `precise`: the place in the cell is what floor() has
-// left of this very number. A GPU that fuses the product into the subtraction takes the cell off
-// an unrounded number, which lies below the face that it was rounded up to: a weight of -1e-6, and
-// beside an empty node a density below zero.
+// Density at a point, in the unit of the stored values.
+//
+// `precise` is required: the place in the cell must be the remainder of exactly the number that
+// floor() has seen. A GPU that fuses the product into the subtraction subtracts the cell from an
+// unrounded number, which can lie below the face that it was rounded up to. The weight becomes
+// -1e-6, and next to an empty node the density becomes negative.
 float grid_density(Grid grid, vec3 point_m)
 {
     precise vec3 unwrapped = (point_m - grid.origin_m) * grid.nodes_per_m;
@@ -91,11 +108,12 @@ float grid_density(Grid grid, vec3 point_m)
     vec3 cell = clamp(floor(at), vec3(0.0), last - 1.0);
     precise vec3 in_cell = at - cell;
     float density = cell_density(grid_cell(grid, uvec3(cell)), in_cell);
-    return is_within ? density : 0.0; // a return before would keep Mesa from unrolling who asks
+    return is_within ? density : 0.0; // an early return would keep Mesa from unrolling callers
 }
 
-// The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo,
-// 1987). Within a cell the density is a cubic in t, for which two-point Gauss is exact.
+// The integral of the density over t in [t0, t1] [m], cell by cell (J. Amanatides and A. Woo, "A
+// Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987). Within a cell the density is
+// a cubic in t, which two-point Gauss quadrature integrates exactly.
 float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     const float gauss = 0.288675134594813; // 1 / sqrt(12)
@@ -105,7 +123,7 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
     bvec3 falls = lessThan(slope, vec3(0.0));
     bvec3 level = lessThan(abs(slope), vec3(1e-20));
     vec3 entry = clamp(start + t0_m * slope, first, last + 1.0);
-    // A start on a face belongs to the cell that the ray goes on into.
+    // A start on a face belongs to the cell that the ray enters.
     vec3 cell = clamp(mix(floor(entry), ceil(entry) - 1.0, falls), first, last);
     vec3 forward = mix(vec3(1.0), vec3(-1.0), falls);
     vec3 per_node_m = 1.0 / mix(slope, vec3(1.0), level);
@@ -114,7 +132,8 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
     float t_m = t0_m;
     t1_m = walked_to_m(slope, t0_m, t1_m);
     while (t_m < t1_m) {
-        // Faces from the cell, not by adding up: rounding does not gather along the ray.
+        // Faces are computed from the cell index, so rounding errors do not accumulate along the
+        // ray.
         vec3 face = cell + mix(vec3(1.0), vec3(0.0), falls);
         vec3 next_m = mix((face - start) * per_node_m, vec3(FAR_M), level);
         float exit_m = min(next_m.x, min(next_m.y, next_m.z));
@@ -136,9 +155,9 @@ float grid_integral_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, floa
     return sum.value.x;
 }
 
-// The place within a stretch over which the density is a cubic, given by its values at 0, 1/3, 2/3
-// and 1, where the integral reaches `fraction` of that over all of it. Newton's method, held
-// between bounds that bisection narrows.
+// The place s in 0..1 within a segment where the integral of the density reaches `fraction` of the
+// whole. The density is a cubic, given by its values f at 0, 1/3, 2/3 and 1. Newton's method with
+// bisection as a safeguard.
 float cubic_quantile(vec4 f, float fraction)
 {
     float c1 = 0.5 * (-11.0 * f.x + 18.0 * f.y - 9.0 * f.z + 2.0 * f.w);
@@ -159,9 +178,9 @@ float cubic_quantile(vec4 f, float fraction)
     return s;
 }
 
-// The walk of grid_integral_m (grid.glsl), stopped in the cell where the integral passes `target`.
-// The lattice is one that ends: with cells wrapped in this loop, lavapipe lost the corner of the
-// last one, and the tracer was off by 0.8 % (renderer/spirv_loops.h).
+// The free path: the walk of grid_integral_m(), stopped in the cell where the integral passes
+// `target`. Grids that end only: with wrapped cells in this loop lavapipe lost the corner of the
+// last cell, and the tracer was off by 0.8 % (renderer/spirv_loops.h).
 float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, float t1_m,
                        float target)
 {
@@ -200,12 +219,12 @@ float grid_free_path_m(Grid grid, vec3 origin_m, vec3 direction, float t0_m, flo
                cubic_quantile(densities, clamp((target - sum) / max(term, 1e-30), 0.0, 1.0)));
 }
 
-// One of the eight nodes around a point, with the probability of its trilinear weight: its
-// expectation is the trilinear value, and so is whatever is linear in it (the chance of a
-// collision, the factor of ratio tracking), for one load instead of eight.
+// One of the eight nodes around a point, chosen with its trilinear weight as probability. Its
+// expectation is the trilinear density, and so is the expectation of every linear function of it:
+// the collision probability, the factor of ratio tracking. One load replaces eight.
 float grid_random_node(Grid grid, vec3 point_m, uvec2 bits)
 {
-    // 21 bits for each axis.
+    // 21 random bits per axis.
     uvec3 thirds = uvec3(bits >> 11, (bits.x & 0x7ffu) << 10 | bits.y & 0x3ffu);
     vec3 u = vec3(thirds) * exp2(-21.0);
     vec3 at = clamp(grid_wrapped(grid, (point_m - grid.origin_m) * grid.nodes_per_m), vec3(0.0),

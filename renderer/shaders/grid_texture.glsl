@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What sums over steps ask of the media: the extinction at a point, of voxel grids by the texture
-// unit where that is chosen (struct neph_shortcuts). One look-up, no branch and no border: the
-// lattice of grid.glsl with its layer of zeros, which goes on beyond its faces.
+// Extinction at a point for sums over steps. Voxel grids are read through the texture unit where
+// the setting `grid_sampling` selects it (struct neph_shortcuts): one fetch without branches or
+// border tests. The texture has the nodes of grid.glsl with their layer of zeros, which clamping to
+// the edge extends beyond its faces.
 //
-// The error is that of the unit's weights, which have 8 bits on GPUs, and of what a texel holds
-// (docs/shortcuts.md).
+// The error comes from the unit's interpolation weights, 8 bits on GPUs, and from the texel format
+// (docs/realtime.md).
 #ifndef NEPH_GRID_TEXTURE_GLSL
 #define NEPH_GRID_TEXTURE_GLSL
 
@@ -14,10 +15,11 @@
 const uint TEXTURES = SHORTCUTS & NEPH_SHORTCUT_GRID_SAMPLING;
 const bool SAMPLES_TEXTURES = has_kind(MEDIUM_GRID) && TEXTURES != 0u;
 
-// By place in the frame; of what is no grid one texel that nobody asks for.
+// One texture per medium of the frame. Media that are no grids have an unused texture of one texel.
 layout(binding = NEPH_GPU_IMAGES_BINDING) uniform sampler3D grid_textures[MEDIA_MAX];
 
-// By constant numbers: lavapipe has no other. Loops over media that are unrolled keep one of them.
+// Switch over constant indices, because lavapipe supports no others. In an unrolled loop over media
+// one case remains.
 float grid_texture_at(uint m, vec3 place)
 {
     switch (m) {
@@ -40,6 +42,7 @@ float grid_texture_at(uint m, vec3 place)
     }
 }
 
+// Texture coordinates of a point.
 vec3 grid_texture_place(uint m, vec3 point_m)
 {
     Grid grid = medium_grid(m);
@@ -52,11 +55,11 @@ float grid_texture_density(uint m, vec3 point_m)
     return medium_grid(m).full * grid_texture_at(m, grid_texture_place(m, point_m));
 }
 
-// A ray as the texture of an only medium sees it: three products and sums a sample. Its places are
-// in the medium's bounds, as those of a stretch are.
+// A ray in the texture coordinates of the only medium: a sample costs three multiply-adds. The
+// caller keeps the samples within the medium's bounds.
 struct TextureRay {
-    vec3 start, per_m; // in parts of the texture
-    float full_per_m;  // the extinction of a texel of 1
+    vec3 start, per_m; // in texture coordinates
+    float full_per_m;  // extinction of a texel of value 1
 };
 
 TextureRay texture_ray(vec3 origin_m, vec3 direction)
@@ -73,18 +76,18 @@ float texture_ray_density(TextureRay ray, float t_m)
 
 const bool HAS_ONLY_TEXTURE = SAMPLES_TEXTURES && KNOWN_MEDIA == 1u;
 
-// As medium_extinction_per_m().
+// Extinction of a medium at a point; with textures off it equals medium_extinction_per_m().
 float sampled_extinction_per_m(uint m, vec3 point_m)
 {
     if (SAMPLES_TEXTURES && !is_fog(m) && is_a(MEDIUM_GRID, kind_of(m))) {
-        // Whether or not it counts, without a branch: samples are on their way before it is known.
+        // Selects without a branch, so that the fetch is issued before the test is known.
         float per_m = medium_full_per_m(m) * grid_texture_density(m, point_m);
         return mix(0.0, per_m, medium_contains(m, point_m));
     }
     return medium_extinction_per_m(m, point_m);
 }
 
-// As scene_extinction_per_m().
+// Extinction of all media of some kinds at a point, as scene_extinction_per_m().
 vec3 sampled_extinctions_per_m(uint kinds, vec3 point_m)
 {
     vec3 extinction_per_m = vec3(0.0);

@@ -1,9 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What the driver's own conversions of halves are worth, asked of every half and of the floats
-// about every middle between two of them, where rounding to nearest decides. NaNs must only stay
-// NaNs.
+// Tests the driver's conversions between float32 and half (packHalf2x16, unpackHalf2x16) against
+// halves.glsl. Each thread tests one of the 65536 halves: reading it, and writing it and the floats
+// around the middle between it and the next half, where rounding to nearest decides. A NaN must
+// only stay a NaN. renderer/halves.c reads the verdict.
 #extension GL_GOOGLE_include_directive : require
 
 #include "halves.glsl"
@@ -11,7 +12,7 @@
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 0) buffer Verdict {
-    uint wrong; // NEPH_HALVES_READ, NEPH_HALVES_WRITTEN: what is not right
+    uint wrong; // NEPH_HALVES_READ, NEPH_HALVES_WRITTEN: conversions that are wrong
 } verdict;
 
 const uint INFINITE_HALF = 0x7c00u, INFINITE = 0x7f800000u;
@@ -34,8 +35,8 @@ bool writes(float value)
     return packHalf2x16(vec2(value)) == (expected | expected << 16);
 }
 
-// The half's own float, and those about the middle between it and the next one, which for the
-// largest is where 2^16 would be.
+// The half itself as a float, and the floats at, below and above the middle to the next half. Above
+// the largest half the next one would be 2^16.
 bool writes_about(uint half_bits)
 {
     uint sign = (half_bits & 0x8000u) << 16, magnitude = half_bits & 0x7fffu;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Horizon clouds: the formulas of scenes/horizon.h in float32, from the same textures. What the
-// camera's place in each texture is was computed in double, so that lookups keep their digits
-// wherever the camera is. `horizon_texels[]` is declared by the shader that includes this file.
+// Horizon clouds, after A. Schneider, "The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn"
+// (SIGGRAPH 2015) and F. Haggstrom, "Real-time rendering of volumetric clouds" (2018).
+// scenes/horizon.h has all formulas; this is their float32 version on the same textures. Names in
+// capitals below (SA, DA, E) are the names there.
+//
+// The camera's place in each texture is computed in double precision on the CPU, so lookups are
+// accurate wherever the camera is. The including shader declares `horizon_texels[]`.
 #ifndef NEPH_HORIZON_GLSL
 #define NEPH_HORIZON_GLSL
 
@@ -14,7 +18,7 @@ const int HORIZON_DETAIL_SIDE = NEPH_GPU_HORIZON_DETAIL_SIDE;
 const int HORIZON_WEATHER_SIDE = NEPH_GPU_HORIZON_WEATHER_SIDE;
 
 struct Horizon {
-    Globe globe;         // of the bottom of the layer
+    Globe globe;         // of the bottom of the cloud layer
     vec3 base_at;        // the camera's place in the base noise [texels], from texel (0, 0, 0)
     float base_per_m;    // texels
     vec3 detail_at;
@@ -25,20 +29,22 @@ struct Horizon {
     float coverage;      // gc
     float density;       // gd
     float erosion;       // .8 e^(-.75 gc)
-    uint first;          // place in horizon_texels[] of base noise, detail noise, weather map
+    // Index in horizon_texels[]: base noise, then detail noise, then weather map.
+    uint first;
 };
 
-// What a lighting model may want to know of a point.
+// A point's density, and the quantities that lighting models use.
 struct HorizonSample {
     float density;
-    float without_detail; // the density before the detail noise is taken off
+    float without_detail; // density before the detail noise is subtracted
     float height;         // in the layer, 0..1
 };
 
-// Texel numbers beyond this have long lost their fractions; they must not leave the integers.
+// Bound for texel numbers. Numbers of this size have no fraction left, and must still fit an
+// integer.
 const float HORIZON_TEXEL_MAX = 1e9;
 
-// All channels at a place, wrapped around; side is a power of two.
+// All channels at a place, interpolated linearly, with wrap-around; side is a power of two.
 vec4 horizon_lookup(uint first, int side, vec3 at)
 {
     at = clamp(at, vec3(-HORIZON_TEXEL_MAX), vec3(HORIZON_TEXEL_MAX));
@@ -69,27 +75,27 @@ float clamp01(float x) { return clamp(x, 0.0, 1.0); }
 
 float horizon_octaves(vec3 octaves) { return dot(octaves, vec3(0.625, 0.25, 0.125)); }
 
-// Low coverage or what high coverage adds to it.
+// Coverage w: the low coverage, or the high coverage weighted by how far gc exceeds 0.5.
 float horizon_coverage(Horizon horizon, vec4 weather)
 {
     return horizon.coverage * max(weather.x, 2.0 * weather.y * clamp01(horizon.coverage - 0.5));
 }
 
-// SA; below a peak of 0 there is no room for a cloud.
+// Height shape SA; a peak of 0 leaves no height for a cloud.
 float horizon_height_shape(float height, float peak)
 {
     float above_bottom = clamp01(height / 0.07);
     return peak > 0.0 ? above_bottom * clamp01(1.0 - 1.125 * (height / peak - 0.2)) : 0.0;
 }
 
-// DA
+// Height mass DA.
 float horizon_mass(Horizon horizon, float height, float weather_density)
 {
     return 2.0 * horizon.density * weather_density * height * clamp01(height / 0.15) *
            clamp01(1.0 - 8.0 * (height - 0.9));
 }
 
-// E
+// Erosion E.
 float horizon_erosion(Horizon horizon, vec3 octaves, float height)
 {
     float sum = horizon_octaves(octaves);
@@ -97,6 +103,7 @@ float horizon_erosion(Horizon horizon, vec3 octaves, float height)
     return horizon.erosion * mix(detail, 1.0 - detail, clamp01(1.8 * height));
 }
 
+// Density at a point. Texture lookups are skipped as soon as an upper bound shows an empty point.
 HorizonSample horizon_sample(Horizon horizon, vec3 point_m)
 {
     float height = globe_altitude_m(horizon.globe, point_m) / horizon.thickness_m;
@@ -116,7 +123,7 @@ HorizonSample horizon_sample(Horizon horizon, vec3 point_m)
                                 horizon.base_at + point_m * horizon.base_per_m);
     float octaves = horizon_octaves(noise.yzw);
     float base = profile * (noise.x + 1.0 - octaves) / (2.0 - octaves);
-    if (base - 1.0 + coverage <= 0.0) // so coverage > 0
+    if (base - 1.0 + coverage <= 0.0) // beyond this line coverage > 0
         return result;
     float shape = clamp01((base - 1.0 + coverage) / coverage);
     float mass = horizon_mass(horizon, height, weather.w);
@@ -133,6 +140,7 @@ float horizon_density(Horizon horizon, vec3 point_m)
     return horizon_sample(horizon, point_m).density;
 }
 
+// Clips `inside` to the hull of the cloud layer along a ray.
 void horizon_narrow(Horizon horizon, vec3 origin_m, vec3 direction, inout Stretch inside)
 {
     globe_hull(horizon.globe, origin_m, direction, 0.0, horizon.thickness_m, inside.t0_m,

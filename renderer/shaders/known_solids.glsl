@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Few solids, known before the shader is compiled: how many, and which of them are balls. lavapipe
-// reads what all threads share once for all of them where it knows them to be at work, before any
-// branch, and thread by thread behind one; it runs both sides of every branch; and a loop that it
-// cannot unroll goes on until the last thread has left it. So all are read at the start of main(),
-// and met one after the other without a branch.
+// Ray intersection with a few solids that are known at compile time (specialization constants:
+// their number, and which of them are balls). Only for lavapipe, for three reasons:
+// - It reads a uniform once for all threads before the first branch, and per thread after it.
+// - It executes both sides of every branch.
+// - A loop that it cannot unroll runs until the last thread has left it.
+//
+// All solids are therefore read at the start of main() and intersected in an unrolled loop without
+// branches.
 #ifndef NEPH_KNOWN_SOLIDS_GLSL
 #define NEPH_KNOWN_SOLIDS_GLSL
 
@@ -13,16 +16,17 @@
 #include "renderer/realtime/shared/names.h"
 
 layout(constant_id = RT_SOLIDS_CONSTANT) const uint KNOWN_SOLIDS = RT_SOLIDS_UNKNOWN;
-// Which are balls, a bit each.
+// One bit per solid: the solid is a ball. The second constant has solids 32 and above.
 layout(constant_id = RT_BALLS_CONSTANT) const uint KNOWN_BALLS = ~0u;
 layout(constant_id = RT_BALLS_CONSTANT + 1) const uint MORE_KNOWN_BALLS = ~0u;
 
-const float ENDLESS_M = 3.0e38; // beyond all
+const float ENDLESS_M = 3.0e38; // beyond every hit
 
 const bool ARE_KNOWN = READS_SOLIDS_ONCE && KNOWN_SOLIDS != RT_SOLIDS_UNKNOWN;
 
 Solid known_solids[RT_SOLIDS_UNKNOWN];
 
+// Reads all solids. Call it at the start of main(), before any branch.
 void know_solids()
 {
     if (ARE_KNOWN)
@@ -33,7 +37,7 @@ void know_solids()
         }
 }
 
-// A choice among them is cheaper than to read one for each thread.
+// Selects among the copies: cheaper than an indexed read per thread.
 Solid known_solid(uint solid)
 {
     Solid found = known_solids[0];
@@ -43,8 +47,9 @@ Solid known_solid(uint solid)
     return found;
 }
 
-// As clip_axis(), without its branch, and but for t0 < t1, which once false stays so. Comparisons,
-// for a min() of lavapipe's asks for NaN, which there are none of.
+// clip_axis() without branches. It does not test t0 < t1: once false, the test stays false and is
+// done at the end. Comparisons replace min() and max(), because lavapipe's test for NaN, which
+// cannot occur here.
 bool narrow_axis(float low, float high, float origin, float direction, inout float t0,
                  inout float t1)
 {
@@ -58,7 +63,7 @@ bool narrow_axis(float low, float high, float origin, float direction, inout flo
     return !is_parallel || (origin >= low && origin <= high);
 }
 
-// As solid_interval().
+// solid_interval() for a known solid.
 bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     Solid solid = known_solids[s];
@@ -75,7 +80,7 @@ bool known_interval(uint s, vec3 origin_m, vec3 direction, out float t0_m, out f
     return meets_x && meets_y && meets_z && t0_m < t1_m;
 }
 
-// As sees_point(): whether nothing is in the way up to a distance.
+// sees_point() for known solids: whether all of them leave the segment up to `distance_m` free.
 bool known_let_pass(vec3 point_m, vec3 direction, float start_m, float distance_m, uint except)
 {
     bool let_pass = true;

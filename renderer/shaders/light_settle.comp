@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What the paths of a round have found joins what is left of earlier rounds: one thread, one texel
-// of traced light (traced_light.glsl). Earlier sums are looked up where the texel's place in the
-// media was in the picture before, and fade.
+// Temporal accumulation of traced light (traced_light.glsl): adds the results of a round's paths to
+// the faded sums of earlier rounds. One thread is one texel. The earlier sums are reprojected: they
+// are read where the texel's medium was in the frame before.
 #extension GL_GOOGLE_include_directive : require
 
 #include "traced_light.glsl"
@@ -11,21 +11,23 @@
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform LightFade {
-    vec3 right; // of the camera of the picture before, as in frame.glsl
+    vec3 right; // camera of the frame before, as in frame.glsl
     float half_width;
     vec3 up;
     float half_height;
     vec3 forward;
-    float keep; // of the earlier sums; 0: there are none
-    vec3 position_m; // where the wind has carried the place of the camera of then, from today's
+    float keep; // factor of the earlier sums; 0: there are none
+    // The earlier camera's position, moved on by the wind, relative to the present camera.
+    vec3 position_m;
     uint paths;
     uvec2 size_px;
     uint texel_px;
     uint is_parallel;
-    uint is_still; // 1: the picture shows what the one before did
+    uint is_still; // 1: nothing has moved since the frame before
 } fade;
 
-layout(std140, binding = 0) uniform Now { // this picture's camera: the head of frame.glsl's Frame
+// This frame's camera: the first fields of the block in frame.glsl.
+layout(std140, binding = 0) uniform Now {
     vec3 right;
     float half_width;
     vec3 up;
@@ -54,6 +56,7 @@ void add(inout LightTexel sum, LightTexel texel, float weight)
     sum.distance_m += weight * texel.distance_m;
 }
 
+// The sum over the texel's paths of this round.
 LightTexel newly_found(uint texel)
 {
     LightTexel sum = none();
@@ -62,7 +65,8 @@ LightTexel newly_found(uint texel)
     return sum;
 }
 
-// How far away the media are that a texel shows; what it knew before where nothing was found now.
+// Mean distance of the first collisions of a texel, with the earlier ones included, so that a texel
+// without new collisions keeps its distance. FAR_M without any.
 float distance_of(uint texel, LightTexel fresh)
 {
     LightTexel known = none();
@@ -71,7 +75,7 @@ float distance_of(uint texel, LightTexel fresh)
     return known.collisions > 0.0 ? known.distance_m / known.collisions : FAR_M;
 }
 
-// Where a texel's place was in the picture before, in texels.
+// The reprojected place of a texel in the frame before, in texels.
 vec2 place_before(uvec2 at, float distance_m)
 {
     vec2 place = (vec2(at) + 0.5) * (2.0 * float(fade.texel_px)) / vec2(fade.size_px) - 1.0;
@@ -82,13 +86,14 @@ vec2 place_before(uvec2 at, float distance_m)
     vec3 from_m = point_m - fade.position_m;
     float depth_m = dot(from_m, fade.forward);
     if (depth_m <= 0.0 && !is_parallel)
-        return vec2(-2.0); // behind it: outside
+        return vec2(-2.0); // behind the earlier camera: outside the frame
     float spread_m = is_parallel ? 1.0 : depth_m;
     vec2 then = vec2(dot(from_m, fade.right) / (spread_m * fade.half_width),
                      -dot(from_m, fade.up) / (spread_m * fade.half_height));
     return (0.5 * then + 0.5) * vec2(fade.size_px) / float(fade.texel_px) - 0.5;
 }
 
+// Bilinear lookup of the earlier sums; texels outside the frame count as 0.
 LightTexel looked_up(vec2 place, uvec2 size)
 {
     LightTexel sum = none();

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Texels of traced light (traced_light.glsl), each with its neighbours by a Gaussian's weights: one
-// thread, one texel. Sums are added, so who has had more paths counts more.
+// Spatial filter of traced light (traced_light.glsl): a Gaussian over neighbouring texels, one
+// thread per texel. It adds sums, not means, so a texel with more paths has more weight.
 #extension GL_GOOGLE_include_directive : require
 
 #include "traced_light.glsl"
@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 
 layout(push_constant) uniform LightSmooth {
     uvec2 size; // texels
-    float sigma; // texels; 0: as it is
+    float sigma; // standard deviation in texels; 0: no filter
 } run;
 
 layout(std430, binding = 0) readonly buffer Settled {
@@ -19,10 +19,10 @@ layout(std430, binding = 0) readonly buffer Settled {
 };
 
 layout(std430, binding = 1) writeonly buffer Smoothed {
-    vec4 smoothed[]; // light, collisions
+    vec4 smoothed[]; // rgb light, a collisions
 };
 
-const int REACH = 3; // texels to each side
+const int REACH = 3; // radius of the kernel, in texels
 
 void main()
 {

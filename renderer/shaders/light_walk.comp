@@ -1,27 +1,32 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The paths of traced light (traced_light.glsl): one thread, one path of a texel. A dispatch takes
-// it some turns further, and another one where that left it: a turn is the way to the next face of
-// a majorant cell, or to a tentative collision before it (Woodcock 1965). Free paths have no
-// memory, so one may be drawn anew wherever a dispatch ends.
+// Traces the paths of traced light (traced_light.glsl). One thread is one path of a texel.
 //
-// The sunlight of the first collision is left out: single scattering is the march's. What arrives
-// of sunlight at the others is found as the march finds it.
+// A path takes many dispatches, each of at most run.turns turns. A turn is a segment of delta
+// tracking (E. R. Woodcock et al., 1965): it ends at the next face of a majorant cell, at a
+// tentative collision before that, at a fog collision, or at a solid. Free paths are memoryless, so
+// a new one may be drawn wherever a dispatch ends.
 //
-// Paths through the thick are under way for many pictures, and the first ones have none that began
-// long ago. With LOOKS_AHEAD a path counts at once what it may yet bring home, by an estimate, and
-// in the next round takes that back: over its life it has counted what it found. So the estimate
-// has no part in the mean of pictures at rest, whatever it is worth, and in those after a cut it
-// stands for the orders that nothing had time to find. (A potential that shapes rewards: A. Y. Ng,
-// D. Harada, S. Russell, ICML 1999.) It is the radiance of diffused light that comes to the path.
-// With ENDS_AHEAD the path ends there: its estimate stays, with its bias, and the noise and the lag
-// of what it would have found do not come.
+// Single scattering is left to the ray marcher: sunlight of the first collision is not counted. At
+// all further collisions the sunlight is computed as the ray marcher does.
 //
-// With SIMILAR above 0 a path goes on from its second event in media of a smaller mean cosine g',
-// and a part 1 - (1 - g) / (1 - g') of what is scattered counts as going on as it came: as much
-// light turns round (the similarity relation of order one), with fewer collisions, whose phase
-// functions are less of a peak. What order one is not is the bias that docs/light.md measures.
+// LOOKS_AHEAD. Long paths in thick media take many frames, and after a cut no long path has
+// finished yet. With this option a path counts at once an estimate of its future light, and
+// subtracts it in the next round:
+//
+//   counted in round n  =  found in n  +  estimate after n  -  estimate after n - 1
+//
+// The sum over a finished path telescopes to the light that it has found. So the estimate does not
+// bias the mean of a static sequence, and after a cut it stands for the orders that could not be
+// found yet. (Potential-based shaping: A. Y. Ng, D. Harada, S. Russell, ICML 1999.) The estimate is
+// the radiance of diffused light that arrives at the path. ENDS_AHEAD ends the path there: the
+// estimate stays, with its bias, in exchange for less noise and less lag.
+//
+// SIMILAR > 0. From its second event on a path is in media with a smaller mean cosine g', and the
+// fraction 1 - (1 - g) / (1 - g') of the scattered light counts as unscattered: first-order
+// similarity. Transport is the same to first order in the angle, with fewer collisions and less
+// peaked phase functions. docs/light.md measures the bias of the higher orders.
 #extension GL_GOOGLE_include_directive : require
 
 #include "march_light.glsl"
@@ -33,29 +38,30 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = 6) const bool LOOKS_AHEAD = false;
 layout(constant_id = 8) const bool ENDS_AHEAD = false;
-layout(constant_id = 7) const float SIMILAR = 0.0; // 1: the similar medium of delta-Eddington
+// Interpolates g': 0 is g, 1 is delta-Eddington's g / (1 + g).
+layout(constant_id = 7) const float SIMILAR = 0.0;
 
 layout(push_constant) uniform LightRun {
-    vec3 shift_m; // how far what stood still has gone past the camera since the round before
+    vec3 shift_m; // motion of static things relative to the camera since the round before
     uint seed;
-    uint round; // ever
-    uint paths; // of a texel
-    uint turns; // of a thread, at most
-    uint events; // of it, at most
-    uint count; // of all paths
-    uint is_fresh; // 1: no path is under way
-    uint has_environment; // 1: the background lights media
+    uint round; // number of the round, since the start
+    uint paths; // paths per texel
+    uint turns; // turns per thread and dispatch, at most
+    uint events; // events per thread and dispatch, at most
+    uint count; // number of all paths
+    uint is_fresh; // 1: there are no unfinished paths
+    uint has_environment; // 1: the background illuminates media
 } run;
 
-// Where a path is between two dispatches.
+// State of a path between two dispatches.
 struct LightPath {
     vec3 origin_m;
     uint events; // scatterings and reflections so far
     vec3 direction;
-    uint solid; // that `origin_m` lies on, or NO_SOLID
+    uint solid; // solid that `origin_m` lies on, or NO_SOLID
     vec3 throughput;
     uint is_alive;
-    vec3 ahead; // what it has counted and not found yet [W m^-2 sr^-1]
+    vec3 ahead; // estimate that is counted and not yet found [W m^-2 sr^-1]
     float padding;
 };
 
@@ -64,7 +70,7 @@ layout(std430, binding = 5) buffer Paths {
 };
 
 layout(std430, binding = 6) writeonly buffer Found {
-    LightTexel found[]; // by each path, in this round
+    LightTexel found[]; // per path, in this round
 };
 
 layout(std430, binding = 8) readonly buffer Diffused {
@@ -73,19 +79,21 @@ layout(std430, binding = 8) readonly buffer Diffused {
 
 #include "diffused_field.glsl"
 
-// A path goes on by chance alone below this (Russian roulette).
+// Throughput below which Russian roulette decides whether a path goes on.
 const float ROULETTE = 0.1;
 
-// Rays that miss all media are cheap, but texels of nothing but sky need not have many.
+// Camera rays without a collision that a thread traces per dispatch, at most: they are cheap, but
+// texels of pure sky do not need many.
 const uint MISSES_MAX = 4;
 
-// How far beyond a cell's face the next turn begins, in cells: a place is known to less.
+// Distance beyond a cell's face at which the next turn starts, in cells. It exceeds the rounding
+// error of a position.
 const float HAIR = 1e-3;
 
 LightPath path;
 LightTexel sums = LightTexel(vec3(0.0), 0.0, 0.0, float[3](0.0, 0.0, 0.0));
-Hit solid_ahead; // on the way of the path
-float fog_m;     // to the fog's next collision on it
+Hit solid_ahead; // next solid along the path
+float fog_m;     // distance to the next fog collision
 uint fog_medium;
 uint misses = 0, events = 0, drawn = 0, thread;
 
@@ -99,10 +107,10 @@ uvec2 draw_bits() { return pcg4d(uvec4(thread, run.round, ~run.seed, drawn++)).x
 
 // --- similar media ------------------------------------------------------------------------------
 
-// Events of a path after which media are similar ones.
+// Events of a path after which it is in similar media.
 const uint SIMILAR_AFTER = 2;
 
-// Grey ones alone: a part that goes on as it came would be another for each channel.
+// Grey media only: otherwise the fraction that goes straight on would depend on the channel.
 bool is_similar(uint m, uint events)
 {
     vec3 albedo = frame.media[m].albedo;
@@ -115,10 +123,10 @@ float similar_cosine_of(uint m)
     return mix(frame.media[m].g, smooth_g_of(m), SIMILAR);
 }
 
-// The part of scattering that is left.
+// The fraction of scattering that remains in the similar medium: (1 - g) / (1 - g').
 float turning_of(uint m) { return (1.0 - frame.media[m].g) / (1.0 - similar_cosine_of(m)); }
 
-// Optical depths after so many events, by those of the medium.
+// Optical depth of the similar medium over the original one, after a number of events.
 float thinness(uint m, uint events)
 {
     return is_similar(m, events) ? 1.0 - frame.media[m].albedo.r * (1.0 - turning_of(m)) : 1.0;
@@ -131,6 +139,7 @@ float extinction_color_of(uint m)
 
 // --- segments -----------------------------------------------------------------------------------
 
+// Next solid along the path, except one.
 Hit hit_but(uint except)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
@@ -145,6 +154,7 @@ Hit hit_but(uint except)
     return hit;
 }
 
+// Draws a free path in a fog's layers and keeps the nearest collision.
 void look_for_fog(uint m)
 {
     float t0_m = 0.0, t1_m = solid_ahead.t_m;
@@ -161,7 +171,7 @@ void look_for_fog(uint m)
     }
 }
 
-// What a path would meet if there were no shapes.
+// Next solid and next fog collision along the path; shapes are left to turn().
 void look_ahead()
 {
     solid_ahead = hit_but(path.solid);
@@ -179,7 +189,8 @@ void start()
     uvec2 size_px = uvec2(frame.width_px, frame.height_px);
     uint wide = light_size(size_px, texel_px).x;
     uvec2 low_px = texel_px * uvec2(texel % wide, texel / wide);
-    vec2 high_px = vec2(min(low_px + texel_px, size_px)); // the last may not be whole
+    // The last texel of a row or column may be smaller.
+    vec2 high_px = vec2(min(low_px + texel_px, size_px));
     ViewRay ray = camera_ray_at(frame_camera(), mix(vec2(low_px), high_px, draw().xy));
     path = LightPath(ray.origin_m, 0u, ray.direction, NO_SOLID, vec3(1.0), 1u, vec3(0.0), 0.0);
     look_ahead();
@@ -194,7 +205,8 @@ void end()
 
 // --- events -------------------------------------------------------------------------------------
 
-// Sunlight and the way on at the path's origin: in a medium, or on a solid where `m` is MEDIA_MAX.
+// A scattering event or reflection at the path's origin: counts the sunlight there and samples the
+// new direction. `m` is the medium, or MEDIA_MAX on `solid`.
 void happen(uint m, uint solid)
 {
     vec4 u = draw();
@@ -216,7 +228,8 @@ void happen(uint m, uint solid)
         }
         per_sr = phase_per_sr(kind, g, path.direction, to_sun());
         next = sample_phase(kind, g, path.direction, u.xy);
-        sun_thinness = thinness(m, path.events + 1u); // sunlight comes the way the path goes on
+        // Sunlight arrives in the medium of the next segment.
+        sun_thinness = thinness(m, path.events + 1u);
     }
     path.solid = solid;
     if (path.events > 0u && per_sr > 0.0 && own(frame.scatters) != 0u &&
@@ -244,8 +257,8 @@ void collide(uint m)
     happen(m, NO_SOLID);
 }
 
-// What the air on the way out of the media, into space or to the ground (solid 0), adds and takes,
-// as it is from the middle of all media.
+// Adds the air's light and applies its transmittance on the way out of the media, to space or to
+// the ground (solid 0), as seen from the centre of all media.
 void meet_air()
 {
     SkyLight light = sky_look_up(eye.places[1], sky_ray_along(eye.places[1], path.direction));
@@ -253,7 +266,7 @@ void meet_air()
     path.throughput *= light.transmittance;
 }
 
-// The end of a segment on which no shape was in the way.
+// The end of a segment without a collision in a shape.
 void arrive()
 {
     if (fog_m <= solid_ahead.t_m && fog_medium != MEDIA_MAX) {
@@ -274,11 +287,12 @@ void arrive()
 
 // --- turns --------------------------------------------------------------------------------------
 
-// What is known of the next stretch: no extinction of the shapes passes the majorant on it.
+// A segment with a constant majorant: the extinction of the shapes does not exceed it.
 struct Stride {
     float length_m, majorant_per_m;
 };
 
+// Shortens the stride to the next face of a medium's majorant cell and adds the cell's majorant.
 void stride_in(uint m, inout Stride stride)
 {
     vec3 low_m = frame.media[m].low_m, high_m = frame.media[m].high_m;
@@ -315,7 +329,8 @@ Stride next_stride(float end_m)
     return stride;
 }
 
-// A tentative collision in a shape: a real one with the probability extinction / majorant.
+// A tentative collision: it is real with probability extinction / majorant, in a medium chosen by
+// its part of the extinction.
 void tentative(float majorant_per_m, float u)
 {
     float left_per_m = u * majorant_per_m;
@@ -358,13 +373,13 @@ void turn()
         advance(stride.length_m);
         return;
     }
-    bool is_open = end_m >= 0.5 * FAR_M; // nothing more is met
+    bool is_open = end_m >= 0.5 * FAR_M; // nothing is met any more
     if (!is_open)
         path.origin_m += end_m * path.direction;
     arrive();
 }
 
-// --- what lies ahead ----------------------------------------------------------------------------
+// --- estimates ahead ----------------------------------------------------------------------------
 
 bool is_in_lattice(vec3 point_m)
 {
@@ -375,8 +390,8 @@ bool is_in_lattice(vec3 point_m)
     return all(bvec3(uvec3(is_within) | uvec3(is_endless)));
 }
 
-// A path that has had no collision has counted none, and owes no light. Of the sky it will find as
-// much as in a white medium.
+// The estimate of a path's future light, from diffused light. A path without a collision counts
+// none: its light is single scattering. The sky's part is estimated as in a white medium.
 vec3 light_ahead()
 {
     vec3 to_path = vec3(0.0);

@@ -1,18 +1,28 @@
 // SPDX-License-Identifier: MIT
 //
-// Numbers that fill the square more evenly than chance: the first two dimensions of I. M. Sobol's
-// sequence (1967), of which 2^k points from any multiple of that on have one in each of the 2^k
-// rectangles of any one shape. Owen's scrambling (A. Owen, "Randomly Permuted (t,m,s)-Nets and
-// (t,s)-Sequences", 1995) makes each point uniform and keeps that; it is drawn by a hash, as in B.
-// Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020, whose function this is. Further
-// dimensions are further pairs in an order of their own (also Burley's).
+// Low-discrepancy samples of the unit square: the first two dimensions of I. M. Sobol's sequence
+// (1967), with hash-based Owen scrambling.
+//
+// Any 2^k points that start at a multiple of 2^k are stratified: exactly one lies in each of the
+// 2^k elementary rectangles of any one shape:
+//
+//   k = 2:   +---+---+   +-------+   +-+-+-+-+
+//            |   |   |   +-------+   | | | | |
+//            +---+---+   +-------+   | | | | |
+//            |   |   |   +-------+   | | | | |
+//            +---+---+   +-------+   +-+-+-+-+
+//
+// Scrambling (A. Owen, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences", 1995) makes each point
+// uniform and keeps this property. The scrambling function is from B. Burley, "Practical Hash-based
+// Owen Scrambling", JCGT 9(4), 2020. Further dimensions are independent pairs in shuffled order,
+// also after Burley.
 #ifndef NEPH_LOW_DISCREPANCY_GLSL
 #define NEPH_LOW_DISCREPANCY_GLSL
 
 #include "random.glsl"
 
-// A permutation in which a bit depends on those above it alone; from a uniform `seed` every number
-// is uniform.
+// Nested uniform scramble: each bit of the result depends only on that bit and the higher ones. For
+// a uniform `seed` the result is uniform for every number.
 uint owen_scrambled(uint bits, uint seed)
 {
     uint x = bitfieldReverse(bits) + seed;
@@ -23,9 +33,9 @@ uint owen_scrambled(uint bits, uint seed)
     return bitfieldReverse(x);
 }
 
-// The second dimension: bit j of the result is the sum modulo 2 of the bits i of the index whose
-// binomial (i, j) is odd, that is, whose number has all the bits of j (E. Lucas, 1878). So it is a
-// sum over supersets, bit by bit of the numbers.
+// Second Sobol dimension. Bit j of the (reversed) result is the sum modulo 2 of the index bits i
+// for which the binomial (i, j) is odd, which means that i contains all bits of j (E. Lucas, 1878).
+// This is a sum over supersets, computed one bit of the positions at a time.
 uint sobol_second(uint index)
 {
     uint x = index;
@@ -37,7 +47,7 @@ uint sobol_second(uint index)
     return bitfieldReverse(x);
 }
 
-// Point `index` of a pair of dimensions; the key's four numbers are all that it depends on beside.
+// Point `index` of a pair of dimensions as 32-bit fractions. `key` selects an independent pair.
 uvec2 sobol_pair(uint index, uvec4 key)
 {
     uvec4 seeds = pcg4d(key);

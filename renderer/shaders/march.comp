@@ -1,9 +1,11 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The ray marcher at full resolution: one ray a pixel, the medium looked at in the middle of each
-// step. What it computes is in march.glsl. A work group has a square of pixels, whose rays meet the
-// same voxels and part late; what of a square is beyond the picture is idle.
+// The ray marcher at full resolution: one ray per pixel, samples in the middle of the steps. The
+// method is in march.glsl; march_run.glsl has the part of the work of one dispatch.
+//
+// A work group covers a square of 8x8 pixels, so that its rays read the same voxels and diverge
+// late. Threads outside the image are idle.
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
@@ -13,9 +15,9 @@
 const uint SQUARE_PX = 8;
 
 struct MarchPixel {
-    vec3 radiance; // with everything
+    vec3 radiance; // of media and background
     float eye_depth_m; // FAR_M for the sky
-    vec3 volume; // of the media alone
+    vec3 volume; // of the media only
     uint density_evaluations;
     vec3 transmittance;
     uint closed_forms;
@@ -35,10 +37,10 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     MarchPixel pixel;
     pixel.volume = view_scattered(sums, optical_depth, ray, place_px);
     pixel.transmittance = fraction_through(optical_depth);
-    // As realtime/composition/compose.comp does.
+    // `precise`: the same rounding as in realtime/composition/compose.comp.
     precise vec3 radiance = pixel.volume + pixel.transmittance * behind;
     pixel.radiance = radiance;
-    if (HAS_VEIL) { // of which the air is a medium, and fog as well
+    if (HAS_VEIL) { // the air and the closed-form fog count as media
         Behind all = veiled_behind(hit, ray);
         pixel.volume += pixel.transmittance * all.veil;
         pixel.transmittance *= all.through;
@@ -51,7 +53,13 @@ MarchPixel finished_pixel(ViewRay ray, vec2 place_px, Hit hit, Sums sums)
     return pixel;
 }
 
-// pixel_of() of renderer/march.c once more: eight rays in a row are 4 x 2 pixels, 32 are 8 x 4.
+// Pixel of a ray; the same as pixel_of() in renderer/march.c. Rays fill a square in this order, so
+// eight consecutive rays (a subgroup of lavapipe) are 4x2 pixels and 32 are 8x4:
+//
+//    0  1  2  3   8  9 10 11
+//    4  5  6  7  12 13 14 15
+//   16 17 18 19  24 25 26 27
+//   20 21 22 23  28 29 30 31    ...
 uvec2 pixel_of(uint ray)
 {
     uint columns = (frame.width_px + SQUARE_PX - 1) / SQUARE_PX;
@@ -72,7 +80,7 @@ void main()
     Hit hit = scene_hit(ray.origin_m, ray.direction);
 
     Sums sums = sums_at_start(thread);
-    // With a closed-form transmittance and no light of the media there is nothing to march for.
+    // With a closed-form transmittance and no light from the media, no step is needed.
     if (!IS_SOLVED || HAS_VEIL || own(frame.scatters | frame.emits | frame.scatters_lamps) != 0)
         march(ray, hit.t_m, 0.5, sums);
 

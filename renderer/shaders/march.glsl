@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: MIT
 //
-// Fixed-step ray marching, the baseline of every volumetric renderer:
+// Fixed-step ray marching:
 //
 //   L = sum_i T_i J_i (1 - e^-dtau_i) + T background,     T_i = e^-(dtau_0 + .. + dtau_(i-1))
 //
-// over `steps` equal steps. J is the source function (light scattered or emitted per unit of
-// optical depth, W m^-2 sr^-1), taken at one point of the step and constant along it; its integral
-// over the step against the extinction within the step is exact. (Hillaire, "Physically Based and
-// Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015: S (1 - e^(-sigma dt)) / sigma.)
-// With the point in the middle of the step the error is of second order in the step where the
-// medium is smooth. A dithered start puts it elsewhere in the step, the same place in all steps of
-// a ray.
+// over `steps` equal steps. J is the source function, light scattered or emitted per unit of
+// optical depth [W m^-2 sr^-1]. It is sampled at one point of the step and taken as constant in the
+// step:
 //
-// One thread is one ray. A dispatch is a run of rays and a run of their steps, short enough for
-// drivers that limit loops (renderer/compute.h) and for Ctrl-C in between; the state of a march
-// that is not at its end waits in a buffer.
+//   t0 |----x----|----x----|----x----|----x----| t1     x: sample, `place` = 0.5
+//          dtau_0    dtau_1    dtau_2    dtau_3
+//
+// The integral over a step of constant J and extinction is exact: J (1 - e^-dtau). (S. Hillaire,
+// "Physically Based and Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015, has it as S (1 -
+// e^(-sigma dt)) / sigma.) With samples in the middle of the steps the error is of second order in
+// the step length where the medium is smooth. A dithered start moves the samples to another place,
+// the same in all steps of a ray.
+//
+// One thread is one ray. A dispatch marches some rays over some of their steps: few enough for
+// drivers that limit loops (renderer/compute.h), and to let Ctrl-C take effect in between. The
+// state of an unfinished ray is kept in a buffer.
+//
+// Used by march.comp and by the march pass of the real-time pipeline.
 #ifndef NEPH_MARCH_GLSL
 #define NEPH_MARCH_GLSL
 
@@ -23,8 +30,8 @@
 #include "march_lamp_steps.glsl"
 #include "march_run.glsl"
 
-// What a march is given of light of higher orders, by lighting: texels of traced light (light and
-// collisions), cells of diffused light (flux and fluence), the table of slab light.
+// Multiple scattering for the march. The content depends on LIGHTING: texels of traced light (light
+// and collisions), cells of diffused light (flux and fluence), or the table of slab light.
 layout(std430, binding = 8) readonly buffer HigherOrders {
     vec4 higher_orders[];
 };
@@ -32,9 +39,9 @@ layout(std430, binding = 8) readonly buffer HigherOrders {
 #include "diffused_light.glsl"
 #include "slab_light.glsl"
 
-// What a march has come to: radiance of the media (xyz of `scattered`), optical depth (its w when
-// that is the same in all channels, else xyz of `depth`), and the distance [m] of what is seen of
-// the medium times its share of the view, 1 - T in the end.
+// Running sums of a ray: radiance of the media (scattered.xyz); optical depth, in scattered.w when
+// it is the same for all channels, else in depth.xyz; and the sum of distance [m] times visible
+// opacity. The visible opacities add up to 1 - T.
 struct Sums {
     Sum scattered, depth;
     float distance_m;
@@ -54,7 +61,7 @@ vec3 marched_depth(Sums sums)
     return COLOURED ? sums.depth.value.xyz : sums.scattered.value.www;
 }
 
-uint view_steps = 0; // of this ray, where it met a medium's stretch
+uint view_steps = 0; // steps of this ray inside the media's hull
 
 #include "march_texture.glsl"
 
@@ -70,11 +77,11 @@ layout(std430, binding = 5) buffer States {
 };
 
 #ifdef MARCH_STARTS_LATE
-float march_from_m = 0.0; // what lies nearer is somebody else's
+float march_from_m = 0.0; // start of the march: another pass renders the nearer part
 #endif
 
 
-// What a step adds at its near end, by the chosen model.
+// Light that a step sends to its near end, by the selected lighting model.
 vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
 {
     if (LIGHTING == HORIZON)
@@ -83,7 +90,8 @@ vec3 step_light(Mixture mixture, vec3 point_m, float step_m, vec3 step_depth)
     return source_function(mixture, point_m) * fraction_lost(step_depth);
 }
 
-// And what it sends to the camera by models whose orders lose less on the way there.
+// Light that a step sends to the camera, for models in which every order has its own attenuation on
+// the way there.
 vec3 scaled_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
 {
     if (LIGHTING == DIFFUSED)
@@ -99,18 +107,18 @@ float least(vec3 channels) { return min(channels.x, min(channels.y, channels.z))
 
 float mean(vec3 channels) { return COLOURED ? dot(channels, vec3(1.0 / 3.0)) : channels.x; }
 
-// Whether a step where the density is 0 at its point adds nothing: all that it asks of the media
-// it asks there.
+// Whether steps in empty cells may be skipped: all media quantities are sampled at the step's
+// point, so a step without density adds nothing.
 const bool SKIPS_STEPS = SKIPS && VIEW_MARCHED == KINDS && !HAS_FOG;
 
-// Whether an only medium is looked up before anything else is done at a step: where it is clear the
-// step adds nothing, and all that it asks of the medium it asks at its point.
+// Whether the density of the only medium is sampled before all else in a step: a clear step then
+// ends there.
 const bool PASSES_CLEAR = KNOWN_MEDIA == 1u && VIEW_MARCHED == KINDS && !HAS_FOG &&
                           LIGHTING != HORIZON;
 
-float met_per_m = 0.0; // extinction at the step that was looked up last
+float met_per_m = 0.0; // extinction of the step that was sampled last
 
-// Go on to the first step at whose point there is something, or to `end`.
+// Moves `i` on to the first step with extinction at its sample, or to `end`.
 void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way;
@@ -131,9 +139,10 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
     }
 }
 
-vec4 ahead[2]; // densities of the eight steps around the one where a ray is
+vec4 ahead[2]; // densities of the block of eight steps around step i
 
-// The same in a texture, with eight steps on their way together: a GPU would wait for each.
+// Moves `i` on as pass_clear_steps() does, in a texture. Eight fetches are issued together, because
+// a GPU would otherwise wait for each.
 void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
@@ -155,12 +164,14 @@ void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout ui
     view_steps += looked_up;
 }
 
-// Where empty steps are passed it is not known which come next, and lavapipe waits for nothing.
+// Not with empty-space skipping, where the next steps are not known in advance, and not on
+// lavapipe, which does not wait for fetches.
 const bool LOOKS_AHEAD = HAS_ONLY_TEXTURE && !SKIPS && !GROWS_BY_DEPTH &&
                          !STEPS_TOGETHER;
 
-// In a loop of its own: rays that have passed clear air do their steps in the medium together.
-// Whether any was passed: nothing is added for it once, as in marched_optical_depth().
+// A loop of its own, so that rays that have crossed clear air do their steps in the medium
+// together. Returns whether a step was passed; the caller then adds a zero once, as in
+// marched_optical_depth().
 bool pass_clear(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     uint start = i;
@@ -175,20 +186,21 @@ bool is_dark(vec3 through) { return all(lessThan(through, vec3(frame.early_out))
 
 // --- rays of a subgroup in the same steps --------------------------------------------------------
 
-// lavapipe goes through what one of its eight lanes wants with all of them, and what a ray looks up
-// while the others are in the medium it looks up alone. So where clear air is passed rays look up
-// the same steps, go on together until one of them finds something, and do what they found.
+// lavapipe executes a path with all eight lanes when one lane needs it. A ray that searches the
+// next non-empty step while others are in the medium would occupy the whole subgroup. So all rays
+// of a subgroup sample the same steps, advance together until one of them finds a medium, and then
+// process the steps found.
 const bool MARCHES_TOGETHER = STEPS_TOGETHER && PASSES_CLEAR && !SKIPS && !ENDS_EARLY &&
                               !GROWS_BY_DEPTH;
 
-// Steps that were looked up at once, and those of them in which there is something.
+// Steps sampled at once, and which of them have extinction.
 const uint TOGETHER = 4;
 struct LookedUp {
     float per_m[TOGETHER];
-    uint first, lit; // a bit for each
+    uint first, lit; // one bit per step
 };
 
-// The first of them that is lit, which is taken away.
+// Removes and returns the first step with extinction.
 uint take_step(inout LookedUp steps)
 {
     uint k = uint(findLSB(steps.lit));
@@ -199,7 +211,7 @@ uint take_step(inout LookedUp steps)
     return steps.first + k;
 }
 
-// From step `i` on, to where some ray finds something or to `end`.
+// Samples steps from `i` on, until a ray finds extinction or to `end`.
 void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uint i,
                       inout LookedUp found)
 {
@@ -221,13 +233,12 @@ void look_up_together(ViewRay ray, Steps steps, float place, uint end, inout uin
         density_evaluations += count;
         view_steps += count;
         i += count;
-        if (subgroupAny(i == end || found.lit != 0u)) // one vote: renderer/spirv_loops.h
+        if (subgroupAny(i == end || found.lit != 0u)) // one vote only: renderer/spirv_loops.h
             break;
     }
 }
 
-// One step, onto the sums; of an only medium the extinction there was looked up where
-// PASSES_CLEAR.
+// Adds one step to the sums. With PASSES_CLEAR the extinction of the only medium is in met_per_m.
 void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
 {
     float step_m = step_length_m(steps, i);
@@ -257,12 +268,12 @@ void march_step(ViewRay ray, Steps steps, uint i, float place, inout Sums sums)
     sums_add(sums, scattered, step_depth);
 }
 
-// March the steps of this run along a view ray of some length, onto the sums. The medium is looked
-// at `place` (0..1) of each step.
+// Marches the steps of this dispatch along a view ray. Media are sampled at `place` (0..1) of each
+// step.
 //
-// The transmittance to a step is always that of the steps before it, never an independent closed
-// form of the whole distance: adjacent closed forms add up to it anyway, and so the weights of the
-// source function telescope to 1 - T in both modes.
+// The transmittance to a step is always the product over the steps before it, never an independent
+// closed form of the whole distance. Closed forms of adjacent steps add up to that anyway, so in
+// both modes the weights of the source function telescope to 1 - T.
 void march(ViewRay ray, float length_m, float place, inout Sums sums)
 {
     if (SEES_DEEP)
@@ -304,7 +315,8 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         } else {
             view_steps++;
         }
-        for (;;) { // left at its end: lavapipe goes through a turn to there for nobody
+        // Left at its end: else lavapipe executes the last iteration to its end without any thread.
+        for (;;) {
             bool is_lit = !MARCHES_TOGETHER || found.lit != 0u;
             uint at = i;
             if (MARCHES_TOGETHER)
@@ -327,7 +339,7 @@ void march(ViewRay ray, float length_m, float place, inout Sums sums)
         sums_add(sums, vec3(0.0), vec3(0.0));
 }
 
-// Continue where the run before has ended.
+// The sums of the dispatch before.
 Sums sums_at_start(uint thread)
 {
     if (own(run.first_step) == 0)
@@ -337,7 +349,7 @@ Sums sums_at_start(uint thread)
     view_steps = states[thread].view_steps;
     Sums sums = states[thread].sums;
     if (!COLOURED)
-        sums.depth = sum_zero(); // as ever: no register keeps it along the ray
+        sums.depth = sum_zero(); // constant, so that it occupies no register along the ray
     return sums;
 }
 
@@ -353,8 +365,8 @@ vec3 view_optical_depth(ViewRay ray, float length_m, Sums sums)
                      : marched_depth(sums);
 }
 
-// Light of higher orders per unit of opacity at a place of the picture: by the sums of the four
-// texels around it.
+// Traced light per unit of opacity at an image position: bilinear interpolation of the sums of four
+// texels.
 vec3 higher_light(vec2 place_px)
 {
     ivec2 size = ivec2(light_size(uvec2(frame.width_px, frame.height_px), frame.light_texel_px));
@@ -367,17 +379,18 @@ vec3 higher_light(vec2 place_px)
         vec2 weight = mix(1.0 - part, part, vec2(step));
         sum += weight.x * weight.y * higher_orders[at.x + size.x * at.y];
     }
-    return sum.w > 0.0 ? max(sum.rgb, vec3(0.0)) / sum.w : vec3(0.0); // more may be taken back
+    // Negative where a subtracted estimate exceeds the light found (light_walk.comp).
+    return sum.w > 0.0 ? max(sum.rgb, vec3(0.0)) / sum.w : vec3(0.0);
 }
 
-// Mean distance of what is seen of the medium [m]; FAR_M where it shows nothing.
+// Mean distance of the visible medium [m]; FAR_M where nothing of it is visible.
 float view_distance_m(Sums sums)
 {
     float share = mean(fraction_lost(marched_depth(sums)));
     return share > 0.0 ? sums.distance_m / share : FAR_M;
 }
 
-// In-scattered radiance of the whole ray through a place of the picture.
+// Radiance of the media along the whole ray, with multiple scattering that is added per pixel.
 vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
 {
     vec3 scattered = sums.scattered.value.xyz;
@@ -392,7 +405,7 @@ vec3 view_scattered(Sums sums, vec3 optical_depth, ViewRay ray, vec2 place_px)
     return scattered;
 }
 
-// Sunlight reflected by a Lambertian surface, towards anywhere.
+// Sunlight reflected by a Lambertian surface; the same in all directions.
 vec3 sunlit_radiance(Hit hit, vec3 point_m)
 {
     Solid solid = solid_at(hit.solid);
@@ -412,14 +425,14 @@ vec3 surface_radiance(Hit hit, vec3 point_m)
     return radiance;
 }
 
-// What lies behind all media and is veiled: all of it, what the veil adds to it, and what comes
-// through the veil.
+// The light behind all marched media, seen through the veil (march_veil.glsl): the whole radiance,
+// the veil's part of it, and the veil's transmittance.
 struct Behind {
     vec3 radiance, veil, through;
 };
 
-// From the sky and the ground around, to a solid: the first of them is the ground, whose own is
-// among the tables.
+// Irradiance of a solid by sky and ground. Solid 0 is the ground of the planet; its irradiance is
+// in the tables.
 vec3 sky_irradiance_of(Hit hit, vec3 point_m)
 {
     SkySpot spot = sky_spot(point_m);
@@ -428,7 +441,8 @@ vec3 sky_irradiance_of(Hit hit, vec3 point_m)
     return frame.sun_irradiance * sky_field_ground(spot.sun_cosine);
 }
 
-// The table of views goes to the ground.
+// Sky, ground or a solid behind the air. The table of views reaches to the ground; for other solids
+// the air in front of them is looked up separately.
 Behind sky_behind(Hit hit, ViewRay ray)
 {
     SkyLight all = sky_look_up(eye.places[0], sky_ray_along(eye.places[0], ray.direction));
@@ -474,13 +488,13 @@ Behind veiled_behind(Hit hit, ViewRay ray)
     return all;
 }
 
-// What lies behind all media.
+// The radiance behind all media.
 vec3 radiance_behind(Hit hit, ViewRay ray)
 {
     return HAS_VEIL ? veiled_behind(hit, ray).radiance : clear_radiance_behind(hit, ray);
 }
 
-// Rays begin on the plane through the camera.
+// Eye depth of a hit; rays start on the plane through the camera.
 float hit_eye_depth_m(Hit hit, ViewRay ray)
 {
     return hit.solid == NO_SOLID ? FAR_M : hit.t_m * dot(ray.direction, frame.camera_forward);

@@ -1,23 +1,35 @@
 // SPDX-License-Identifier: MIT
 //
-// Light of lamps that a step of a march scatters towards the camera. A step may be far longer than
-// the way from the ray to a lamp: where a fog has no bounds, 64 steps go through kilometres of it.
-// What changes near a lamp (1/d^2, the phase function, the transmittance on both ways) changes over
-// the distance from it, so such a step is divided into parts that are even in
-//     u = asinh(s / h),  s: along the ray from the foot of the lamp's perpendicular, h: its height.
-// A part of du is seen from the lamp under less than du, and is no longer than sinh(du) times its
-// distance from the lamp. Each part has its own extinction, scattering and optical depth; parts of
-// finer marches are finer, so the rule is of second order however near a ray passes a lamp.
+// Light of point and spot lights that a march step scatters towards the camera.
+//
+// A step may be much longer than the distance from the ray to the light: in an unbounded fog 64
+// steps cover kilometres. Near a light 1/d^2, the phase function and both transmittances change
+// over that distance, so a long step is divided into parts of equal extent in
+//
+//   u = asinh(s / h)        s: distance along the ray from the foot of the light's perpendicular
+//                           h: length of the perpendicular
+//
+//             light
+//               *
+//               | h
+//   ray  --|----+--|-----|----------|---->       parts grow with the distance from the foot
+//             foot
+//
+// The light sees a part of extent du under an angle of less than du, and the part is no longer than
+// sinh(du) times its distance from the light. Each part has its own extinction, scattering and
+// optical depth. With more march steps the parts get shorter, so the method is of second order
+// however near a ray passes a light.
 #ifndef NEPH_MARCH_LAMP_STEPS_GLSL
 #define NEPH_MARCH_LAMP_STEPS_GLSL
 
 #include "march_lamps.glsl"
 
-// Parts of all steps of a ray for one lamp, at most, beside one for each step: lamp_parts() of
-// renderer/march_cut.c says how many turns of a thread there are for them.
+// Upper bound of the additional parts of all steps of a ray for one light, beside one part per
+// step. lamp_parts() of renderer/march_cut.c plans the loop iterations for them.
 const uint LAMP_RAY_PARTS = SHORTCUTS >> 16u;
 
-// Beyond so many heights from the foot, where 1e-9 of the light is, no step is divided.
+// Distance from the foot, in units of h, beyond which no step is divided: 1e-9 of the light is
+// there.
 const float LAMP_END = 1e9;
 
 // u of a place.
@@ -27,7 +39,7 @@ float lamp_place(LampPass pass, float s_m)
     return sign(s_m) * log(slope + sqrt(1.0 + slope * slope));
 }
 
-// The extent of a part on a ray: with 64 steps and fewer that of a froxel's parts.
+// Extent of a part in u. With 64 steps or fewer it is LAMP_PART, as in a froxel.
 float lamp_step_part(LampPass pass, Stretch stretch)
 {
     float whole = lamp_place(pass, stretch.t1_m - pass.foot_m) -
@@ -46,10 +58,10 @@ vec3 lamp_part_depth(Mixture mixture, vec3 start_m, vec3 direction, float length
     return depth;
 }
 
-// What a step sends to its near end. A step of one part is taken for its mixture, its length and
-// its optical depth, which are given: float32 rounds the places of its ends, and their difference
-// with them, the more the farther the step is from the lamp's foot, and all steps of a ray alike.
-// Else the mixture that was looked up last is another after this.
+// Light that a step sends to its near end. An undivided step uses the given mixture, length and
+// optical depth: float32 rounds its end points, and their difference loses more digits the farther
+// the step is from the foot, by the same amount in all steps of a ray. A divided step samples its
+// own mixtures and so overwrites the globals of the last one (scattering_per_m).
 vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Stretch stretch,
                      float start_m, float length_m, vec3 step_depth, out bool is_divided)
 {
@@ -85,7 +97,7 @@ vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Str
     return sum;
 }
 
-// That of all lamps, of a step of a stretch, whose mixture is the last that was looked up.
+// Light of all lights in a step. Before and after, the globals belong to the step's own mixture.
 vec3 lamps_step_light(Mixture mixture, ViewRay ray, Stretch stretch, float start_m, float length_m,
                       vec3 step_depth)
 {

@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: MIT
 //
-// Light of lamps (scenes/lights.h) in a march: scattered once, and reflected by solids. What a step
-// gets of 1/d^2 is its exact mean over the step, (theta1 - theta0) / (h length), with the angles
-// and the height h of the lamp's triangle over the step: a step may pass a lamp closely and neither
-// misses nor overrates it. All else is taken where the bisector of the triangle meets the step:
-// of parts of it where it is long or seen under a large angle, by march_lamp_steps.glsl in a march
-// and by lamp_light() in a froxel, which is short.
+// Point and spot lights (scenes/lights.h) in the ray marcher: single scattering in media, and
+// reflection by solids.
+//
+// 1/d^2 enters as its exact mean over a step or part of a step of length l:
+//
+//   (1/l) integral ds / (h^2 + s^2) = (theta1 - theta0) / (h l)
+//
+//               light
+//               /|\           h: height of the triangle over the step
+//              / | \          theta1 - theta0: angle at the light
+//             /  |h \         (an angle)
+//   ray ----|----+---|---->
+//
+// so a step that passes close to a light neither misses it nor overestimates it. All other
+// quantities are sampled where the bisector of the angle meets the step. Steps that are long or are
+// seen under a large angle are divided: by march_lamp_steps.glsl in a march, by lamp_light() in a
+// froxel.
 #ifndef NEPH_MARCH_LAMPS_GLSL
 #define NEPH_MARCH_LAMPS_GLSL
 
 #include "march_light.glsl"
 
-// The radius of the ball around a lamp whose light who includes this takes out; see LampPass.
+// Radius of the ball around a light in which the including shader removes light (struct LampPass).
 #ifndef LAMP_BALL_M
 #define LAMP_BALL_M(lamp) 0.0
 #endif
@@ -27,8 +38,10 @@ vec3 lamp_optical_depth(vec3 point_m, vec3 direction, float distance_m)
     return optical_depth;
 }
 
-// A ray as a lamp sees it. Within a ball around the lamp, where there is one, light is left out,
-// more of it the nearer it is, all at the lamp (froxels.glsl: it is found a pixel at a time).
+// A ray relative to a light: distance of the foot of the perpendicular along the ray, and the
+// perpendicular's length. Inside the ball, if any, light is removed: the fraction (1 - d^2 /
+// R^2)^2, which is all of it at the light. The real-time froxels use this, because they compute the
+// nearby light per pixel instead (froxels.glsl).
 struct LampPass {
     float foot_m, height_m;
     float ball_m; // 0: none
@@ -38,12 +51,14 @@ LampPass lamp_pass(vec3 lamp_m, ViewRay ray, float ball_m)
 {
     vec3 way_m = lamp_m - ray.origin_m;
     float foot_m = dot(way_m, ray.direction);
-    // A ray through the lamp would have no bound; this far it passes by in single precision anyway.
+    // A ray through the light would give an infinite 1/h. The bound is the rounding error of a
+    // position.
     return LampPass(foot_m, max(length(way_m - foot_m * ray.direction),
                                 1e-6 * length(way_m) + 1e-12), ball_m);
 }
 
-// The angle between two places on the ray, by their distances behind the foot and their own.
+// The angle at the light between two places on the ray, given relative to the foot, with their
+// distance given separately.
 float lamp_angle_over(LampPass pass, float s0_m, float s1_m, float length_m)
 {
     return atan(pass.height_m * length_m, pass.height_m * pass.height_m + s0_m * s1_m);
@@ -54,13 +69,15 @@ float lamp_angle(LampPass pass, float s0_m, float s1_m)
     return lamp_angle_over(pass, s0_m, s1_m, s1_m - s0_m);
 }
 
-// 1/d^2 over a stretch, its integral: all of it.
+// Integral of 1/d^2 over a segment.
 float lamp_whole(LampPass pass, float s0_m, float s1_m)
 {
     return lamp_angle(pass, s0_m, s1_m) / pass.height_m;
 }
 
-// 1/d^2 that the ball leaves, which takes (1 - d^2 / R^2)^2 of it: 2 / R^2 - d^2 / R^4 within.
+// Integral of the part of 1/d^2 that the ball leaves. Inside the ball it is
+//
+//   (1 - (1 - d^2 / R^2)^2) / d^2 = 2 / R^2 - d^2 / R^4
 float lamp_outside(LampPass pass, float s0_m, float s1_m)
 {
     float square = pass.ball_m * pass.ball_m, rest = square - pass.height_m * pass.height_m;
@@ -84,14 +101,15 @@ vec3 scattered_from(vec3 direction)
     return sum;
 }
 
-// Where the bisector of the lamp's triangle over two places meets the ray, behind the foot.
+// Where the bisector of the angle at the light meets the ray, relative to the foot.
 float lamp_bisector_m(LampPass pass, float s0_m, float s1_m)
 {
     float d0_m = length(vec2(pass.height_m, s0_m)), d1_m = length(vec2(pass.height_m, s1_m));
     return s0_m + (s1_m - s0_m) * (d0_m / (d0_m + d1_m));
 }
 
-// Light of a lamp that the last mixture scatters between two places, of a mean of 1/d^2.
+// Light of a lamp that the last mixture scatters towards the camera between two places, for a given
+// mean of 1/d^2.
 vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, float s1_m,
                           float inverse_square)
 {
@@ -105,11 +123,11 @@ vec3 lamp_scattered_per_m(Lamp lamp, LampPass pass, ViewRay ray, float s0_m, flo
     return light * fraction_through(lamp_optical_depth(point_m, direction, distance_m));
 }
 
-// The angle that a part of a step spans, about.
+// Approximate angle of a part, seen from the light.
 const float LAMP_PART = PI / 8.0;
 const uint LAMP_PARTS_MAX = NEPH_GPU_LAMP_PARTS;
 
-// What a froxel sends to its near end, of a source that is constant in each part of it.
+// Light that a froxel sends to its near end; the source is constant in each part of it.
 vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, float start_m,
                 float length_m, vec3 step_depth)
 {
@@ -134,7 +152,7 @@ vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, fl
     return sum / max(extinction_per_m, LEAST);
 }
 
-// That of all lamps, of a froxel whose mixture is the last that was looked up.
+// Light of all lights in a froxel with the mixture that was sampled last.
 vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, vec3 step_depth)
 {
     vec3 sum = vec3(0.0);
@@ -148,7 +166,7 @@ vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, ve
     return sum;
 }
 
-// What a surface of albedo 1 reflects.
+// Radiance reflected by a surface of albedo 1.
 vec3 lamps_reflected(vec3 point_m, vec3 normal, uint on_solid)
 {
     vec3 sum = vec3(0.0);

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// What a ray marcher meets in a step: extinction, and light by one of eight models.
+// Extinction and in-scattered light of a march step: optical depths along a ray and towards the
+// sun, the mixture of the media at a point, and eight lighting models:
 //
-// single   sunlight scattered once: physics, as far as it goes.
-// octaves  multiple scattering as a sum of scaled single scatterings: octave i has the scattering
-//          a^i, the sun's optical depth b^i and the phase function of g c^i; what the view loses is
-//          not scaled. (Wrenninge, Kulla, Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013;
-//          Hillaire, SIGGRAPH 2016 and 2020.) It does not conserve energy: a look.
-// octaves_fitted  octaves whose a, b and c follow from each medium's g and albedo, fitted to the
-//          path tracer, and whose b^i scales what the view loses, too (renderer/octaves_fitted.h):
-//          a look as well.
-// traced   single, and what paths have found of all higher orders (traced_light.glsl): physics.
-// diffused  single, and higher orders that diffuse through a coarse lattice (diffused_light.glsl).
-// slab     single, and higher orders as in a slab across the sunlight (slab_light.glsl): a look.
-// similarity  single, and octaves of the similar isotropic medium (similarity_light): a look.
-// horizon  the light of A. Schneider's Horizon clouds ("The Real-time Volumetric Cloudscapes of
-//          Horizon: Zero Dawn", SIGGRAPH 2015) as later written down for engines (horizon_light).
-//          In units of its own: a look.
+//   single          sunlight scattered once: physical, but incomplete
+//   octaves         multiple scattering as a sum of scaled single scatterings. Octave i has the
+//                   scattering a^i, the optical depth b^i towards the sun and the phase function of
+//                   g c^i; the attenuation to the camera is not scaled. (M. Wrenninge, C. Kulla,
+//                   V. Lundqvist, "Oz: The Great and Volumetric", SIGGRAPH 2013; S. Hillaire,
+//                   SIGGRAPH 2016 and 2020.) Non-physical: does not conserve energy
+//   octaves_fitted  octaves with a, b, c from a medium's g and albedo, fitted to the path tracer;
+//                   b^i also scales the attenuation to the camera (renderer/octaves_fitted.h).
+//                   Non-physical
+//   traced          single, and all higher orders from traced paths (traced_light.glsl): physical
+//   diffused        single, and higher orders by diffusion on a coarse grid (diffused_light.glsl):
+//                   physical, approximate
+//   slab            single, and higher orders of a slab across the sunlight (slab_light.glsl):
+//                   non-physical
+//   similarity      single, and octaves of the similar medium (similarity_light()): non-physical
+//   horizon         the light of Horizon Zero Dawn's clouds (A. Schneider, "The Real-time
+//                   Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015) as later
+//                   published for engines (horizon_light()), in arbitrary units: non-physical
 #ifndef NEPH_MARCH_LIGHT_GLSL
 #define NEPH_MARCH_LIGHT_GLSL
 
@@ -26,9 +30,9 @@
 #include "sun_cache.glsl"
 #include "traced_light.glsl"
 
-// enum neph_march_mode: where an optical depth comes from.
-const uint EXACT = 0;   // closed form, of the kinds that have one
-const uint MARCHED = 1; // sum over steps of extinction at the middle of the step
+// enum neph_march_mode: the source of an optical depth
+const uint EXACT = 0;   // closed form, for kinds of media that have one
+const uint MARCHED = 1; // sum over steps, with the extinction at the middle of each step
 layout(constant_id = 2) const uint TRANSMITTANCE = EXACT; // along the view ray
 layout(constant_id = 3) const uint SUN = EXACT;           // towards the sun
 
@@ -45,33 +49,32 @@ layout(constant_id = 4) const uint LIGHTING = SINGLE;
 const bool NEEDS_MEDIA = LAMPS || LIGHTING == OCTAVES || LIGHTING == OCTAVES_FITTED ||
                          LIGHTING == DIFFUSED || LIGHTING == SIMILARITY || LIGHTING == SLAB;
 
-// What the view ray loses is scaled by order, so a step's light comes with its own transmittance.
+// Models in which every order has its own attenuation along the view ray.
 const bool SCALES_VIEW = LIGHTING == OCTAVES_FITTED || LIGHTING == DIFFUSED ||
                          LIGHTING == SIMILARITY || LIGHTING == SLAB;
 
-// Similar media are thinner, at g = 0.9 by a factor of 5 to 10: fogs are marched to an optical
-// depth of which e^-12 comes through there.
+// Similar media are thinner than the original, at g = 0.9 by a factor of 5 to 10. With these models
+// fogs are marched down to an optical depth at which the similar medium transmits e^-12.
 const bool SEES_DEEP = SCALES_VIEW && LIGHTING != OCTAVES_FITTED;
 const float DEEP = 8.0 * OPAQUE;
 
-// The kinds of media of which optical depths are summed over steps; of the others they are closed
-// forms.
+// Kinds of media for which optical depths are summed over steps. The others have closed forms.
 const uint VIEW_MARCHED = KINDS & (TRANSMITTANCE == EXACT ? OPEN_KINDS : ~0u);
-const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view without a march
+const bool IS_SOLVED = TRANSMITTANCE == EXACT && VIEW_MARCHED == 0u; // the view needs no march
 const uint SUN_MARCHED = KINDS & (SUN == EXACT ? OPEN_KINDS : ~0u);
 
 const uint FITTED_OCTAVES = NEPH_GPU_FITTED_OCTAVES;
 
-// Read once for a thread, as to_sun().
+// Read once per thread, as in to_sun().
 uint kept_sun_steps = own(frame.sun_steps), kept_octave_count = own(frame.octave_count);
 vec3 kept_octave_factors = frame.octave_factors;
 bool kept_emits = own(frame.emits) != 0, kept_scatters = own(frame.scatters) != 0;
 
-// What this pixel has cost.
+// Cost counters of this pixel.
 uint density_evaluations = 0;
 uint closed_forms = 0;
 
-// Grey extinction needs one exponential, not three.
+// Transmittance and absorbed fraction: one exponential for grey extinction, else three.
 vec3 fraction_through(vec3 optical_depth)
 {
     return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.x));
@@ -88,7 +91,7 @@ vec3 exact_optical_depth(vec3 origin_m, vec3 direction, float length_m)
     return scene_optical_depth(origin_m, direction, length_m);
 }
 
-// As scene_optical_depth(), of the kinds of media among `kinds`.
+// scene_optical_depth() restricted to the kinds of media in `kinds`.
 vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float length_m)
 {
     closed_forms++;
@@ -100,15 +103,16 @@ vec3 exact_optical_depth_of(uint kinds, vec3 origin_m, vec3 direction, float len
     return grey(optical_depth);
 }
 
-// By how many samples at once a sum over steps is made: those of a texture are on their way
-// together, for a GPU would wait for one after the other. What is looked up behind the end is not
-// added. Where empty steps are passed it is not known which come next.
+// Number of samples that a sum over steps takes at once. Texture fetches are issued together,
+// because a GPU would otherwise wait for each. Samples beyond the end are fetched and not added.
+// With empty-space skipping the next steps are not known in advance.
 const uint TAPS_MAX = 3;
 const bool TAPS_IN_TURN = STEPS_TOGETHER && KNOWN_MEDIA == 1u && KINDS == 1u << MEDIUM_GRID;
 uint taps() { return SKIPS ? 1 : TAPS_IN_TURN ? 2 : SAMPLES_TEXTURES ? TAPS_MAX : 1; }
 
-// One after the other, which in an only grid spares a CPU every other turn of a loop. Elsewhere the
-// loops within would turn more often than a dispatch may (renderer/march_cut.c).
+// Samples one after the other: with a single grid this saves a CPU every other loop iteration. In
+// other scenes the inner loops would exceed the iterations that a dispatch may have
+// (renderer/march_cut.c).
 void add_taps_in_turn(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, inout Sum sum)
 {
     [[unroll]] for (uint k = 0; k < taps(); k++) {
@@ -138,11 +142,12 @@ void add_taps(uint kinds, vec3 origin_m, vec3 direction, Steps steps, uint i, in
         }
 }
 
-// Loops are left at the end of a turn: lavapipe goes through a turn to its end for nobody, where
-// the last of its lanes leaves at the start.
+// Loops below are left at the end of an iteration: where the last lane leaves at the start,
+// lavapipe still executes the iteration to its end without any thread.
 
-// A texture that is the only medium, along a stretch by steps of which each is `growth` times as
-// long as the one before. A plain sum, which steps in clear air do not change.
+// Optical depth through a texture as the only medium, along a stretch with steps that each are
+// `growth` times as long as the one before. A plain sum, because steps in clear air do not change
+// it.
 const uint RAY_TAPS_MAX = 6;
 uint ray_taps() { return SKIPS ? 1 : RAY_TAPS_MAX; }
 
@@ -172,8 +177,9 @@ float texture_optical_depth(vec3 origin_m, vec3 direction, Stretch stretch, uint
     return ray.full_per_m * sum;
 }
 
-// Where empty steps were passed nothing is added once: a sum that carries its error may then still
-// move by its last bit, and after that not again, as if nothing had been added for each.
+// Optical depth by a sum over equal steps. Where empty steps were skipped, a zero is added once:
+// the compensated sum may still change its last bit then, but not by further zeros. The result
+// equals the sum without skipping.
 vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float length_m,
                            uint step_count)
 {
@@ -200,7 +206,7 @@ vec3 marched_optical_depth(uint kinds, vec3 origin_m, vec3 direction, float leng
     return grey(sum.value.xyz);
 }
 
-// Across a direction, and across both; unit, if it is.
+// Two vectors perpendicular to a direction and to each other; unit, if the direction is.
 void frame_across(vec3 direction, out vec3 right, out vec3 up)
 {
     right = normalize(abs(direction.y) < 0.9 ? cross(direction, vec3(0.0, 1.0, 0.0))
@@ -208,8 +214,8 @@ void frame_across(vec3 direction, out vec3 right, out vec3 up)
     up = cross(right, direction);
 }
 
-// The place of a step towards the sun, a way off: on the ray, or within a cone around it, where a
-// sunflower has its seeds, even over a disc whatever their number is.
+// Position of sun step i at the distance t_m: on the sun ray, or in a cone around it, in a
+// sunflower pattern (golden angle), which covers a disc evenly for any number of points.
 vec3 sun_tap_m(vec3 point_m, float t_m, uint i)
 {
     vec3 tap_m = point_m + t_m * to_sun();
@@ -222,9 +228,9 @@ vec3 sun_tap_m(vec3 point_m, float t_m, uint i)
     return tap_m + width_m * (cos(angle) * right + sin(angle) * up);
 }
 
-// Towards the sun by few steps that grow: what is near decides most, and what is far little (A.
-// Schneider, "The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015, has six,
-// in a cone).
+// Optical depth towards the sun with few steps of growing length, because the nearby medium matters
+// most. (A. Schneider, "The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn", SIGGRAPH 2015,
+// has six steps in a cone.)
 vec3 grown_sun_depth(uint kinds, vec3 point_m)
 {
     Stretch stretch = scene_stretch(kinds, point_m, to_sun(), FAR_M);
@@ -278,11 +284,11 @@ vec3 sun_optical_depth_of(uint kinds, vec3 point_m)
     return optical_depth;
 }
 
-// Whether the point where mixture_at() was last is in a shape: what a shadow map tells is coarse
-// there.
+// Whether the last point of mixture_at() is in a shape: the shadow map is too coarse there.
 bool is_in_shape = true;
 
-// Outside of shapes: fogs as ever, shapes from the shadow map as far as it reaches.
+// For points outside of shapes: fogs are computed here, shapes come from the shadow map where it
+// covers the point.
 vec3 mapped_or_own_sun_depth(vec3 point_m)
 {
     vec3 depth;
@@ -291,7 +297,8 @@ vec3 mapped_or_own_sun_depth(vec3 point_m)
     return HAS_FOG ? depth + sun_optical_depth_of(KINDS & FOG_KINDS, point_m) : depth;
 }
 
-// What a sample of a medium sees: fogs as ever, shapes from the cache where there is one.
+// Optical depth towards the sun for a sample of a medium: fogs are computed here, shapes come from
+// the sun cache, if there is one.
 vec3 sample_sun_depth(vec3 point_m)
 {
     if (MAPS_SHADOW && !is_in_shape)
@@ -309,29 +316,30 @@ vec3 sunlight(vec3 point_m, uint on_solid)
     return sun_at(point_m) * fraction_through(mapped_or_own_sun_depth(point_m));
 }
 
-// What the media are at a point, all of them together.
+// The combined properties of all media at a point.
 struct Mixture {
     vec3 extinction_per_m;
-    vec3 marched_per_m; // the part of it that VIEW_MARCHED has
+    vec3 marched_per_m; // extinction of the media in VIEW_MARCHED
     vec3 scattering; // sum of scattering coefficient times phase function [1/(m sr)]
-    vec3 glow; // the mean of the media's, by their extinction [W m^-2 sr^-1]
+    vec3 glow; // mean of the media's glow, weighted with extinction [W m^-2 sr^-1]
 };
 
-// The view ray of this pixel. The sun is a direction: phase functions are the same all along it.
+// This pixel's view ray. The sun is directional, so phase functions are constant along the ray.
 vec3 view_origin_m, view_direction;
 float phase_towards_camera_per_sr[MEDIA_MAX];
-// The scattering coefficients at the point where mixture_at() was last [1/m]; NEEDS_MEDIA alone.
+// Scattering coefficients at the last point of mixture_at() [1/m]; only with NEEDS_MEDIA.
 vec3 scattering_per_m[MEDIA_MAX];
 
-// The phase function with its excess over isotropic cut to a part.
+// The phase function with its anisotropy scaled by `part` (phase_cut_per_sr()).
 float flattened_phase_per_sr(uint m, float part)
 {
     return phase_cut_per_sr(own(frame.media[m].phase_kind), frame.media[m].g, part,
                             phase_towards_camera_per_sr[m], view_direction, to_sun());
 }
 
-// Those of the first octaves of an only medium, once for a ray; with their contributions where the
-// octaves of all channels are summed at once, which rounds otherwise.
+// Phase functions of the first octaves of the only medium, computed once per ray. With
+// SUMS_CHANNELS they include the contributions a^i: the octaves are then one sum for all channels,
+// with different rounding.
 const bool KEEPS_PHASES = LIGHTING == OCTAVES && KNOWN_MEDIA == 1u;
 const uint KEPT_PHASES = NEPH_GPU_KEPT_PHASES;
 float kept_phases_per_sr[KEPT_PHASES];
@@ -362,11 +370,11 @@ void look_along(ViewRay ray)
         keep_phases();
 }
 
-// Where there is no extinction, nothing scatters or emits: guards all divisions by it.
+// Lower bound of divisors. Without extinction nothing scatters or emits, so the quotient is 0.
 const vec3 LEAST = vec3(1e-37);
 
-// `known_per_m`: the extinction of an only medium there, where it `is_known` (to the compiler, too:
-// lavapipe would look it up for nobody).
+// The mixture at a point. `known_per_m` is the extinction of the only medium there, if `is_known`.
+// The latter is a compile-time constant, so that lavapipe does not sample the medium again.
 Mixture mixture_of(vec3 point_m, const bool is_known, float known_per_m)
 {
     bool only_fogs = !is_known && SKIPS && shapes_are_empty(point_m);
@@ -401,7 +409,7 @@ Mixture mixture_at(vec3 point_m) { return mixture_of(point_m, false, 0.0); }
 
 // --- octaves --------------------------------------------------------------------------------
 
-// The first octaves of an only medium, by its kept phase functions.
+// Octaves of the only medium from the kept phase functions [1/(m sr)].
 vec3 kept_octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
@@ -415,7 +423,7 @@ vec3 kept_octave_scattering(vec3 optical_depth)
     return sum;
 }
 
-// As one sum for all channels, of which contributions are a part already.
+// Octaves as one sum for all channels; the kept phase functions include a^i.
 vec3 summed_octave_scattering(float optical_depth)
 {
     float sum = 0.0, attenuation = 1.0; // b^i
@@ -427,7 +435,10 @@ vec3 summed_octave_scattering(float optical_depth)
     return sum * scattering_per_m[0];
 }
 
-// Sum over octaves of scattering times phase function times the sun's transmittance [1/(m sr)].
+// Octave model: the sum over octaves of scattering coefficient times phase function times
+// transmittance towards the sun [1/(m sr)]:
+//
+//   sum_i  a^i  sigma_s  p(c^i g)  e^(-b^i tau_sun)
 vec3 octave_scattering(vec3 optical_depth)
 {
     vec3 sum = vec3(0.0);
@@ -439,7 +450,7 @@ vec3 octave_scattering(vec3 optical_depth)
             scale *= kept_octave_factors;
     }
     if (KEEPS_PHASES && !MANY_OCTAVES)
-        return sum; // not a turn for nobody
+        return sum; // before the loop, which lavapipe would enter without any thread
     for (uint i = KEEPS_PHASES ? KEPT_PHASES : 0; i < kept_octave_count; i++) {
         vec3 octave = vec3(0.0);
         [[unroll]] for (uint m = 0; m < media_count(); m++)
@@ -452,7 +463,7 @@ vec3 octave_scattering(vec3 optical_depth)
 
 // --- source functions -----------------------------------------------------------------------
 
-// The source function of sunlight, J = scattering / extinction * sunlight.
+// Source function of sunlight, J = scattering / extinction * sunlight [W m^-2 sr^-1].
 vec3 source_function(Mixture mixture, vec3 point_m)
 {
     if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
@@ -465,9 +476,9 @@ vec3 source_function(Mixture mixture, vec3 point_m)
 
 // --- octaves, fitted -------------------------------------------------------------------------
 
-// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera: octave i
-// loses b^i of both ways' optical depths, and so the sum stays the same when eye and sun change
-// places, as radiance does.
+// Fitted octaves: radiance that a step of optical depth `step_depth` behind `seen_depth` sends to
+// the camera. Octave i attenuates both ways, from the sun and to the camera, with the factor b^i.
+// So the sum is symmetric in eye and sun, as reciprocity requires.
 vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
 {
     if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
@@ -493,14 +504,16 @@ vec3 fitted_octave_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 st
 
 // --- similarity ------------------------------------------------------------------------------
 
-// What is the same of media whose light looks alike (H. C. van de Hulst, "Multiple Light
-// Scattering", 1980, chapter 14; D. R. Wyman, M. S. Patterson, B. C. Wilson, Appl. Opt. 28, 1989).
+// Similarity: the quantities that media with the same appearance share (H. C. van de Hulst,
+// "Multiple Light Scattering", 1980, chapter 14; D. R. Wyman, M. S. Patterson, B. C. Wilson, Appl.
+// Opt. 28, 1989). The first is the mean cosine.
 float mean_cosine_of(uint m)
 {
     return phase_mean_cosine(own(frame.media[m].phase_kind), frame.media[m].g);
 }
 
-// The part that is taken to go on as it came, and the mean cosine of the rest.
+// Delta-Eddington: the forward peak f = g^2 that counts as unscattered, and the mean cosine g' = g
+// / (1 + g) of the other scattering.
 float peak_of(uint m)
 {
     float g = max(mean_cosine_of(m), 0.0);
@@ -513,10 +526,10 @@ float smooth_g_of(uint m)
     return g > 0.0 ? g / (1.0 + g) : g;
 }
 
-// Sums over the media of a place.
+// Sums over the media at a point, first channel.
 struct Similar {
     float extinction_per_m, scattering_per_m;
-    float peak_per_m, onward_per_m; // of scattering, times peak and times mean cosine
+    float peak_per_m, onward_per_m; // scattering weighted with the peak and with the mean cosine
 };
 
 void similar_add(inout Similar sum, uint m, float scattering_per_m)
@@ -534,15 +547,16 @@ Similar similar_of(Mixture mixture)
     return sum;
 }
 
-// Optical depths, by those of the media.
+// Extinction of the similar medium over the original one: 1 - f albedo.
 float similar_scale(Similar sum)
 {
     return 1.0 - sum.peak_per_m / max(sum.extinction_per_m, LEAST.x);
 }
 
-// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera: sunlight
-// scattered once, as it is, and octaves of the similar medium, without what was scattered once on
-// its way there, too. The octaves are the fitted ones, of that medium.
+// Similarity model: radiance that a step of optical depth `step_depth` behind `seen_depth` sends to
+// the camera. It is single scattering of the original medium, plus the octaves of the similar
+// medium minus that medium's single scattering. The octave factors are fitted to the similar
+// medium.
 vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_depth)
 {
     if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))
@@ -574,12 +588,13 @@ vec3 similarity_light(Mixture mixture, vec3 point_m, vec3 seen_depth, vec3 step_
 
 float remap(float x, float a, float b, float c, float d) { return c + (x - a) * (d - c) / (b - a); }
 
-// Beer's law with twice the density, never below 0.7 e^-0.5.
+// Beer's law with twice the density, not below 0.7 e^-0.5.
 float horizon_beer(float density_to_sun)
 {
     return max(exp(-2.0 * density_to_sun), 0.7 * exp(-0.5));
 }
 
+// The article's phase term: not normalized.
 float horizon_phase()
 {
     float towards_sun = max(dot(view_direction, to_sun()), 0.0);
@@ -588,16 +603,17 @@ float horizon_phase()
     return mix(forward, henyey_greenstein_per_sr(-0.1, view_direction, to_sun()), 0.5);
 }
 
-// In-scatter probability. Below a height of .0622 the article raises a negative number to .8; what
-// its GPU made of that was the floor of horizon_light, and so is 0 here.
+// In-scatter probability. Below a relative height of 0.0622 the article raises a negative number to
+// the power 0.8. On its GPU the result was the floor of horizon_light(); here it is 0, with the
+// same effect.
 float horizon_inscatter(HorizonSample cloud)
 {
     float depth = pow(cloud.without_detail, remap(cloud.height, 0.3, 0.85, 0.5, 1.3)) + 0.05;
     return depth * pow(max(remap(cloud.height, 0.07, 0.14, 0.1, 1.0), 0.0), 0.8);
 }
 
-// Two points towards the sun, the first where we are, over 1/20 of the view's way through the
-// layer.
+// Sum of the densities at two points towards the sun. The first is the point itself; the spacing is
+// 1/40 of the view ray's way through the layer.
 float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
 {
     float t0_m = 0.0, t1_m = FAR_M;
@@ -607,12 +623,13 @@ float horizon_density_to_sun(Horizon horizon, vec3 point_m, float density)
     return density + horizon_density(horizon, next_m);
 }
 
-// Radiance per metre before the view's extinction. The article adds one such term per step of its
-// march, with a step of optical depth `density`; so 1 / extinction_per_m is that step here, and the
-// march may have any other. Its light has no unit: 1 is a white surface in full sun here. Faithful
-// otherwise: the floor, the lobe that is no phase function, light where the density is 0 but the
-// layer is, and in the end the sum once more times what the layer hides (march.comp), which hides
-// that light again.
+// Radiance per metre before the view's extinction. The article adds one such term per step, with a
+// step of optical depth `density`. Here 1 / extinction_per_m takes the place of that step, so the
+// march may have any other. The article's light has no unit; here 1 is a white surface in full sun.
+//
+// Faithful to the article otherwise: the floor, the lobe that is no phase function, light at points
+// of the layer without density, and in view_scattered() (march.glsl) the multiplication of the sum
+// with the layer's opacity, which attenuates the light a second time.
 vec3 horizon_light(vec3 point_m)
 {
     vec3 light = vec3(0.0);

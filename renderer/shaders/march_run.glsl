@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The piece of a march that one dispatch does: some of its rays, one a thread, and some of their
-// steps (renderer/march_cut.h).
+// Push constants of a march: the rays (one per thread) and the steps that one dispatch computes
+// (renderer/march_cut.h).
 #ifndef NEPH_MARCH_RUN_GLSL
 #define NEPH_MARCH_RUN_GLSL
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A march under the sky of a planet (renderer/sky/tables.h): the air is no medium of the march, and
-// comes from tables. What lies between the camera and a place is among what veils it
-// (march_veil.glsl).
+// The planet's atmosphere in the ray marcher, from precomputed tables (renderer/sky/tables.h). The
+// air is not marched: it is part of the veil (march_veil.glsl), it attenuates sunlight, and it
+// illuminates surfaces.
 #ifndef NEPH_MARCH_SKY_GLSL
 #define NEPH_MARCH_SKY_GLSL
 
@@ -13,14 +13,16 @@
 #include "sky_view.glsl"
 
 const bool HAS_SKY = (SHORTCUTS & 64u) != 0u;
-const bool SKY_LIGHTS = (SHORTCUTS & 128u) != 0u; // media, by a table of their own place
+// The sky illuminates media, from a table of views at their centre.
+const bool SKY_LIGHTS = (SHORTCUTS & 128u) != 0u;
 
-// For a place relative to the camera.
+// A point relative to the camera in the coordinates of the tables.
 struct SkySpot {
     vec3 vertical;
     float altitude_m, sun_cosine;
 };
 
+// The coordinates of a point; its altitude is computed without cancellation (globe.glsl).
 SkySpot sky_spot(vec3 point_m)
 {
     SkyPlace camera = eye.places[0];
@@ -31,8 +33,9 @@ SkySpot sky_spot(vec3 point_m)
                    dot(vertical, to_sun()));
 }
 
-// Irradiance of a surface by the sky and the ground around it: moments of the field by the cosine's
-// own, pi, 2 pi / 3, pi / 4, 0, -pi / 24 (neph_sky_irradiance()).
+// Irradiance of a surface by the sky and the ground around it [W/m^2]: the spherical-harmonic
+// moments of the radiance field times the moments of the clamped cosine, which are pi, 2 pi / 3, pi
+// / 4, 0, -pi / 24 for degrees 0 to 4 (neph_sky_irradiance()).
 vec3 sky_irradiance(SkySpot spot, vec3 normal)
 {
     if (eye.has_field == 0u)

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// The march where a grey texture is the only medium and sunlight the only light (SUNLIT_TEXTURE):
-// what is the same all along a ray is a factor at its end, so that a step sums numbers and not
-// colours, and asks for its light in the texture's own coordinates. It has the samples of march()
-// and rounds otherwise: sums are plain, within what the weights of a texture are off by.
+// The march for a special case (SUNLIT_TEXTURE): the only medium is a grey grid in a texture, and
+// the only light is the sun. Quantities that are constant along a ray are applied at its end, so a
+// step sums scalars, not colours, and sun rays are computed in texture coordinates. The samples are
+// the same as in march(). Sums are plain, not compensated; the difference is below the error of the
+// texture unit's interpolation weights.
 //
-// Instructions decide here. A texture unit of a GPU gives a sample in the time of some 60
+// This path is limited by instructions: a texture unit delivers a sample in the time of some 60
 // multiply-adds.
 #ifndef NEPH_MARCH_TEXTURE_GLSL
 #define NEPH_MARCH_TEXTURE_GLSL
@@ -22,11 +23,11 @@ const bool MARCHES_TEXTURE = IS_SUNLIT && IS_SUMMED && HAS_EQUAL_STEPS && !PASSE
 
 // --- towards the sun --------------------------------------------------------------------------
 
-// From places along a view ray. A ray leaves the medium's bounds at the first of three faces, each
-// at a distance that is linear in the place.
+// Sun rays from all places along a view ray. A sun ray leaves the medium's bounds at the nearest of
+// three faces; its distance to each face is linear in the place on the view ray.
 struct SunWay {
     vec3 exit_m, exit_per_m;
-    vec3 per_m; // in parts of the texture
+    vec3 per_m; // in texture coordinates
 };
 
 SunWay sun_way(ViewRay ray)
@@ -42,7 +43,8 @@ SunWay sun_way(ViewRay ray)
     return way;
 }
 
-// Where empty cells are known they are not asked; elsewhere samples are on their way together.
+// One sample on a sun ray. With empty-space skipping empty cells are not fetched; without it
+// several fetches are in flight.
 float tap(vec3 place, float t_m, vec3 point_m)
 {
     if (SKIPS && shapes_are_empty(point_m + t_m * to_sun()))
@@ -52,13 +54,13 @@ float tap(vec3 place, float t_m, vec3 point_m)
     return grid_texture_at(0, place);
 }
 
-// `count` taps from `next_m` on, known before: as many samples are on their way. Each is in the
-// middle of a step, of which the next one is `growth` times as long.
+// The sum of `count` samples from `next_m` on; the compile-time count lets all fetches be in flight
+// together. Each sample is in the middle of a step, and the next step is `growth` times as long.
 float add_taps(vec3 place, vec3 per_m, vec3 point_m, const uint count, float growth,
                inout float next_m, inout float length_m)
 {
     float densities[RAY_TAPS_MAX], lengths_m[RAY_TAPS_MAX], sum = 0.0;
-    float middle_m = next_m + 0.5 * length_m; // of the first
+    float middle_m = next_m + 0.5 * length_m; // of the first step
     vec3 first = place + middle_m * per_m, step = length_m * per_m;
     [[unroll]] for (uint k = 0; k < count; k++) {
         float t_m = GROWS_SUN_RAYS ? next_m + 0.5 * length_m : middle_m + float(k) * length_m;
@@ -79,8 +81,8 @@ float add_taps(vec3 place, vec3 per_m, vec3 point_m, const uint count, float gro
 
 float sun_texels_together(SunWay way, vec3 place, float all_m); // march_texture_cpu.glsl
 
-// Sum of density times length, in full densities and metres, towards the sun from a place of the
-// texture.
+// Sum over a sun ray of density (relative to the full one) times length [m], from the place at t_m
+// on the view ray.
 float sun_texels(SunWay way, vec3 place, vec3 point_m, float t_m)
 {
     vec3 exits_m = way.exit_m + t_m * way.exit_per_m;
@@ -112,7 +114,7 @@ float through_of(float exponent)
     return DROPS_SMALL_NUMBERS && exponent < LEAST_EXPONENT ? 0.0 : exp2(exponent);
 }
 
-// What comes to a place of sunlight, times phase functions [1/sr].
+// Transmittance of the sunlight times phase function, summed over octaves [1/sr].
 float texture_light(float sun_depth)
 {
     float exponent = -PER_E * sun_depth;
@@ -128,15 +130,15 @@ float texture_light(float sun_depth)
 
 // --- along the view ray -------------------------------------------------------------------------
 
-// 1 - e^-x for x >= 0, given e^-x: below 1/8 that would cancel, and five terms of the series are
-// right to 1e-7.
+// 1 - e^-x for x >= 0, given e^-x. Below 1/8 the difference would cancel; five terms of the series
+// are accurate to 1e-7 there.
 float lost_of(float x, float through)
 {
     float thin = x * (1.0 - x * (1.0 / 2.0 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0))));
     return x < 0.125 ? thin : 1.0 - through;
 }
 
-// Eight steps, and in which of them there is something.
+// A block of eight steps, and which of them have density.
 const uint BLOCK_STEPS = 8;
 struct Block {
     float densities[BLOCK_STEPS];
@@ -166,7 +168,7 @@ void fetch_block(vec3 place, vec3 step, float t_m, float step_m, ViewRay ray, ui
     }
 }
 
-// A choice among known numbers is cheaper than an index into memory.
+// Selecting among registers is cheaper than an index into memory.
 float density_of(Block block, uint k)
 {
     bool is_odd = (k & 1u) != 0u, is_upper = (k & 2u) != 0u;
@@ -178,11 +180,12 @@ float density_of(Block block, uint k)
     return k < 4u ? halves.x : halves.y;
 }
 
-// What a ray has come to, before all that is the same along it.
+// Sums of a ray, before the factors that are constant along it.
 struct TextureSums {
     float light, distance_m, depth, through;
 };
 
+// Adds a step with density.
 void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float step_depth,
                   SunWay sun, inout TextureSums sums)
 {
@@ -198,8 +201,8 @@ void add_lit_step(ViewRay ray, float t_m, vec3 place, float per_full_m, float st
         sums.through = 0.0;
 }
 
-// All rays of a subgroup are in the same eight steps: what they sample lies close together. On an
-// H100 that is worth 5 %, more than it saves to let each go on to its own next lit step.
+// All rays of a subgroup process the same eight steps, so their samples are close together. On an
+// H100 this is 5 % faster than letting each ray advance to its own next non-empty step.
 void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float per_full_m,
                inout TextureSums sums)
 {
@@ -221,14 +224,14 @@ void add_steps(ViewRay ray, float first_m, float step_m, TextureRay way, float p
 
 #include "march_texture_cpu.glsl"
 
-// The steps of this run, as march() has them.
+// The steps of this dispatch; the same interface as march().
 void march_texture(ViewRay ray, Stretch stretch, float place, inout Sums sums)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);
     float step_m = (stretch.t1_m - stretch.t0_m) / float(frame.steps);
     float depth = sums.scattered.value.w;
     TextureSums own_sums = TextureSums(0.0, 0.0, depth, transmittance(depth));
-    sums.scattered.excess = vec4(0.0); // known, so that no register keeps it along the ray
+    sums.scattered.excess = vec4(0.0); // constant, so that it occupies no register along the ray
     sums.depth = sum_zero();
     float first_m = stretch.t0_m + place * step_m;
     float per_full_m = way.full_per_m * frame.media[0].extinction_color.x;

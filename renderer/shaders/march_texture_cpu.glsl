@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// march_texture.glsl for a CPU (STEPS_TOGETHER): the same samples, in loops that all lanes leave
-// together. Empty cells are not passed here (PASSES_STEPS).
+// march_texture.glsl for lavapipe (STEPS_TOGETHER): the same samples, in loops that all lanes leave
+// at the same time. There is no empty-space skipping here (PASSES_STEPS).
 #ifndef NEPH_MARCH_TEXTURE_CPU_GLSL
 #define NEPH_MARCH_TEXTURE_CPU_GLSL
 
 // --- towards the sun --------------------------------------------------------------------------
 
-// All steps are equal, six samples at a time: a loop that lavapipe leaves only at its end.
+// Equal steps, six samples per iteration. lavapipe leaves the loop only at its end.
 float equal_taps(vec3 place, vec3 per_m, uint count, float step_m)
 {
     vec3 step = step_m * per_m;
@@ -52,7 +52,7 @@ float sun_texels_together(SunWay way, vec3 place, float all_m)
 
 // --- along the view ray -----------------------------------------------------------------------
 
-// Four steps, and in which of them there is something.
+// Four steps, and which of them have density.
 const uint STEPS_AT_ONCE = 4;
 
 uint fetch_four(vec3 place, vec3 step, uint count, out vec4 densities)
@@ -85,15 +85,15 @@ void add_steps_together(ViewRay ray, float first_m, float step_m, TextureRay way
         float t_m;
         vec3 place;
         vec4 densities;
-        for (;;) { // to where some ray finds something
+        for (;;) { // until a ray finds density
             t_m = first_m + float(i) * step_m;
             place = first + float(i) * step;
             lit = fetch_four(place, step, end - i, densities);
             i += STEPS_AT_ONCE;
-            if (subgroupAny(i >= end || lit != 0u)) // only a vote, as in march.glsl
+            if (subgroupAny(i >= end || lit != 0u)) // a vote and nothing else, as in march.glsl
                 break;
         }
-        for (;;) { // lavapipe would do the rest of a turn for no thread if it left at the start
+        for (;;) { // left at its end: see march_light.glsl
             uint k = uint(findLSB(lit));
             if (lit != 0u)
                 add_lit_step(ray, t_m + float(k) * step_m, place + float(k) * step, per_full_m,

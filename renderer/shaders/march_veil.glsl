@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT
 //
-// What lies between the camera and all that is marched, and is no medium of the march: the look of
-// a height fog in closed form (fog_look.glsl), and the air of a planet by tables (march_sky.glsl).
-// What is found at a distance t is seen through the veil before it: it loses what that takes, and
-// the veil adds its own light, as far as the place hides what is behind it. As
+// The veil: light and attenuation between the camera and the marched media by things that are not
+// marched. These are a height fog in closed form (the game-engine model of fog_look.glsl) and the
+// air of a planet from tables (march_sky.glsl).
+//
+// A step at the distance t is seen through the veil in front of it. The veil attenuates the step's
+// light, and adds its own light in proportion to the opacity of the step, which hides the veil
+// behind:
 //
 //   L = sum_i T_i (1 - e^-dtau_i) (A(t_i) + T_veil(t_i) J_i) + T (A(D) + T_veil(D) L_behind)
 //
-// this is the transport equation of veil and media together, with A(t) = integral of T_veil j_veil
-// up to t: by parts, the integral of T dA is T(D) A(D) less that of A dT. So no order of layers
-// needs to be known, and where a medium is cut in two, nothing changes. Fog is put before air: it
-// lies near the ground, where the camera is. What it leaves out: media cast no shadow on a look,
-// and scatter no light to a veil.
+// with A(t) the integral of T_veil j_veil up to t. Integration by parts shows that this is the
+// transport equation of veil and media together: the integral of T dA equals T(D) A(D) minus the
+// integral of A dT. So media and veil need no sorting, and splitting a medium changes nothing.
+//
+// Fog is placed in front of the air, because it is near the ground, where the camera is. Two
+// effects are neglected: media cast no shadow on a closed-form fog, and scatter no light into a
+// veil.
 #ifndef NEPH_MARCH_VEIL_GLSL
 #define NEPH_MARCH_VEIL_GLSL
 
@@ -20,18 +25,19 @@
 const bool HAS_FOG_LOOK = (SHORTCUTS & 1024u) != 0u;
 const bool HAS_VEIL = HAS_SKY || HAS_FOG_LOOK;
 
-// What it adds, and what comes through.
+// Added radiance, and transmittance.
 struct Veil {
     vec3 light, through;
 };
 
-// A veil before another.
+// Composition of two veils.
 Veil veil_before(Veil near, Veil far)
 {
     return Veil(near.light + near.through * far.light, near.through * far.through);
 }
 
-// Where froxels have the fog, as a medium, its look begins on the plane on which they end.
+// Where froxels have the near fog as a medium, the closed form starts on the plane at which the
+// froxels end.
 FogLook fog_behind_froxels(vec3 direction)
 {
     FogLook look = frame.fog_look;
@@ -61,23 +67,23 @@ Veil veil_to(vec3 direction, float distance_m)
     return HAS_SKY ? veil_before(fog, air_veil(direction, distance_m)) : fog;
 }
 
-// Radiance seen through the veil before it, of something as opaque.
+// Radiance of something with the given opacity, seen through the veil.
 vec3 behind_veil(vec3 direction, float distance_m, vec3 radiance, vec3 opacity)
 {
     Veil veil = veil_to(direction, distance_m);
     return veil.through * radiance + veil.light * opacity;
 }
 
-// The fog of a look as it lies, without any control: what light loses on its way to a place.
+// Optical depth from a point to the sun of the closed-form fog, without its artistic controls.
 float fog_look_sun_depth(vec3 point_m)
 {
     float rise_m = point_m.y + frame.fog_look.observer_drop_m;
     return LN2 * fog_look_depth(frame.fog_look, rise_m, to_sun().y, FAR_M);
 }
 
-vec3 kept_irradiance = frame.sun_irradiance; // read once for a thread, as to_sun()
+vec3 kept_irradiance = frame.sun_irradiance; // read once per thread, as in to_sun()
 
-// Sunlight that comes to a place through what veils it [W/m^2].
+// Sunlight at a point after attenuation by air and closed-form fog [W/m^2].
 vec3 sun_at(vec3 point_m)
 {
     vec3 irradiance = kept_irradiance;

@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: MIT
 //
-// The media of a scene. What is particular to a kind lies in its own file, and only here are kinds
-// told apart: a new one is a file, a number, a member of struct Shape, and a line in each function
-// for which it has an answer of its own. renderer/media/ has its other half.
+// The media of a scene: one interface to all kinds. Each kind has its own file; only this file
+// tells kinds apart. A new kind needs a file, a number, a member of struct Shape, and a line in
+// each function below that treats it in a special way. The CPU side is renderer/media/.
+//
+//   medium_extinction_per_m()   extinction at a point
+//   medium_optical_depth()      exact optical depth along a ray
+//   layer_free_path_m()         distance to a given optical depth
+//   medium_include()            the part of a ray that is worth marching
 #ifndef NEPH_MEDIA_GLSL
 #define NEPH_MEDIA_GLSL
 
 #extension GL_EXT_control_flow_attributes : require
 
 layout(std430, binding = 2) readonly buffer GridValues {
-    float grid_values[]; // of all voxel grids, one after the other
+    float grid_values[]; // values of all voxel grids, one grid after the other
 };
 
-#include "solids.glsl" // TRAITS, for all
+#include "solids.glsl" // has TRAITS, which all files need
 #include "device_forms.glsl"
 
 #ifdef SEES_GRID_TEXELS
-// Each of them and the one behind it, to be read by a CPU (neph_buffer_see_texels()).
+// Each value together with the next one, as a texel buffer for a CPU device
+// (neph_buffer_see_texels()).
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui) uniform readonly uimageBuffer grid_pairs[1];
 
 vec2 grid_pair(uint at)
@@ -28,7 +34,7 @@ vec2 grid_pair(uint at)
 #endif
 
 layout(std430, binding = 4) readonly buffer HorizonTexels {
-    vec4 horizon_texels[]; // of all Horizon clouds, one after the other
+    vec4 horizon_texels[]; // textures of all Horizon clouds, one after the other
 };
 
 #include "fog.glsl"
@@ -39,10 +45,12 @@ layout(std430, binding = 4) readonly buffer HorizonTexels {
 #include "shell.glsl"
 #include "tent.glsl"
 
-// What the scene is made of, known before the shader is compiled: code for what is not there costs
-// nothing, not even the loop turns (renderer/compute.h) of loops that no thread takes.
-layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: a medium of kind k
-const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u; // extinction depends on the channel
+// Properties of the scene as specialization constants. Code for absent features is removed before
+// compilation and costs nothing, not even the loop iterations (renderer/compute.h) of loops that no
+// thread would enter.
+layout(constant_id = 0) const uint KINDS = 0xffffffffu; // bit k: the scene has a medium of kind k
+// A medium's extinction depends on the channel.
+const bool COLOURED = (TRAITS & NEPH_GPU_COLOURED) != 0u;
 const bool ORTHOGRAPHIC = (TRAITS & NEPH_GPU_ORTHOGRAPHIC) != 0u; // the camera is orthographic
 
 // enum neph_medium_kind
@@ -55,23 +63,23 @@ const uint MEDIUM_HORIZON = 5;
 const uint MEDIUM_PLUME = 6;
 const uint MEDIUM_TENT = 7;
 
-// Fogs are layers, whose free paths have a closed form. The others are shapes: a density, times the
-// medium's extinction; they are tracked through majorants.
+// Fogs consist of layers with closed-form free paths. All other kinds are shapes: a density times
+// the medium's extinction, tracked through majorants.
 const uint FOG_KINDS = 1u << MEDIUM_HOMOGENEOUS | 1u << MEDIUM_HEIGHT_FOG;
 const uint SHAPE_KINDS = KINDS & ~FOG_KINDS;
-const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // no closed form of the optical depth
+const uint OPEN_KINDS = 1u << MEDIUM_HORIZON; // optical depth without a closed form
 
-const bool LAMPS = (TRAITS & NEPH_GPU_LAMPS) != 0u; // there are lights beside the sun
-const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // 0: any number
+const bool LAMPS = (TRAITS & NEPH_GPU_LAMPS) != 0u; // the scene has point or spot lights
+const uint KNOWN_MEDIA = TRAITS >> NEPH_GPU_MEDIA_SHIFT & 15u; // number of media; 0: not known
 const uint KNOWN_KINDS = TRAITS >> NEPH_GPU_KINDS_SHIFT;
 
-// Macros and constants: what they rule out is gone before anything is inlined. (In a constant, what
-// is to the right of && or || is one comparison: glslang makes a branch of more.)
+// A macro, so that its condition is constant before anything is inlined. (In constant expressions
+// keep the right side of && and || to one comparison: glslang makes a branch of more.)
 #define has_kind(kind) ((KINDS & (1u << (kind))) != 0u)
 
 const bool HAS_FOG = (KINDS & FOG_KINDS) != 0u;
 
-// Layers of one medium, at most: a shape counts as one.
+// Layers of a medium, at most; a shape counts as one layer.
 const uint LAYERS_MAX = NEPH_GPU_LAYERS_MAX;
 const uint LAYERS = (KINDS & 1u << MEDIUM_HEIGHT_FOG) != 0u ? LAYERS_MAX : 1u;
 
@@ -85,18 +93,18 @@ struct Shape {
 };
 
 struct Medium {
-    vec3 low_m; // where it may be: bounds and support; open sides lie at -FAR_M and FAR_M
+    vec3 low_m; // its bounding box: bounds and support; open sides are at -FAR_M and FAR_M
     uint kind;
     vec3 high_m;
     uint phase_kind;
     vec3 albedo;
     float g;
     vec3 extinction_color;
-    float extinction_per_m; // of a shape, where its density is 1
-    uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0 when there is none
-    uint majorant_first;    // their place in majorants[]
-    vec3 glow; // emitted per optical depth of the medium itself [W m^-2 sr^-1]
-    float octave_eccentricity;  // fitted, as the next two (renderer/octaves_fitted.h)
+    float extinction_per_m; // of a shape, at density 1
+    uvec3 majorant_size;    // cells of the majorant grid over low_m..high_m; 0: none
+    uint majorant_first;    // index of the first cell in majorants[]
+    vec3 glow; // emitted per optical depth of this medium [W m^-2 sr^-1]
+    float octave_eccentricity;  // this and the next two are fitted (renderer/octaves_fitted.h)
     vec3 octave_contribution;
     float octave_attenuation;
     FogLayer layers[LAYERS_MAX];
@@ -106,10 +114,10 @@ struct Medium {
 
 #include "frame.glsl"
 
-// --- shapes: by value, for who asks often reads them once -------------------------------------
+// --- shapes: passed by value, so that a caller in a loop reads them once ------------------------
 
-// Whether a shape is of a kind: the compiler knows where the scene has no other. A fog is no shape:
-// asked of one, the answer is that of the only kind of shape.
+// Whether a shape is of a kind; constant where the scene has no other kind. For a fog the answer is
+// meaningless: it is true for the only kind of shape.
 #define is_a(kind, shape_kind) \
     (has_kind(kind) && (SHAPE_KINDS == 1u << (kind) || (shape_kind) == (kind)))
 
@@ -131,7 +139,7 @@ float shape_density(uint kind, Shape shape, vec3 point_m)
     return density;
 }
 
-// A number whose expectation is the density.
+// A random number with the density as its expectation.
 float shape_random_density(uint kind, Shape shape, vec3 point_m, uvec2 bits)
 {
     return is_a(MEDIUM_GRID, kind) ? grid_random_node(shape.grid, point_m, bits)
@@ -156,7 +164,7 @@ float shape_integral_m(uint kind, Shape shape, vec3 origin_m, vec3 direction, fl
     return integral_m;
 }
 
-// Narrow a stretch to where THIN optical depth is left.
+// Clips a stretch to the part with at least THIN optical depth.
 void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout Stretch inside)
 {
     if (is_a(MEDIUM_GAUSSIAN, kind))
@@ -171,10 +179,10 @@ void shape_narrow(uint kind, Shape shape, vec3 origin_m, vec3 direction, inout S
         tent_narrow(shape.tent, origin_m, direction, inside);
 }
 
-// --- media: by place in the frame, for reading all of one costs more than most answers ----------
+// --- media: passed by number, because reading a whole medium costs more than most functions -----
 
-// Loops over them are unrolled where it is known how many there are: what is the same for all
-// threads has then a place that the compiler knows, too, and lavapipe reads it once for all.
+// Loops over media are unrolled where their number is known. Uniforms then have addresses that are
+// known at compile time, and lavapipe reads each once for all threads.
 uint media_count() { return KNOWN_MEDIA > 0u ? KNOWN_MEDIA : own(frame.medium_count); }
 
 uint kind_of(uint m)
@@ -182,14 +190,14 @@ uint kind_of(uint m)
     return KNOWN_MEDIA > 0u ? KNOWN_KINDS >> 4u * m & 7u : own(frame.media[m].kind);
 }
 
-// How many layers a fog has.
+// Number of layers of a fog.
 uint layer_count_of(uint m)
 {
     return KNOWN_MEDIA > 0u ? 1u + (KNOWN_KINDS >> 4u * m + 3u & 1u)
                             : own(frame.media[m].layer_count);
 }
 
-// What all steps of a ray read of an only medium, as to_sun().
+// Properties of the only medium that every step reads: copied once per thread, as in to_sun().
 const bool IS_KEPT = READS_FRAME_ONCE && KNOWN_MEDIA == 1u;
 
 struct KeptMedium {
@@ -273,7 +281,7 @@ float fog_medium_extinction_per_m(uint m, vec3 point_m)
     return extinction_per_m;
 }
 
-// For extinction_color 1, as all that follows.
+// For extinction_color 1, as in all functions below.
 float medium_extinction_per_m(uint m, vec3 point_m)
 {
     float extinction_per_m = 0.0;
@@ -287,7 +295,7 @@ float medium_extinction_per_m(uint m, vec3 point_m)
     return extinction_per_m;
 }
 
-// Layers of a fog; a shape is one layer.
+// Layers of a fog; a shape counts as one layer.
 uint layers_of(uint m) { return is_fog(m) ? layer_count_of(m) : 1u; }
 
 float fog_medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
@@ -306,7 +314,7 @@ float shape_optical_depth(uint m, vec3 origin_m, vec3 direction, float t0_m, flo
                                                               direction, t0_m, t1_m);
 }
 
-// Exact along origin + t direction, t in [0, length]; 0 for OPEN_KINDS.
+// Exact optical depth along origin + t direction, t in [0, length]; 0 for OPEN_KINDS.
 float medium_optical_depth(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
     float t0_m = 0.0, t1_m = length_m;
@@ -330,7 +338,8 @@ float layer_optical_depth(uint m, uint l, vec3 origin_m, vec3 direction, float l
     return fog_layer_optical_depth(frame.media[m].layers[l], origin_m, direction, t0_m, t1_m);
 }
 
-// Any closed form, by bisection to the last bit of a float32.
+// Free path in any medium with a closed-form optical depth, by bisection to the last bit of a
+// float32.
 float bisected_free_path_m(uint m, ViewRay ray, float t0_m, float t1_m, float depth)
 {
     float low_m = t0_m, high_m = t1_m;
@@ -344,8 +353,8 @@ float bisected_free_path_m(uint m, ViewRay ray, float t0_m, float t1_m, float de
     return 0.5 * (low_m + high_m);
 }
 
-// Where a ray from the camera, within [t0, t1] in the medium's box, has met an optical depth of one
-// layer.
+// The distance at which a camera ray has met the optical depth `depth` of one layer; [t0, t1] is
+// the ray's part in the medium's box.
 float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, float depth)
 {
     float t_m = t1_m;
@@ -360,7 +369,7 @@ float layer_free_path_m(uint m, uint l, ViewRay ray, float t0_m, float t1_m, flo
     return clamp(t_m, t0_m, t1_m);
 }
 
-// Add to the hull of media where this one has more than THIN optical depth left, and no layer is
+// Extends the hull of all media by this one: more than THIN optical depth left, and no layer
 // OPAQUE.
 void medium_include(uint m, vec3 origin_m, vec3 direction, Stretch inside, inout Stretch hull,
                     inout float opaque_m)

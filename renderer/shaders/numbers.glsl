@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Float32 arithmetic that survives fog: exponentials without cancellation or overflow, and sums
-// whose error does not grow with the number of steps. GLSL has no expm1; phi() stands in for it.
+// Float32 arithmetic for optical depths of any size: exponentials without cancellation or overflow,
+// and compensated sums. GLSL has no expm1(); phi() takes its place.
 #ifndef NEPH_NUMBERS_GLSL
 #define NEPH_NUMBERS_GLSL
 
@@ -11,12 +11,16 @@ const float PI = 3.14159265358979;
 
 const float FAR_M = NEPH_GPU_FAR_M;
 
-// Beyond e^-87 a float32 leaves the normal numbers, where drivers differ: call it 0.
+// Below e^-87 a float32 is denormal, where drivers differ; the result is set to 0 instead.
 const float EXPONENT_MIN = -87.0;
 
-// (1 - e^-x) / x for x >= 0; 1 at 0. Every exponential integral of this project goes through it.
-// Below 1 the subtraction would cancel (relative error 1.2e-7 / x), so the Taylor series is summed
-// instead: its first neglected term is x^10 / 11! < 2.6e-8. Relative error below 3e-7 everywhere.
+// phi(x) = (1 - e^-x) / x for x >= 0, and 1 at 0. All exponential integrals of the project use it.
+//
+// Below 1 the subtraction would cancel (relative error 1.2e-7 / x), so the Taylor series is summed:
+//
+//   phi(x) = 1 - x/2! + x^2/3! - ... = 1 - x/2 (1 - x/3 (1 - x/4 (...)))
+//
+// The first neglected term is x^10 / 11! < 2.6e-8. The relative error is below 3e-7 for all x.
 float phi(float x)
 {
     if (x < 1.0)
@@ -31,7 +35,8 @@ float transmittance(float optical_depth)
     return optical_depth < -EXPONENT_MIN ? exp(-optical_depth) : 0.0;
 }
 
-// 1 - e^-tau: the fraction that a stretch takes out of a beam, to full precision when it is thin.
+// 1 - e^-tau: the fraction of a beam that is absorbed or scattered, at full relative precision when
+// the stretch is thin.
 float absorbed_fraction(float optical_depth)
 {
     return optical_depth * phi(optical_depth);
@@ -49,8 +54,8 @@ vec3 absorbed_fraction(vec3 optical_depth)
                 absorbed_fraction(optical_depth.z));
 }
 
-// ln(1 + x) for x in [-0.3, 0.35], to full relative precision: 2 artanh(x / (2 + x)). Drivers may
-// be off by 2^-21 absolute in log near 1.
+// ln(1 + x) for x in [-0.3, 0.35] at full relative precision, as 2 artanh(x / (2 + x)). A driver's
+// log() may have an absolute error of 2^-21 near 1.
 float log_1_plus_small(float x)
 {
     float s = x / (2.0 + x);
@@ -64,17 +69,19 @@ float log_1_plus(float x)
     return x > -0.3 && x < 0.35 ? log_1_plus_small(x) : log(1.0 + x);
 }
 
+// The smallest channel that is > 0; FAR_M without any.
 float least_positive(vec3 color)
 {
     vec3 seen = mix(vec3(FAR_M), color, greaterThan(color, vec3(0.0)));
     return min(seen.r, min(seen.g, seen.b));
 }
 
-// A running sum that carries its own rounding error (Kahan 1965, CACM 8(1)): 4096 steps cost no
-// more precision than one. `precise` keeps the compiler from proving the error to be zero.
+// A compensated sum (W. Kahan, "Further Remarks on Reducing Truncation Errors", CACM 8(1), 1965):
+// 4096 terms lose no more precision than one. `precise` keeps the compiler from optimizing the
+// error term to 0.
 struct Sum {
     vec4 value;
-    vec4 excess; // what `value` has too much
+    vec4 excess; // rounding error: `value` is too large by this
 };
 
 Sum sum_zero()

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Phase functions [1/sr], normalised over the sphere. Each kind lies in its own file, and only here
-// kinds are told apart: a new one is a file and a line in each of these functions. The kind's other
-// half is scenes/phase_NAME.c.
+// Phase functions [1/sr], normalized over the sphere: values and sampling. Each kind has its own
+// file; only this file tells kinds apart. A new kind needs a file and a line in each function
+// below. The CPU version is scenes/phase_NAME.c.
 #ifndef NEPH_PHASE_GLSL
 #define NEPH_PHASE_GLSL
 
@@ -21,8 +21,9 @@ NEPH_PHASE_KINDS(PHASE_NUMBER)
 #error A new kind: give each function below its line.
 #endif
 
-// Sunlight travels along -sun before the event and along -view, to the camera, after it: the
-// scattering angle is the one between `view` and `sun` (both unit).
+// Value for single scattering of sunlight. Light travels along -sun before the event and along
+// -view, to the camera, after it, so the scattering angle is the angle between `view` and `sun`
+// (both unit).
 float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
@@ -32,8 +33,9 @@ float phase_per_sr(uint kind, float g, vec3 view, vec3 sun)
     return ISOTROPIC_PER_SR;
 }
 
-// The phase function with its excess over isotropic cut to a part; `whole_per_sr` is the uncut one.
-// For Henyey-Greenstein the mean cosine is cut, as the authors of octaves have it.
+// The phase function with reduced anisotropy, for octaves. `whole_per_sr` is the unreduced value.
+// For Henyey-Greenstein g is scaled, as in the octave model's papers; for other kinds the
+// difference to isotropic is.
 float phase_cut_per_sr(uint kind, float g, float part, float whole_per_sr, vec3 view, vec3 sun)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
@@ -41,7 +43,8 @@ float phase_cut_per_sr(uint kind, float g, float part, float whole_per_sr, vec3 
     return mix(ISOTROPIC_PER_SR, whole_per_sr, part);
 }
 
-// 1 - cos of the scattering angle about the forward direction for a uniform number u and g >= 0.
+// Sampling: 1 - cos of the scattering angle for a uniform number u and g >= 0. The versine keeps
+// the digits of small angles, which the cosine loses.
 float phase_versine(uint kind, float g, float u)
 {
     if (kind == PHASE_HENYEY_GREENSTEIN)
@@ -51,6 +54,7 @@ float phase_versine(uint kind, float g, float u)
     return isotropic_versine(u);
 }
 
+// The mean cosine (asymmetry parameter).
 float phase_mean_cosine(uint kind, float g) { return kind == PHASE_HENYEY_GREENSTEIN ? g : 0.0; }
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// scenes/phase_rayleigh.c in float32.
+// The Rayleigh phase function: float32 version of scenes/phase_rayleigh.c.
 
 float rayleigh_per_sr(vec3 view, vec3 sun)
 {
@@ -8,7 +8,10 @@ float rayleigh_per_sr(vec3 view, vec3 sun)
     return 3.0 / (16.0 * PI) * (1.0 + cosine * cosine);
 }
 
-// cos = a - 1/a, a^3 = z + sqrt(z^2 + 1), z = 2 (2 u - 1) (J. R. Frisvad, JOSA A 28(12), 2011).
+// Sampling: 1 - cos with the closed inverse of the cumulative distribution (J. R. Frisvad,
+// "Importance sampling the Rayleigh phase function", JOSA A 28(12), 2011):
+//
+//   cos = a - 1/a,    a^3 = z + sqrt(z^2 + 1),    z = 2 (2 u - 1)
 float rayleigh_versine(float u)
 {
     float z = 2.0 * (2.0 * u - 1.0);

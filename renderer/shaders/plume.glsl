@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// A plume of smoke (scenes/plume.c): density e^-(s / scale height + r^2 / (2 width^2)), s along the
-// axis from the foot, r across it; none below the foot. Along a ray the exponent is a parabola:
-// from the densest place it only grows, by x (rise + bend x). Either leg is integrated by
-// eight-point Gauss-Legendre over the first 3 and the next 14 e-foldings, as of a shell.
+// A plume of smoke (scenes/plume.c): its density and the exact integral along a ray. The density is
+//
+//   e^-(s / scale height + r^2 / (2 width^2))      s: along the axis from the foot, r: across it
+//
+// and 0 below the foot. Along a ray the exponent is a parabola. From the densest place on the ray
+// it only decreases, by x (rise + bend x) at the distance x. Each of the two legs from there is
+// integrated by eight-point Gauss-Legendre quadrature over its first 3 and next 14 e-foldings, as
+// in shell.glsl.
 #ifndef NEPH_PLUME_GLSL
 #define NEPH_PLUME_GLSL
 
@@ -18,7 +22,7 @@ struct Plume {
     float reach_m; // above this height a ray meets less than 1e-7 of optical depth
 };
 
-// e-foldings below the density at the foot.
+// -log of the density, relative to the foot.
 float plume_folds(Plume plume, vec3 from_foot_m)
 {
     float along_m = dot(from_foot_m, plume.axis);
@@ -33,6 +37,7 @@ float plume_density(Plume plume, vec3 point_m)
                                                : 0.0;
 }
 
+// One side of the densest place: the exponent grows by x (rise + bend x).
 struct PlumeLeg {
     float rise_per_m;  // >= 0
     float bend_per_m2; // >= 0
@@ -52,7 +57,7 @@ float plume_panel_m(PlumeLeg leg, float x0_m, float x1_m)
                            dot(plume_fall(leg, middle_m + half_m * NODES), WEIGHTS));
 }
 
-// How far a leg goes until it has lost some e-foldings.
+// Distance on a leg until the density has fallen by some e-foldings.
 float plume_distance_m(PlumeLeg leg, float folds)
 {
     float root = sqrt(leg.rise_per_m * leg.rise_per_m + 4.0 * leg.bend_per_m2 * folds);
@@ -76,7 +81,7 @@ float plume_integral_m(Plume plume, vec3 origin_m, vec3 direction, float t0_m, f
     float width2_m2 = plume.width_m * plume.width_m, climb_per_m = slope / plume.scale_height_m;
     vec3 across = direction - slope * plume.axis;
     float bend_per_m2 = 0.5 * dot(across, across) / width2_m2;
-    float rise_per_m = climb_per_m + dot(from_foot_m, across) / width2_m2; // at the origin
+    float rise_per_m = climb_per_m + dot(from_foot_m, across) / width2_m2; // at the ray's origin
     float densest_m = clamp(-0.5 * rise_per_m / max(bend_per_m2, 1e-30), t0_m, t1_m);
     vec3 densest = from_foot_m + densest_m * direction;
     rise_per_m = climb_per_m + dot(densest, across) / width2_m2;
@@ -86,6 +91,7 @@ float plume_integral_m(Plume plume, vec3 origin_m, vec3 direction, float t0_m, f
            (plume_leg_m(on, t1_m - densest_m) + plume_leg_m(back, densest_m - t0_m));
 }
 
+// Clips a stretch to the heights 0..reach_m above the foot.
 void plume_narrow(Plume plume, vec3 origin_m, vec3 direction, inout Stretch inside)
 {
     if (!clip_axis(0.0, plume.reach_m, dot(origin_m - plume.foot_m, plume.axis),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What the stages of the picture chain share: the pictures they hand on, and the settings. A stage
-// is one thread an element of what it writes, row by row, row 0 on top.
+// Common part of the post-processing stages (renderer/post/): their images, settings and target
+// formats. Each thread of a stage writes one element of its output, in row order, row 0 at the top.
 #ifndef NEPH_POST_GLSL
 #define NEPH_POST_GLSL
 
@@ -15,27 +15,29 @@ layout(local_size_x = 64) in;
 
 layout(push_constant) uniform PostRun {
     uint first_thread;
-    uint level; // of the pyramid, which is written
+    uint level; // level of the bloom pyramid that is written
 } run;
 
-// Matrices row by row.
+// Parameters of a frame and a stage. Matrices are stored by rows.
 layout(scalar, binding = 0) readonly buffer PostView {
-    float settings[POST_SETTING_COUNT]; // as in the table of options; choices as whole numbers
-    uint from_px[2], to_px[2];          // of the picture before and after this stage
-    uint frame, seed;                   // of the grain
+    // In the order of the table of options; choices as whole numbers.
+    float settings[POST_SETTING_COUNT];
+    uint from_px[2], to_px[2];          // size of the input and of the output image
+    uint frame, seed;                   // for the grain
     float white_balance[9];             // Rec.709 to Rec.709
     float rec709_to_ap1[9], ap1_to_rec709[9], ap1_to_ap0[9], ap0_to_ap1[9],
         rec709_to_rec2020[9];
-    float toe_match, straight_match, shoulder_match; // of the film curve: renderer/post/film.h
-    float step_s;                   // since the frame before, for the eye
-    float eye_ev;                   // what it was adapted to
-    uint is_eye_open;               // 0: it has not seen a frame
-    uint meter_units;               // of a bin's width in the histogram
-    uint level_px[2 * (POST_LEVELS_MAX + 1)]; // sizes in the pyramid; level 0 is the picture
-    uint level_at[POST_LEVELS_MAX + 1];       // its first texel
-    uint level_count;                         // besides the picture
-    uint upscale_filter;                      // of this upscale, POST_UPSCALE_*
-    uint target;                              // what this stage writes, POST_FLOAT32 ..
+    // Constants of the film curve: renderer/post/film.h.
+    float toe_match, straight_match, shoulder_match;
+    float step_s;                   // time since the frame before, for the eye's adaptation
+    float eye_ev;                   // adapted luminance of the frame before, log2
+    uint is_eye_open;               // 0: no frame before
+    uint meter_units;               // integer units per bin width in the histogram
+    uint level_px[2 * (POST_LEVELS_MAX + 1)]; // sizes of the bloom pyramid; level 0 is the image
+    uint level_at[POST_LEVELS_MAX + 1];       // first texel of each level
+    uint level_count;                         // without the image
+    uint upscale_filter;                      // filter of this upscale, POST_UPSCALE_*
+    uint target;                              // format that this stage writes, POST_FLOAT32 ..
 } view;
 
 layout(std430, binding = 1) readonly buffer From {
@@ -52,7 +54,7 @@ ivec2 from_size() { return ivec2(view.from_px[0], view.from_px[1]); }
 ivec2 to_size() { return ivec2(view.to_px[0], view.to_px[1]); }
 uint own_thread() { return run.first_thread + gl_GlobalInvocationID.x; }
 
-// The pixel of this thread; false when there is none left.
+// The pixel of this thread; false when the thread has none.
 bool own_pixel(out ivec2 pixel)
 {
     int width = to_size().x, thread = int(own_thread());
@@ -60,7 +62,7 @@ bool own_pixel(out ivec2 pixel)
     return pixel.y < to_size().y;
 }
 
-// What a target of fewer bits keeps of a colour.
+// A colour after rounding to the target's format.
 vec3 kept(vec3 colour)
 {
     const float HALF_MAX = 65504.0, LAST_CODE = 1023.0;
@@ -80,7 +82,7 @@ void put(ivec2 pixel, vec3 colour)
     to_texels[pixel.y * to_size().x + pixel.x] = vec4(kept(colour), 1.0);
 }
 
-// The picture goes on beyond its edges as it ends there.
+// Reads a texel; beyond the edges the nearest texel of the image.
 vec3 fetch(ivec2 texel)
 {
     ivec2 inside = clamp(texel, ivec2(0), from_size() - 1);

@@ -1,15 +1,19 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The eye adapts: towards the mean of log2 of luminance between two percentiles of the meter's
-// histogram, at a constant speed while that is far, exponentially when it is near. This is the
-// motion d/dt = speed * min(distance / near, 1), solved over the frame's time: two half steps are a
-// whole one. The first frame finds it adapted.
+// Adaptation of automatic exposure. The target is the mean of log2 luminance between two
+// percentiles of the histogram (post_meter.comp). The adapted value moves towards it with a
+// constant speed while the distance is large, and exponentially when it is small:
+//
+//   d/dt distance = -speed min(distance / near, 1)
+//
+// solved in closed form over the frame's time, so two half steps equal a whole one. At the first
+// frame the eye is adapted already.
 #extension GL_GOOGLE_include_directive : require
 
 #include "eye.glsl"
 
-// One thread adds them up, one after the other: all fetch them for it.
+// One thread sums up the bins in order; all threads load them.
 shared uint counts[POST_METER_BINS], offsets[POST_METER_BINS];
 
 void fetch_bins()
@@ -21,13 +25,15 @@ void fetch_bins()
     barrier();
 }
 
-// The mean of a bin's pixels.
+// Mean log2 luminance of a bin's pixels.
 float mean_ev(int bin)
 {
     float offset = float(offsets[bin]) / float(view.meter_units) / float(counts[bin]);
     return POST_METER_FIRST_EV + (float(bin) + offset) / POST_METER_BINS_PER_EV;
 }
 
+// The target: mean of log2 luminance between the percentiles. Bins that a percentile cuts count in
+// part.
 float metered_ev()
 {
     float total = float(from_size().x) * float(from_size().y);
@@ -48,7 +54,8 @@ float adapted(float from_ev, float to_ev)
 {
     float distance = abs(to_ev - from_ev), near = setting(POST_ADAPT_NEAR_EV);
     float speed = setting(to_ev > from_ev ? POST_ADAPT_UP : POST_ADAPT_DOWN);
-    float far_ev = min(max(distance - near, 0.0), speed * view.step_s); // at constant speed
+    // The part at constant speed.
+    float far_ev = min(max(distance - near, 0.0), speed * view.step_s);
     float near_s = speed > 0.0 ? view.step_s - far_ev / speed : 0.0;
     float rest = (distance - far_ev) * exp(-speed / near * max(near_s, 0.0));
     return to_ev + (to_ev > from_ev ? -rest : rest);

@@ -1,13 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Bloom, down the pyramid: a level from the finer one.
+// Bloom, downwards: computes a level of the pyramid (bloom.glsl) from the finer level. One thread
+// per texel of the level; run.level 1 reads the image.
 #extension GL_GOOGLE_include_directive : require
 
 #include "bloom.glsl"
 #include "eye.glsl"
 
-// What is spread of a pixel. The classic: from the threshold on, all of it from 2 above.
+// The part of a pixel that is spread. Conserving bloom spreads all; additive (classic) bloom
+// nothing below the threshold, and all from 2 above it.
 vec3 spread(vec3 colour)
 {
     float threshold = setting(POST_BLOOM_THRESHOLD);
@@ -23,6 +25,7 @@ vec4 finer(ivec2 texel)
                           : pyramid[index_in(run.level - 1, texel)];
 }
 
+// Share of a coarse texel in a fine one along an axis: 3/4, 1/4 or 0, or their sum at the border.
 float share(int fine, int coarse, int size)
 {
     return (near_of(fine) == coarse ? 0.75 : 0.0) + (far_of(fine, size) == coarse ? 0.25 : 0.0);

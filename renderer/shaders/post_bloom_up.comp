@@ -1,11 +1,11 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Bloom, up the pyramid: each level becomes a mix of itself and of what the coarser one became; the
-// picture gets its part.
+// Bloom, upwards: each level of the pyramid (bloom.glsl) becomes a mix of itself and the
+// interpolated coarser level. Level 0 is the image, which gets the result:
 //
-//   conserving  (1 - scattered) picture + scattered spread
-//   additive    picture + intensity * spread
+//   conserving  (1 - scattered) image + scattered spread
+//   additive    image + intensity * spread
 #extension GL_GOOGLE_include_directive : require
 
 #include "bloom.glsl"
@@ -15,6 +15,7 @@ vec3 coarse(ivec2 texel)
     return pyramid[index_in(run.level + 1, texel)].rgb;
 }
 
+// The coarser level at a fine texel: 9/16, 3/16, 3/16 and 1/16 of four texels.
 vec3 from_coarser(ivec2 texel)
 {
     ivec2 size = level_size(run.level + 1);

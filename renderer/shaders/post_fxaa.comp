@@ -1,17 +1,23 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// FXAA 3.11 (T. Lottes, NVIDIA 2009-2011), on code values. Where luma changes by much within a
-// pixel's neighbourhood it finds out how the edge runs.
+// Fast approximate anti-aliasing: FXAA 3.11 (T. Lottes, NVIDIA, 2009-2011), on encoded values. It
+// acts where the luma range of a pixel's neighbourhood is large.
 //
-//   quality  It walks along the edge both ways, by the steps of its preset, until the luma of the
-//            pair of rows is no longer that of the pixel. The nearer end tells how much of the
-//            pixel lies on the other side: the picture is read that much across the edge. What
-//            stands out from all eight neighbours (sub-pixel aliasing) is blurred across it, too.
-//   console  Two samples along the edge near by and two farther off; the far ones count unless
-//            their luma is none of the neighbourhood's.
+//   quality  finds the edge's direction and the steeper side, then samples luma on the border
+//            between the two rows, in both directions, until it differs from the edge's mean:
 //
-// Between texels the picture is read bilinearly, in float32.
+//              . . . . . P . . .      P: the pixel
+//              <-----------+---->     samples on the border
+//              . . . . . N . . .      N: the neighbour across the edge
+//
+//            The distance to the nearer end gives the coverage of the pixel by the other side: the
+//            image is read at that offset across the edge. A pixel that differs from all eight
+//            neighbours (sub-pixel aliasing) is blurred across the edge, too.
+//   console  averages two near and two far samples along the edge. The far samples are dropped when
+//            their luma is outside the neighbourhood's range.
+//
+// The image is sampled bilinearly in float32.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -22,7 +28,7 @@ float luma_at(ivec2 pixel) { return luma(fetch(pixel)); }
 
 // --- quality -------------------------------------------------------------------------------------
 
-// How far each step goes along the edge [px]; after the last nobody looks any more.
+// Length of each step along the edge, by preset [px]. Nothing is sampled after the last one.
 const int STEPS_MAX = 12;
 const float STEPS_12[STEPS_MAX] =
     float[](1.0, 1.5, 2.0, 4.0, 12.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -40,20 +46,22 @@ float step_px(int i)
                                                : STEPS_39[i];
 }
 
-// An edge between a pixel and one of its neighbours.
+// The edge between a pixel and one of its neighbours.
 struct Edge {
-    vec2 along, across; // unit; `across` towards the neighbour
-    float contrast;     // of luma
-    float mean;         // luma of both
+    vec2 along, across; // unit vectors; `across` points to the neighbour
+    float contrast;     // difference of luma
+    float mean;         // mean luma of both
     bool is_below;      // the pixel's luma is below the mean
 };
 
-// How far the edge goes on, and whether what ends it lies on the other side of the mean.
+// One end of the edge: its distance, and on which side of the mean the luma is there.
 struct End {
     float distance_px;
-    float beyond; // luma there, less the mean
+    float beyond; // luma there minus the edge's mean
 };
 
+// Follows the edge in one direction until the luma differs from the mean by a quarter of the
+// contrast.
 End walk(Edge edge, vec2 border, float way)
 {
     End end = End(step_px(0), 0.0);
@@ -66,7 +74,8 @@ End walk(Edge edge, vec2 border, float way)
     return end;
 }
 
-// By how much the picture is to be read across the edge.
+// Offset across the edge at which the image is read: 1/2 minus the relative distance of the nearer
+// end, if luma at that end is on the other side of the mean than the pixel; else 0.
 float across_px(Edge edge, vec2 centre)
 {
     vec2 border = centre + 0.5 * edge.across;
@@ -80,7 +89,7 @@ float across_px(Edge edge, vec2 centre)
 
 vec3 quality(ivec2 pixel)
 {
-    float lumas[9]; // row by row
+    float lumas[9]; // 3x3, row by row
     [[unroll]] for (int i = 0; i < 9; i++)
         lumas[i] = luma_at(pixel + ivec2(i % 3, i / 3) - 1);
     float middle = lumas[4], north = lumas[1], south = lumas[7], west = lumas[3], east = lumas[5];
@@ -123,8 +132,8 @@ vec3 console(ivec2 pixel)
 {
     const float THRESHOLD = 0.125, THRESHOLD_MIN = 0.05, SHARPNESS = 8.0, NEAR_PX = 0.5,
                 FAR_PX = 2.0;
-    const float NEVER_FLAT = 1.0 / 384.0; // the direction of a flat place is no 0 / 0
-    const float LEAST_SIDE = 1e-6;        // nor is that of an edge along an axis
+    const float NEVER_FLAT = 1.0 / 384.0; // avoids 0 / 0 for the direction in a flat area
+    const float LEAST_SIDE = 1e-6;        // the same for an edge along an axis
     vec2 centre = vec2(pixel) + 0.5;
     vec3 colour = fetch(pixel);
     float middle = luma(colour);

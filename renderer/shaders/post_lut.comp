@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The table of colours, made anew for each picture: what tone curve and display make of 32^3
-// colours.
+// Fills the colour table of a frame: tone curve and display encoding of 32^3 colours (tone.glsl).
+// One thread per node.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tone.glsl"

@@ -1,19 +1,19 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The meter of automatic exposure: a histogram of log2 of luminance. A bin knows how many pixels
-// are in it and their mean, so that a flat picture is metered as what it is. Both are sums of whole
-// numbers: in which order they come changes nothing.
+// The meter of automatic exposure: a histogram of log2 luminance. Each bin has the number of its
+// pixels and the sum of their positions in the bin, so that the mean of a flat image is exact. Both
+// are integer sums, so the result does not depend on the order of the threads.
 #extension GL_GOOGLE_include_directive : require
 
 #include "eye.glsl"
 
 shared uint own_counts[POST_METER_BINS], own_offsets[POST_METER_BINS];
 
-// In bins, from the lower end of the first.
+// Position in bins, from the lower end of the first bin.
 float place_of_luminance(float y)
 {
-    const float LEAST = 1e-30; // black has no logarithm; it is in the first bin all the same
+    const float LEAST = 1e-30; // finite logarithm for black, which goes into the first bin
     float place = (log2(max(y, LEAST)) - POST_METER_FIRST_EV) * POST_METER_BINS_PER_EV;
     return clamp(place, 0.0, float(POST_METER_BINS));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the picture chain, their CPU references and its table of options have
-// in common: this file is both GLSL and C. What a setting means is said once, in
-// renderer/post/options.c; `neph post --list` prints it.
+// Names shared by the post-processing shaders, their CPU references and the table of options:
+// indices of settings, values of choices, sizes. This file is valid GLSL and valid C. Settings are
+// described in renderer/post/options.c; `neph post --list` prints the descriptions.
 #ifndef NEPH_POST_NAMES_H
 #define NEPH_POST_NAMES_H
 
@@ -24,7 +24,7 @@
 #define POST_BLOOM_THRESHOLD 11
 #define POST_BLOOM_SPREAD 12
 #define POST_BLOOM_LEVELS 13
-// Tone mapping, and what the display wants.
+// Tone mapping and display encoding.
 #define POST_TONE 14
 #define POST_TONE_MAP 15
 #define POST_EXPOSURE_EV 16
@@ -40,12 +40,12 @@
 #define POST_ENCODE 26
 #define POST_WHITE_NITS 27
 #define POST_PEAK_NITS 28
-// Anti-aliasing of the encoded picture.
+// Anti-aliasing of the encoded image.
 #define POST_FXAA 29
 #define POST_FXAA_SUBPIXEL 30
 #define POST_FXAA_THRESHOLD 31
 #define POST_FXAA_THRESHOLD_MIN 32
-// Upscales, and sharpening between them.
+// Upscaling, and sharpening between the two upscales.
 #define POST_UPSCALE 33
 #define POST_SCREEN_PERCENT 34
 #define POST_UPSCALE_SOFTNESS 35
@@ -54,7 +54,7 @@
 #define POST_SHARPEN_AMOUNT 38
 #define POST_SECONDARY_UPSCALE 39
 #define POST_SECONDARY_PERCENT 40
-// What pictures are handed on in.
+// Format of the images between stages.
 #define POST_TARGETS 41
 #define POST_SETTING_COUNT 42
 
@@ -100,20 +100,20 @@
 #define POST_BLOOM_CONSERVING 1
 #define POST_BLOOM_ADDITIVE 2
 
-// --- the table of colours ---------------------------------------------------------------------
+// --- the colour table ---------------------------------------------------------------------------
 
 #define POST_LUT_SIDE 32
 
 // --- automatic exposure -----------------------------------------------------------------------
 
-// The meter's histogram: log2 of luminance, bins a quarter wide. What is beyond is in the last one.
+// The histogram of log2 luminance. Values beyond the ends count in the outermost bins.
 #define POST_METER_BINS 128
 #define POST_METER_FIRST_EV (-16.0)
 #define POST_METER_BINS_PER_EV 4.0
-#define POST_METER_PIXELS 64 // that a thread looks at
+#define POST_METER_PIXELS 64 // per thread
 
 // --- bloom ------------------------------------------------------------------------------------
 
-#define POST_LEVELS_MAX 8 // of the pyramid, besides the picture
+#define POST_LEVELS_MAX 8 // levels of the pyramid without the image
 
 #endif

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// The picture between its texels. A texel's centre lies at a whole number + 1/2.
+// Bilinear sampling of the input image, and luma. Texel centres are at integers + 1/2.
 #ifndef NEPH_POST_SAMPLING_GLSL
 #define NEPH_POST_SAMPLING_GLSL
 
 #include "post.glsl"
 
-// In float32: a texture unit's weights have 8 bits.
+// In float32, because texture units have 8-bit weights.
 vec3 bilinear(vec2 place)
 {
     vec2 corner = floor(place - 0.5);
@@ -16,7 +16,7 @@ vec3 bilinear(vec2 place)
                mix(fetch(at + ivec2(0, 1)), fetch(at + ivec2(1, 1)), way.x), way.y);
 }
 
-// ITU-R BT.601, of code values.
+// Luma of encoded values, ITU-R BT.601.
 float luma(vec3 c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
 
 #endif

@@ -1,13 +1,18 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Sharpening that looks at how much room there is, on values of 0 to 1: a pixel less a part w of
-// its four neighbours, over 1 - 4 w.
+// Adaptive sharpening of values in 0..1: a pixel minus w times its four neighbours, over 1 - 4 w.
+// The weight w adapts to the headroom of the neighbourhood:
 //
-//   cas   contrast-adaptive (AMD FidelityFX CAS, 2019): w follows the distance of the extremes
-//         around, those of the plus and those of all nine, from 0 and 1
-//   rcas  robust (FSR1, 2021): w is as large as it can be without a value beyond 0 or 1, at most
-//         3/16, times the amount
+//   cas   contrast-adaptive sharpening (AMD FidelityFX CAS, 2019): w follows the distance of the
+//         neighbourhood's extremes to 0 and 1; the extremes of the four neighbours and of all
+//         nine pixels are averaged
+//   rcas  robust contrast-adaptive sharpening (AMD FSR 1, 2021): w is the largest weight that keeps
+//         the result in 0..1, at most 3/16, times the amount
+//
+//     0 1 2
+//     3 4 5      indices of around[]
+//     6 7 8
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -40,7 +45,7 @@ vec3 rcas(vec3 around[9])
         least = min(least, around[i]);
         most = max(most, around[i]);
     }
-    // Where the result would reach 0, and where 1.
+    // Weights at which the result reaches 0 and 1.
     vec3 to_0 = min(least, around[4]) / max(4.0 * most, vec3(NOT_0));
     vec3 to_1 = (1.0 - max(most, around[4])) / min(4.0 * least - 4.0, vec3(-NOT_0));
     vec3 lobes = max(-to_0, to_1);
@@ -55,7 +60,7 @@ void main()
     ivec2 pixel;
     if (!own_pixel(pixel))
         return;
-    vec3 around[9]; // row by row
+    vec3 around[9]; // 3x3, row by row
     [[unroll]] for (int i = 0; i < 9; i++)
         around[i] = fetch(pixel + ivec2(i % 3, i / 3) - 1);
     vec3 sharp = choice(POST_SHARPEN) == POST_SHARPEN_RCAS ? rcas(around) : cas(around);

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Tone mapping: exposure, vignette, tone curve and the display's transfer, by formula or out of the
-// table of colours, and grain.
+// Tone mapping: exposure, vignette, tone curve, display encoding and film grain. Curve and encoding
+// are computed (tone.glsl) or read from the colour table (post_lut.comp).
 #extension GL_GOOGLE_include_directive : require
 
 #include "eye.glsl"
@@ -15,8 +15,8 @@ layout(std430, binding = 3) readonly buffer Table {
     vec4 table[];
 };
 
-// cos^4 of the angle under which a lens sees the pixel (natural vignetting), the corner of the
-// picture at `vignette` times 45 degrees' tangent, whatever its shape.
+// Natural vignetting: cos^4 of the angle between the lens axis and the pixel's ray. At the image's
+// corner the tangent of the angle is the setting `vignette`, for every aspect ratio.
 float vignette(ivec2 pixel)
 {
     vec2 size = vec2(to_size());
@@ -25,6 +25,7 @@ float vignette(ivec2 pixel)
     return cosine_squared * cosine_squared;
 }
 
+// Trilinear lookup in the colour table.
 vec3 looked_up(vec3 colour)
 {
     const int LAST = POST_LUT_SIDE - 1;
@@ -47,7 +48,8 @@ void main()
     ivec2 pixel;
     if (!own_pixel(pixel))
         return;
-    // Curves have products of several; the largest half is far beyond any white.
+    // The bound keeps products of several values in the curves finite; the largest half is far
+    // beyond every white point.
     float exposure = exp2(exposure_ev()) * vignette(pixel);
     vec3 exposed = min(exposure * fetch(pixel), BRIGHTEST);
     vec3 colour = choice(POST_LUT) != 0 ? looked_up(exposed) : developed(exposed);

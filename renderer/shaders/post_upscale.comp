@@ -1,29 +1,31 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// From the size that was rendered to that of the display: the filters of Unreal Engine 4.26. A
-// texel's centre lies at a whole number + 1/2; between centres the unit of length is a texel.
+// Upscaling from the rendered size to the output size, with the filters of Unreal Engine 4.26 and
+// AMD's EASU. Texel centres are at integers + 1/2, and lengths are in texels of the input.
 //
-//   nearest       the texel that the pixel's centre lies in
-//   bilinear      four texels
-//   directional   two samples along the edge, less a quarter of what four around have more
-//   catmull_rom   4x4 texels; Unreal leaves out the corners
-//   lanczos       6x6 texels in 5x5 samples, without the corners of these: 13
-//   gaussian      6x6 texels with variance 1/2, less their Laplacian (unsharp mask)
-//   smoothstep    bilinear, at places drawn to the texels' centres
-//   easu          FSR1's edge-adaptive one (AMD 2021): 12 texels, a Lanczos-like kernel stretched
-//                 along the edge, held between the four nearest
+//   nearest      the texel that contains the pixel's centre
+//   bilinear     2x2 texels
+//   directional  two samples along the edge, sharpened by a quarter of the difference to the mean
+//                of four samples around
+//   catmull_rom  4x4 texels without the corners, as in Unreal
+//   lanczos      6x6 texels in 5x5 samples, without their corners: 13 samples
+//   gaussian     6x6 texels, variance 1/2, minus their Laplacian (unsharp mask)
+//   smoothstep   bilinear at positions that are moved towards texel centres
+//   easu         edge-adaptive (AMD FSR 1, 2021): 12 texels, a Lanczos-like kernel stretched along
+//                the edge, clamped to the range of the nearest four
 //
-// The gaussian's Laplacian does not sum to 0 over so few texels: it changes a constant by up to
-// 0.25 % (softness 0.3). What lies between four texels is their bilinear sample, in float32: a
-// texture unit's weights have 8 bits. Filters with negative weights may overshoot; what is below 0
-// becomes 0.
+// The Laplacian of `gaussian` does not sum to 0 over so few texels, so it changes a constant image
+// by up to 0.25 % (softness 0.3). Samples between texels are bilinear in float32, because texture
+// units have 8-bit weights. Filters with negative weights may overshoot; negative results are set
+// to 0.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
 #include "post_sampling.glsl"
 
-// The edge runs across the gradient of luma: where that is 0 the direction is, too.
+// The edge is perpendicular to the luma gradient. In flat areas the gradient is 0, and so is the
+// offset.
 vec3 directional(vec2 place)
 {
     const float UNSHARP = 0.25, LEAST = 6e-8, REACH = 0.125;
@@ -40,7 +42,7 @@ vec3 directional(vec2 place)
     return edge + UNSHARP * (edge - mean);
 }
 
-// Weights of the four texels around, the place `x` of the way from the second to the third.
+// Weights of four texels in a row, for a place at `x` of the way from the second to the third.
 vec4 catmull_rom_weights(float x)
 {
     return vec4(x * (-0.5 + x * (1.0 - 0.5 * x)), 1.0 + x * x * (-2.5 + 1.5 * x),
@@ -63,14 +65,19 @@ vec3 catmull_rom(vec2 place)
     return sum / total;
 }
 
-// sinc(x) sinc(x / 3), less a factor 3 / pi^2: it has no number at 0 but by its limit.
+// sinc(x) sinc(x / 3) without the constant factor 3 / pi^2. At 0 it is 0 / 0; the guard returns the
+// limit.
 float lanczos(float x)
 {
     bool is_centre = choice(POST_LANCZOS_GUARD) != 0 && abs(x) < 1e-4;
     return is_centre ? PI * PI / 3.0 : sin(PI * x) * sin(PI / 3.0 * x) / (x * x);
 }
 
-// Weights of five samples, of which the third is two texels', and where that one lies between them.
+// Weights of five samples along an axis. The third sample is a linear interpolation of two texels
+// at `middle`.
+//
+//   texel   -2    -1     0     1     2     3
+//   sample   0     1     [  2  ]     3     4
 void lanczos_weights(float x, out float weights[5], out float middle)
 {
     float second = lanczos(x), third = lanczos(x - 1.0);
@@ -102,7 +109,7 @@ vec3 lanczos_13(vec2 place)
     return sum / total;
 }
 
-// The picture is sharpened by as much as it is enlarged.
+// Sharpening is proportional to the enlargement of the area.
 vec3 gaussian(vec2 place)
 {
     const float RADIUS_SQUARED = 9.0;
@@ -115,7 +122,7 @@ vec3 gaussian(vec2 place)
             continue;
         vec2 texel = centre + offset;
         vec2 from = place - texel;
-        float distance_squared = 2.0 * dot(from, from); // in units of the variance
+        float distance_squared = 2.0 * dot(from, from); // in units of the variance, 1/2
         vec3 weighted = exp(-0.5 * distance_squared) * bilinear(texel);
         sum += weighted;
         total += exp(-0.5 * distance_squared);
@@ -125,6 +132,7 @@ vec3 gaussian(vec2 place)
     return (sum - setting(POST_UPSCALE_SOFTNESS) * (1.0 - ratio.x * ratio.y) * laplacian) / total;
 }
 
+// Bilinear at smoothstep(way), so texel centres attract.
 vec3 smooth_steps(vec2 place)
 {
     vec2 corner = floor(place - 0.5);
@@ -134,19 +142,19 @@ vec3 smooth_steps(vec2 place)
 
 // --- EASU ----------------------------------------------------------------------------------------
 
-// FSR1 takes this for luma: green twice, red and blue once, halved.
+// FSR 1's luma, times 2: green once, red and blue one half each.
 float luma_2(vec3 c) { return 0.5 * c.b + 0.5 * c.r + c.g; }
 
-// Direction and sharpness of the edge at a texel, by its luma and that of the four around, into
-// sums with weight `share`. Along an axis that rises in one stretch the edge is sharp (1), where it
-// turns at the texel it is none (0).
+// Adds the edge at a texel to the sums, with the weight `share`: the gradient, and the sharpness
+// from the texel's and its four neighbours' luma. Per axis the sharpness is 1 where luma changes in
+// one step and 0 where it has an extremum at the texel.
 void add_edge(float share, float up, float left, float own, float right, float down,
               inout vec2 direction, inout float sharpness)
 {
     vec2 slope = vec2(right - left, down - up);
     vec2 steepest = max(abs(vec2(right, down) - own), abs(own - vec2(left, up)));
     vec2 straight = clamp(abs(slope) / steepest, 0.0, 1.0);
-    straight = mix(straight, vec2(0.0), equal(steepest, vec2(0.0))); // flat: 0 / 0
+    straight = mix(straight, vec2(0.0), equal(steepest, vec2(0.0))); // 0 / 0 in flat areas
     direction += share * slope;
     sharpness += share * dot(straight, straight);
 }
@@ -155,7 +163,7 @@ vec3 easu(vec2 place)
 {
     ivec2 corner = ivec2(floor(place - 0.5));
     vec2 way = place - 0.5 - vec2(corner);
-    vec3 colours[16]; // 4x4 about the place, row by row; their corners are not looked at
+    vec3 colours[16]; // 4x4 around the place, row by row; the corners are not used
     float lumas[16];
     [[unroll]] for (int i = 0; i < 16; i++) {
         colours[i] = fetch(corner + ivec2(i % 4, i / 4) - 1);
@@ -169,11 +177,13 @@ vec3 easu(vec2 place)
         add_edge(side.x * side.y, lumas[at - 4], lumas[at - 1], lumas[at], lumas[at + 1],
                  lumas[at + 4], direction, sharpness);
     }
-    const float LEAST = 1.0 / 32768.0; // of the direction's square: flat, any will do
+    // Bound for the squared gradient: in flat areas any direction will do.
+    const float LEAST = 1.0 / 32768.0;
     float length_squared = dot(direction, direction);
     direction = length_squared < LEAST ? vec2(1.0, 0.0) : direction * inversesqrt(length_squared);
     sharpness = 0.25 * sharpness * sharpness;
-    // A square's kernel reaches as far along its diagonal as along its sides.
+    // Length of the unit square's extent in the edge's direction: 1 along an axis, sqrt(2)
+    // diagonally.
     float stretch = dot(direction, direction) / max(abs(direction.x), abs(direction.y));
     vec2 scale = vec2(1.0 + (stretch - 1.0) * sharpness, 1.0 - 0.5 * sharpness);
     float lobe = 0.5 + (0.25 - 0.04 - 0.5) * sharpness, reach_squared = 1.0 / lobe;

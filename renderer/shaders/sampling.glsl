@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Directions and distances drawn from their distributions, in float32 without cancellation.
+// Sampling of directions from phase functions and cosine lobes, in float32 without cancellation.
 #ifndef NEPH_SAMPLING_GLSL
 #define NEPH_SAMPLING_GLSL
 
 #include "phase.glsl"
 #include "random.glsl"
 
-// The direction at a polar angle about an axis, 1 - cos given because it keeps its digits near the
-// axis. Frame: T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+// The direction at a polar angle and an azimuth about a unit axis. The angle is given as its
+// versine, 1 - cos, which keeps the digits of small angles. The orthonormal frame is from T. Duff
+// et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 vec3 direction_about(vec3 axis, float versine, float azimuth)
 {
     float side = axis.z >= 0.0 ? 1.0 : -1.0;
@@ -21,14 +22,14 @@ vec3 direction_about(vec3 axis, float versine, float azimuth)
                      versine * axis);
 }
 
-// The direction of travel after scattering; u.x decides the angle.
+// The direction of travel after scattering, distributed as the phase function; u.x gives the angle.
 vec3 sample_phase(uint kind, float g, vec3 direction, vec2 u)
 {
     return direction_about(g < 0.0 ? -direction : direction, phase_versine(kind, abs(g), u.x),
                            2.0 * PI * u.y);
 }
 
-// About a normal, with density cos / pi.
+// A direction about a normal, with density cos / pi.
 vec3 sample_cosine(vec3 normal, vec2 u)
 {
     float cosine = sqrt(u.x);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// The questions that a renderer asks of the whole scene.
+// Queries on the whole scene: ray hits, visibility, light of lamps, extinction, optical depth, and
+// the useful part of a ray. Shared by the ray marcher, the path tracer and the screen passes.
 #ifndef NEPH_SCENE_GLSL
 #define NEPH_SCENE_GLSL
 
 #include "media.glsl"
 #include "phase.glsl"
 
-// What is the same in all channels of a scene without colour is computed once: the compiler drops
-// what nobody reads.
+// In a scene with grey media all channels take the first one's value, and the compiler removes the
+// others.
 vec3 grey(vec3 channels)
 {
     return COLOURED ? channels : channels.xxx;
@@ -34,8 +35,8 @@ struct Hit {
     uint solid; // NO_SOLID when nothing is hit
 };
 
-// Where the solids of a block end that a ray has to ask within [t0, t1]: where they begin if it
-// passes the block by.
+// One past the last solid of a block to test on a ray within [t0, t1]: the block's first solid if
+// the ray misses the block's box.
 uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m)
 {
     uint first = block * BLOCK_SOLIDS;
@@ -47,7 +48,7 @@ uint block_end(uint block, vec3 origin_m, vec3 direction, float t0_m, float t1_m
 uint block_count() { return (own(frame.solid_count) + BLOCK_SOLIDS - 1) / BLOCK_SOLIDS; }
 
 #ifdef KNOWS_SOLIDS
-// As scene_hit().
+// scene_hit() for known solids.
 Hit known_hit(vec3 origin_m, vec3 direction)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
@@ -63,7 +64,7 @@ Hit known_hit(vec3 origin_m, vec3 direction)
 }
 #endif
 
-// Nearest surface with t > 0; from inside a solid that is its far side.
+// Nearest surface with t > 0. From inside a solid this is its far side.
 Hit scene_hit(vec3 origin_m, vec3 direction)
 {
 #ifdef KNOWS_SOLIDS
@@ -85,12 +86,13 @@ Hit scene_hit(vec3 origin_m, vec3 direction)
     return hit;
 }
 
-// A point found at a distance t is off by some 1e-7 t: a solid that a sun ray leaves within this
-// fraction of t only touches the point and does not hide the sun.
+// A point at the distance t has a position error of some 1e-7 t. A solid that the sun ray leaves
+// within this fraction of t only touches the point and does not shadow it.
 const float SHADOW_START = 1e-6;
 
-// `except`: the solid that the point lies on. It is convex, so where its surface faces the sun it
-// cannot hide it; leaving it out spares us the choice of an offset.
+// Whether a point sees the sun. `except` is the solid that the point lies on: solids are convex, so
+// where the surface faces the sun its own solid cannot shadow it. Excluding it makes an offset
+// unnecessary.
 bool sees_sun(vec3 point_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
@@ -110,8 +112,7 @@ bool sees_sun(vec3 point_m, uint except)
     return true;
 }
 
-// Whether a point of a medium does, which is not computed where no solid is in the way of any
-// medium.
+// Whether a point of a medium sees the sun; not tested where no solid can shadow a medium.
 const bool SHADED = (TRAITS & NEPH_GPU_SHADED) != 0u;
 
 bool medium_sees_sun(vec3 point_m)
@@ -120,7 +121,7 @@ bool medium_sees_sun(vec3 point_m)
            sees_sun(point_m, NO_SOLID);
 }
 
-// Whether a point that is in no solid sees as far.
+// Whether the segment of a length from a point is free of solids; the point is outside of solids.
 bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 {
     float start_m = SHADOW_START * length(point_m);
@@ -142,8 +143,8 @@ bool sees_point(vec3 point_m, vec3 direction, float distance_m, uint except)
 
 // --- lamps ----------------------------------------------------------------------------------
 
-// Irradiance across the way from a point at a distance whose inverse square is given [W/m^2], if
-// nothing is in between; `direction` is from the point to the lamp (scenes/lights.h).
+// Irradiance by a lamp on a plane across the light's direction [W/m^2], without attenuation.
+// `inverse_square` is 1/d^2 or its mean, `direction` points to the lamp (scenes/lights.h).
 vec3 lamp_irradiance(Lamp lamp, vec3 direction, float inverse_square)
 {
     float x = clamp((-dot(lamp.axis, direction) - lamp.outer_cosine) /
@@ -154,7 +155,7 @@ vec3 lamp_irradiance(Lamp lamp, vec3 direction, float inverse_square)
 
 // --- media ----------------------------------------------------------------------------------
 
-// Extinction of the media whose kind is among `kinds`, per channel.
+// Extinction per channel of the media of some kinds.
 vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
 {
     vec3 extinction_per_m = vec3(0.0);
@@ -165,7 +166,7 @@ vec3 scene_extinction_per_m(uint kinds, vec3 point_m)
     return grey(extinction_per_m);
 }
 
-// Optical depth of everything that has a closed form, per channel.
+// Optical depth per channel of all media that have a closed form.
 vec3 scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
 {
     vec3 optical_depth = vec3(0.0);
@@ -175,11 +176,16 @@ vec3 scene_optical_depth(vec3 origin_m, vec3 direction, float length_m)
     return grey(optical_depth);
 }
 
-// The stretch of a ray on which fixed steps are well spent: the hull of all media, without the
-// ends where no medium has THIN optical depth left and without what lies behind OPAQUE of one fog
-// layer. For unbounded media this is what makes the march finite. What it leaves out changes the
-// optical depth by less than 1e-7 per medium or layer, or lies where 1.1e-7 of the light comes
-// through. `kinds` says which media count, as KINDS does.
+// The part of a ray on which fixed steps are useful: the hull of all media of `kinds`, without the
+// ends where no medium has THIN optical depth left, and without the part behind OPAQUE of one fog
+// layer.
+//
+//    camera ---[ fog ......................]--- background
+//                   [ cloud ]       OPAQUE of the fog
+//              |------------------->|                        result
+//
+// It makes the march finite in unbounded media. The omitted parts have an optical depth below 1e-7
+// per medium or layer, or a transmittance of 1.1e-7 in front of them.
 Stretch scene_stretch(uint kinds, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch hull = Stretch(length_m, 0.0);

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// What the passes of the screen share: its targets, its settings, and where a pixel lies in the
-// world. A pass is one thread a pixel, 64 of them in a square of 8x8; row 0 is on top. At half
-// resolution it has a thread for each cell of 2x2 pixels, of which it looks at one.
+// Common part of the screen-space passes (renderer/screen/): targets, settings, and the conversion
+// between pixels and positions. A pass has one thread per pixel, in groups of 8x8; row 0 is at the
+// top. At half resolution it has one thread per cell of 2x2 pixels and works on one pixel of the
+// cell:
 //
-// Places are in the camera's own axes, (right, up, forward) from the camera [m], so that z is the
-// eye depth.
+//    +---+---+    own_px: the pixel of each cell that is used in this frame
+//    | x |   |
+//    +---+---+
+//    |   |   |
+//    +---+---+
+//
+// Positions are in camera axes (right, up, forward), relative to the camera [m], so z is the eye
+// depth.
 #ifndef NEPH_SCREEN_GLSL
 #define NEPH_SCREEN_GLSL
 
@@ -16,36 +23,39 @@ layout(local_size_x = 64) in;
 
 layout(push_constant) uniform ScreenRun {
     uint first_group;
-    uint turn;     // of a pass that runs several times
-    uint from, to; // targets, of passes that work on several
-    uint before;   // what `to` was in the frame before
-    uint cell_px;  // side of a cell
-    uint own_px[2], before_px[2]; // which pixel of its cells the pass looks at, now and before
+    uint turn;     // index of the repetition, in passes that run several times
+    uint from, to; // targets, in passes that work on several
+    uint before;   // history of `to`: its content in the frame before
+    uint cell_px;  // side of a cell: 1 or 2
+    // Pixel of each cell that is used, in this frame and the one before.
+    uint own_px[2], before_px[2];
 } run;
 
 layout(std430, binding = 5) readonly buffer ScreenView {
-    float settings[SCREEN_SETTING_COUNT]; // as in the table of options; choices as whole numbers
+    // In the order of the table of options; choices as whole numbers.
+    float settings[SCREEN_SETTING_COUNT];
     uint size_px[2];
-    float half_size[2]; // of the picture: tangents of a perspective camera's angles, else metres
+    // Half the size of the image plane: tangents (perspective camera) or metres (orthographic).
+    float half_size[2];
     uint is_orthographic;
-    uint frame; // of the noise
-    float sky_light[3]; // radiance of the background, where it lights solids
-    uint has_before; // 0: there was no frame before
-    uint has_bounces; // 0: surfaces do not light each other
-    uint open_at, gi_at, ssr_at; // targets in which these end up; SCREEN_NONE: there is none
+    uint frame; // for the noise
+    float sky_light[3]; // radiance of the background, where it illuminates solids
+    uint has_before; // 0: no frame before
+    uint has_bounces; // 0: no light between surfaces
+    uint open_at, gi_at, ssr_at; // targets with the final results; SCREEN_NONE: none
     uint gi_cell_px, ssr_cell_px;
 } view;
 
-// What a solid is made of (scenes/surface.h), by its number.
+// Material of a solid (scenes/surface.h), indexed by the solid's number.
 struct ScreenSurface {
-    vec3 other; // second colour of its pattern
+    vec3 other; // second colour of the pattern
     float roughness;
     float metalness;
-    float cell_m; // of the pattern; 0: there is none
+    float cell_m; // side of a pattern cell; 0: no pattern
     uint is_noise;
     uint seed;
-    // A place of it in the axes of the camera of the frame before, from where it is now: rows times
-    // it, and the last column added.
+    // Motion of the solid: the matrix, by rows of four, that maps its points from this frame's
+    // camera axes to the axes of the camera of the frame before.
     float to_before[12];
 };
 
@@ -57,7 +67,7 @@ layout(std430, binding = 7) buffer ScreenTargets {
     uint words[];
 } targets[SCREEN_TARGET_COUNT];
 
-// The same targets by the texel, in one piece.
+// Views of the same targets for loads and stores of whole texels.
 layout(std430, binding = 7) buffer ScreenTexels32 {
     uvec4 texels[];
 } texels_32[SCREEN_TARGET_COUNT];
@@ -65,7 +75,7 @@ layout(std430, binding = 7) buffer ScreenTexels16 {
     uvec2 texels[];
 } texels_16[SCREEN_TARGET_COUNT];
 
-const int TILE = 8; // pixels along a side of a group
+const int TILE = 8; // side of a thread group [px]
 
 float setting(int index) { return view.settings[index]; }
 int choice(int index) { return int(view.settings[index]); }
@@ -75,7 +85,7 @@ bool is_orthographic() { return view.is_orthographic != 0u; }
 vec3 sky_light() { return vec3(view.sky_light[0], view.sky_light[1], view.sky_light[2]); }
 bool is_sky(float depth_m) { return depth_m >= FAR_M; }
 
-// The place of this thread among so many columns and rows; false when there is none.
+// The element of this thread in a grid of `size`; false when there is none.
 bool own_place(ivec2 size, out ivec2 place)
 {
     int columns = (size.x + TILE - 1) / TILE;
@@ -93,7 +103,7 @@ bool is_inside(ivec2 pixel)
 
 // --- cells ------------------------------------------------------------------------------------
 
-int halvings() { return int(run.cell_px) - 1; } // of a side of 1 or 2
+int halvings() { return int(run.cell_px) - 1; } // log2 of the cell's side, 1 or 2
 ivec2 cells() { return (size_px() + halvings()) >> halvings(); }
 bool own_cell(out ivec2 cell) { return own_place(cells(), cell); }
 
@@ -105,7 +115,7 @@ bool is_cell(ivec2 cell)
 ivec2 own_px() { return ivec2(run.own_px[0], run.own_px[1]); }
 ivec2 before_px() { return ivec2(run.before_px[0], run.before_px[1]); }
 
-// The pixel that a cell stands for, now and in the frame before.
+// The pixel of a cell that is used, in this frame and in the one before.
 ivec2 pixel_in(ivec2 cell) { return min((cell << halvings()) + own_px(), size_px() - 1); }
 ivec2 pixel_before_in(ivec2 cell)
 {
@@ -114,7 +124,8 @@ ivec2 pixel_before_in(ivec2 cell)
 
 // --- targets ----------------------------------------------------------------------------------
 
-// Cells lie in the upper left of their target, row by row as pixels do.
+// Index of a texel. Cells are stored in the upper left part of their target, at the same row stride
+// as pixels.
 int texel_of(ivec2 pixel) { return pixel.y * size_px().x + pixel.x; }
 bool is_half() { return choice(SCREEN_TARGETS) == SCREEN_FLOAT16; }
 
@@ -154,14 +165,15 @@ float depth_at_m(ivec2 pixel) { return load_one(SCREEN_DEPTH, pixel); }
 float depth_before_m(ivec2 pixel) { return load_one(SCREEN_DEPTH_BEFORE, pixel); }
 vec3 normal_at(ivec2 pixel) { return normalize(load(SCREEN_NORMAL, pixel).xyz); }
 
-// Metal has no diffuse part, and other things reflect nothing.
+// Whether a pixel has metallic reflections (`of_metal`) or diffuse light. Pure metal has no diffuse
+// part; other materials reflect nothing.
 bool has_light(ivec2 pixel, bool of_metal)
 {
     float metalness = load(SCREEN_BASE, pixel).w;
     return !is_sky(depth_at_m(pixel)) && (of_metal ? metalness > 0.0 : metalness < 1.0);
 }
 
-// At half resolution cells without the light are left out: no pixel looks at them.
+// At half resolution, cells without this light are skipped; no pixel reads them.
 bool is_left_out(ivec2 pixel, bool of_metal)
 {
     return run.cell_px > 1u && !has_light(pixel, of_metal);
@@ -171,7 +183,7 @@ bool is_left_out(ivec2 pixel, bool of_metal)
 
 vec2 centre_of(ivec2 pixel) { return vec2(pixel) + 0.5; }
 
-// What is seen at a place in the picture, in pixels from its upper left corner, at an eye depth.
+// The point seen at an image position, in pixels from the upper left corner, for an eye depth.
 vec3 place_m(vec2 place_px, float depth_m)
 {
     vec2 way = (2.0 * place_px / vec2(size_px()) - 1.0) * vec2(1.0, -1.0) * half_size();
@@ -180,12 +192,13 @@ vec3 place_m(vec2 place_px, float depth_m)
 
 vec3 surface_m(ivec2 pixel) { return place_m(centre_of(pixel), depth_at_m(pixel)); }
 
-// What is seen at a place of the picture: the surface of its pixel goes on in its plane, which is
-// exact on flat ones and of second order on others. False where that plane is seen from its edge or
-// ends before the place.
+// The surface point at an image position: the pixel's surface is extended in its tangent plane,
+// which is exact for flat surfaces and of second order for others. False where the plane is seen
+// edge-on, or where the extended point is much nearer or farther than the pixel.
 bool plane_at(vec2 place_px, ivec2 pixel, out vec3 point_m)
 {
-    const float EDGE = 1e-4, NEARER = 0.5, FARTHER = 10.0; // a cosine; of its depth
+    // A cosine; the others relative to the depth.
+    const float EDGE = 1e-4, NEARER = 0.5, FARTHER = 10.0;
     vec3 own_m = surface_m(pixel), normal = normal_at(pixel);
     vec3 near_m = place_m(place_px, own_m.z);
     vec3 sight = is_orthographic() ? vec3(0.0, 0.0, 1.0) : near_m / near_m.z;
@@ -195,7 +208,7 @@ bool plane_at(vec2 place_px, ivec2 pixel, out vec3 point_m)
     return facing > EDGE && along > -NEARER * own_m.z && along < FARTHER * own_m.z;
 }
 
-// By how much a place is off the plane of a surface, over its distance: 0 at a slope of 1:10.
+// How well a point lies in a surface's plane: 1 in the plane, falling to 0 at a slope of 1:10.
 float in_plane(vec3 point_m, vec3 normal, vec3 place_m)
 {
     const float STEEPEST = 0.1;
@@ -211,20 +224,20 @@ float same_surface(vec3 point_m, vec3 normal, ivec2 neighbour)
     return in_plane(point_m, normal, surface_m(neighbour));
 }
 
-// Where a place before the camera is seen.
+// Image position of a point in front of the camera.
 vec2 pixel_of(vec3 point_m)
 {
     vec2 way = is_orthographic() ? point_m.xy : point_m.xy / point_m.z;
     return (0.5 + 0.5 * vec2(1.0, -1.0) * way / half_size()) * vec2(size_px());
 }
 
-// The number of the solid that a pixel shows.
+// Number of the solid that a pixel shows.
 uint solid_at(ivec2 pixel)
 {
     return targets[SCREEN_MARKS].words[texel_of(pixel)] >> SCREEN_LIGHT_BITS;
 }
 
-// A direction and a place of a solid as the camera of the frame before has them.
+// A direction and a point of a solid in the axes of the camera of the frame before.
 vec3 direction_before(uint solid, vec3 v)
 {
     float rows[12] = surfaces[solid].to_before;
@@ -238,14 +251,14 @@ vec3 place_before_m(uint solid, vec3 point_m)
     return direction_before(solid, point_m) + vec3(rows[3], rows[7], rows[11]);
 }
 
-// From a place to the camera, unit.
+// Direction from a point to the camera, unit.
 vec3 to_camera(vec3 point_m)
 {
     return is_orthographic() ? vec3(0.0, 0.0, -1.0) : -normalize(point_m);
 }
 
-// Two unit vectors across a unit vector and each other (T. Duff et al., "Building an Orthonormal
-// Basis, Revisited", JCGT 6(1), 2017).
+// Two unit vectors perpendicular to a unit vector and to each other (T. Duff et al., "Building an
+// Orthonormal Basis, Revisited", JCGT 6(1), 2017).
 void basis_across(vec3 axis, out vec3 first, out vec3 second)
 {
     float side = axis.z >= 0.0 ? 1.0 : -1.0;
@@ -256,19 +269,25 @@ void basis_across(vec3 axis, out vec3 first, out vec3 second)
 
 // --- noise ------------------------------------------------------------------------------------
 
-// 4x4 pixels have 16 turns, each once, and 4 offsets, each four times (J. Jimenez et al.,
-// "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016); both in [0, 1), with a
-// step of the golden ratio from frame to frame.
+// Noise of a 4x4 tile: 16 rotations, each once, and 4 offsets, each four times (J. Jimenez et al.,
+// "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016). Both are in [0, 1) and
+// advance by the R2 sequence from frame to frame.
+//
+//   rotation [1/16]     0  5 10 15      offset [1/4]     0 3 2 1
+//                       4  9 14  3                       1 0 3 2
+//                       8 13  2  7                       2 1 0 3
+//                      12  1  6 11                       3 2 1 0
 vec2 tiled_noise(ivec2 pixel)
 {
-    const vec2 GOLDEN = vec2(0.754877666, 0.569840291); // R2 (M. Roberts, 2018)
+    // R2, the two-dimensional golden ratio (M. Roberts, 2018).
+    const vec2 GOLDEN = vec2(0.754877666, 0.569840291);
     float turn = float((((pixel.x + pixel.y) & 3) << 2) + (pixel.x & 3)) / 16.0;
     float offset = float((pixel.y - pixel.x) & 3) / 4.0;
     return fract(vec2(turn, offset) + float(view.frame & 0xffffu) * GOLDEN);
 }
 
-// Pair `index` of a pixel: over the indices they fill the square evenly (R2), from a place of each
-// pixel's own.
+// Pair `index` of a pixel: the R2 sequence, which covers the square evenly, from a random start per
+// pixel.
 vec2 ray_noise(ivec2 pixel, uint salt, uint index)
 {
     const vec2 GOLDEN = vec2(0.754877666, 0.569840291);

@@ -1,19 +1,19 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Ambient occlusion of the screen: how much of the hemisphere over a surface is open as far as a
-// radius, weighted by the cosine. 1 where nothing stands near.
+// Screen-space ambient occlusion: the unoccluded fraction of the hemisphere above a surface, within
+// a radius and weighted with the cosine. 1 where nothing is near. Output SCREEN_OPEN, by one of:
 //
-//   ssao    points at random in the hemisphere, each hidden where the depth before it is less
+//   ssao    random points in the hemisphere; a point is hidden where the depth buffer is nearer
 //           (M. Mittring, "Finding Next Gen", 2007; with normals as in D. Filion, R. McNaughton,
 //           "Effects & Techniques", 2008)
-//   unreal  pairs of steps to both sides, the steepest angle over the surface squared: Unreal
-//           Engine 4.26, as the article on its post-processing has it
-//   gtao    the horizons of slices through the line of sight, and the integral between them in
-//           closed form (J. Jimenez et al., "Practical Real-Time Strategies for Accurate Indirect
-//           Occlusion", 2016)
+//   unreal  pairs of steps in opposite directions; the squared steepest angle above the surface
+//           (Unreal Engine 4.26, after the article on its post-processing)
+//   gtao    horizons of slices through the line of sight, and the closed-form integral between them
+//           (J. Jimenez et al., "Practical Real-Time Strategies for Accurate Indirect Occlusion",
+//           2016)
 //
-// What is not in the picture counts as open, and what is behind something seen as full.
+// Occluders outside the image are missing. Objects are taken to extend backwards without end.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
@@ -25,7 +25,8 @@ struct Site {
     vec2 noise;
 };
 
-// What is seen at a place, or in the pixel around it; false where that is the sky or no pixel.
+// The visible point at an image position, or in the pixel that contains it (setting ao_places);
+// false for the sky and outside the image.
 bool seen_at(vec2 place_px, out vec3 point_m)
 {
     ivec2 pixel = ivec2(floor(place_px));
@@ -37,7 +38,7 @@ bool seen_at(vec2 place_px, out vec3 point_m)
     return choice(SCREEN_AO_PLACES) == SCREEN_PLACES_PIXEL || plane_at(place_px, pixel, point_m);
 }
 
-// How much of what lies at a distance counts: 1 up to the radius less its last share, which fades.
+// Weight of an occluder by distance: 1, fading to 0 in the last fraction of the radius.
 float near_weight(float distance_m, float radius_m)
 {
     float fade_m = setting(SCREEN_AO_FALLOFF) * radius_m;
@@ -48,15 +49,15 @@ float near_weight(float distance_m, float radius_m)
 
 // --- gtao -------------------------------------------------------------------------------------
 
-// A slice: the half-planes on both sides of the line of sight, along `across` and against it. On
-// the screen it is a line through the pixel.
+// A slice: the plane through the line of sight and `across`. In the image it is a line through the
+// pixel.
 struct Slice {
-    vec3 across;     // unit, across the line of sight
-    vec2 screen_way; // unit [px]
-    float forward_px, back_px; // how far along it what may be within the radius is seen
+    vec3 across;     // unit, perpendicular to the line of sight
+    vec2 screen_way; // direction of the slice in the image, unit [px]
+    float forward_px, back_px; // distances to which points within the radius can appear [px]
 };
 
-// How the place on the screen changes as a point is moved along a vector [px/m].
+// Derivative of the image position when a point moves along a vector [px/m].
 vec2 screen_change(vec3 point_m, vec3 move)
 {
     vec2 change = is_orthographic()
@@ -65,7 +66,7 @@ vec2 screen_change(vec3 point_m, vec3 move)
     return 0.5 * vec2(1.0, -1.0) * change / half_size() * vec2(size_px());
 }
 
-// Pixels from a place to the picture's edge along a way.
+// Distance from an image position to the image's edge in a direction [px].
 float to_edge_px(vec2 from_px, vec2 way)
 {
     vec2 edge = mix(vec2(0.0), vec2(size_px()), greaterThan(way, vec2(0.0)));
@@ -74,8 +75,8 @@ float to_edge_px(vec2 from_px, vec2 way)
     return max(0.0, min(finite.x, finite.y));
 }
 
-// Along a slice points within the radius are seen no farther from the line of sight than its
-// tangents to the ball around the site, of which `across` has one.
+// Search distance of a slice. A point within the radius appears at most at the tangent from the
+// camera to the ball around the site; `across` selects one of the tangents.
 float reach_px(Site site, vec3 across, vec2 way)
 {
     vec2 from_px = centre_of(site.pixel);
@@ -86,12 +87,12 @@ float reach_px(Site site, vec3 across, vec2 way)
     if (sine >= 1.0)
         return edge_px;
     vec3 tangent = sine * across - sqrt(1.0 - sine * sine) * site.to_camera;
-    const float LEAST = 1e-3; // of a tangent that meets the plane of the picture
+    const float LEAST = 1e-3; // lower bound for z of a tangent that meets the image plane
     return tangent.z > LEAST ? min(edge_px, length(pixel_of(tangent) - from_px)) : edge_px;
 }
 
-// `turn`: in [0, 1), of half a turn. Slices lie evenly about the line of sight, or as in the paper
-// about the axis of the camera, which is the same in the middle of the picture.
+// Slice number `turn` in [0, 1) of half a rotation. Slices are distributed evenly about the line of
+// sight, or about the camera's axis as in the paper; both agree at the image's centre.
 Slice slice_of(Site site, float turn)
 {
     Slice slice;
@@ -109,8 +110,8 @@ Slice slice_of(Site site, float turn)
     return slice;
 }
 
-// The largest cosine against the line of sight of what is seen along one side; `lowest` is that of
-// the surface's own plane.
+// Horizon on one side: the largest cosine between the line of sight and a visible point. `lowest`
+// is the cosine of the surface's own plane.
 float horizon_cosine(Site site, vec2 way, float reach, float lowest)
 {
     const float NEAREST_PX = 1.0;
@@ -132,20 +133,27 @@ float horizon_cosine(Site site, vec2 way, float reach, float lowest)
     return highest;
 }
 
-// Equation 7 of the paper: the integral of the cosine from the line of sight to a horizon.
+// Equation 7 of the paper: the cosine-weighted integral from the line of sight to a horizon.
 float open_arc(float horizon, float tilt)
 {
     return 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
 }
 
-// What is open of a slice, and what would be if nothing stood near.
+// The open part of a slice, and the whole of it without occluders.
+//
+//              to camera
+//                  ^    . normal      tilt: angle between them in the slice
+//       low  \     |   .
+//             \    |  .   / high      horizons, limited to the hemisphere of the normal
+//              \   | .   /
+//               ---o-----
 vec2 open_slice(Site site, Slice slice)
 {
     vec3 axis = cross(slice.across, site.to_camera);
     vec3 in_slice = site.normal - dot(site.normal, axis) * axis;
     float share = length(in_slice);
     if (!(share > 1e-6))
-        return vec2(0.0); // by the cosine nothing is seen of a slice along the surface
+        return vec2(0.0); // a slice along the surface has no cosine-weighted light
     float tilt = atan(dot(in_slice, slice.across), dot(in_slice, site.to_camera));
     float ahead = horizon_cosine(site, slice.screen_way, slice.forward_px, cos(tilt + 0.5 * PI));
     float behind = horizon_cosine(site, -slice.screen_way, slice.back_px, cos(tilt - 0.5 * PI));
@@ -154,8 +162,8 @@ vec2 open_slice(Site site, Slice slice)
     return share * vec2(open_arc(high, tilt) + open_arc(low, tilt), cos(tilt) + tilt * sin(tilt));
 }
 
-// The mean over the slices is the integral for many of them: what is seen at a flat angle needs
-// dozens, and a plane is not 1 for less. The ratio is, for any number.
+// The mean over slices converges to the integral only for many: surfaces at grazing angles need
+// dozens, and with fewer a plane does not give 1. The ratio of the two sums gives 1 for any number.
 float gtao(Site site)
 {
     int slices = choice(SCREEN_AO_DIRECTIONS);
@@ -168,9 +176,9 @@ float gtao(Site site)
 
 // --- unreal -----------------------------------------------------------------------------------
 
-// The cosine between the normal and what is seen beside the site, and how much it counts: pairs
-// fade at twice the radius. (Unreal's fade has the depth among its factors, so that it is another
-// one far away; here lengths are metres.)
+// A sample beside the site: the cosine between normal and visible point, and its weight, which
+// fades out at twice the radius. (Unreal's fade also depends on the depth and so on the distance of
+// the camera; here lengths are in metres.)
 bool beside(Site site, vec2 place_px, out float cosine, out float weight)
 {
     vec3 seen_m;
@@ -212,7 +220,7 @@ float unreal_ao(Site site)
 
 // --- ssao -------------------------------------------------------------------------------------
 
-// A point in the half ball of radius 1 about an axis, evenly by volume.
+// A point in the half ball of radius 1 about an axis, uniform by volume.
 vec3 in_half_ball(vec3 axis, vec3 u)
 {
     vec3 first, second;
@@ -224,7 +232,7 @@ vec3 in_half_ball(vec3 axis, vec3 u)
 
 float ssao(Site site)
 {
-    const vec3 R3 = vec3(0.819172513, 0.671043607, 0.549700478); // M. Roberts, 2018
+    const vec3 R3 = vec3(0.819172513, 0.671043607, 0.549700478); // R3 sequence (M. Roberts, 2018)
     int count = choice(SCREEN_AO_DIRECTIONS) * choice(SCREEN_AO_STEPS);
     float hidden = 0.0;
     for (int i = 0; i < count; i++) {

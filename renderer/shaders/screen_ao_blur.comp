@@ -1,13 +1,14 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The mean of ambient occlusion over the pixels around that lie in the same plane: what the noise
-// of 4x4 pixels has drawn apart.
+// Filter of ambient occlusion: the mean over the neighbours in the same plane. It removes the noise
+// that repeats over 4x4 pixels.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
-// Squares of an even side have all of the noise's 16 turns once; one of five has its rim by half.
+// Window weights. A square with an even side contains all 16 rotations of the noise equally often;
+// a square with side 5 gets that property by half weights at its rim.
 float window(ivec2 offset, int radius)
 {
     vec2 rim = vec2(equal(abs(offset), ivec2(radius)));

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// What the frame before knew of a surface that a ray meets.
+// Light of the frame before at a surface that a ray hits, for multiple bounces.
 #ifndef NEPH_SCREEN_BEFORE_GLSL
 #define NEPH_SCREEN_BEFORE_GLSL
 
 #include "screen_ray.glsl"
 
-// Where in its first step a ray begins.
+// Start of a ray within its first step.
 float ray_offset(ivec2 cell, uint salt, uint index)
 {
     return choice(SCREEN_RAY_NOISE) != 0 ? ray_noise(cell, salt, index).x : 0.0;
 }
 
-// Where a place of a solid was seen in the frame before; false: it was not.
+// The pixel that showed a point of a solid in the frame before; false when it was not visible.
 bool seen_before(uint solid, vec3 point_m, vec3 normal, out ivec2 pixel)
 {
-    const float OFF_PLANE = 0.02; // of its depth
+    const float OFF_PLANE = 0.02; // relative to the depth
     vec3 was_m = place_before_m(solid, point_m);
     if (view.has_before == 0u || !(was_m.z > 0.0))
         return false;
@@ -26,16 +26,16 @@ bool seen_before(uint solid, vec3 point_m, vec3 normal, out ivec2 pixel)
     return abs(dot(direction_before(solid, normal), seen_m - was_m)) < OFF_PLANE * was_m.z;
 }
 
-// What a surface in the picture reflects of the sky, where no frame before knows more: as much as
-// its ambient occlusion leaves open.
+// Sky light that a visible surface reflects, when the frame before has no result for it: the sky
+// times the unoccluded fraction.
 vec3 sky_reflected(ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
     return load(SCREEN_BASE, pixel).rgb * open * sky_light();
 }
 
-// What a surface in the picture reflected of others and the sky in the frame before: off its
-// diffuse part, if that is asked for, and off its metal, as the camera saw it.
+// Light of other surfaces and of the sky that a visible surface reflected in the frame before: from
+// its metallic part as the camera saw it, and with `with_diffuse` also from its diffuse part.
 vec3 indirect_before(ScreenHit hit, bool with_diffuse)
 {
     ivec2 was;

@@ -1,13 +1,14 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The picture, in two turns: direct light and that of diffuse surfaces, which reflections look at;
-// then these. Where no rays look for indirect light, there is the sky's where it is open.
+// Composes the image, in two turns. Turn 0 adds direct and diffuse light; reflections read its
+// result. Turn 1 adds the reflections. Without ray-traced indirect light the sky illuminates
+// surfaces by their unoccluded fraction.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
-// Light of other surfaces and of the sky off a white one; without rays the sky where it is open.
+// Indirect light reflected by a white surface.
 vec3 indirect(uint target, ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;

@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The solids of the scene as a screen has them: of the first one behind each pixel's centre its
-// depth, normal, base colour, roughness and metalness, and the light that comes to it straight from
-// the sun and from lamps.
+// G-buffer: for the first solid behind each pixel's centre its depth, normal, base colour,
+// roughness and metalness, and the direct light from sun and lamps. It also stores which lights the
+// point sees.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_lights.glsl"
@@ -13,7 +13,7 @@ vec3 in_camera_axes(vec3 v)
     return vec3(dot(v, frame.camera_right), dot(v, frame.camera_up), dot(v, frame.camera_forward));
 }
 
-// Where a box has its pattern's coordinates: the two axes of the face, from its middle.
+// Coordinates of a box's pattern: the two axes of the face, from its centre.
 vec2 face_place(Solid box, vec3 point_m, float cell_m)
 {
     vec3 own_m = is_turned(box) ? own_point(box, point_m) : point_m;
@@ -38,7 +38,7 @@ Place place_of(ViewRay ray, Hit hit)
     Place place;
     place.point_m = view_point_m(ray, hit.t_m);
     place.normal = solid_normal(solid, place.point_m);
-    if (dot(place.normal, ray.direction) > 0.0) // seen from within
+    if (dot(place.normal, ray.direction) > 0.0) // seen from inside
         place.normal = -place.normal;
     place.to_eye = -ray.direction;
     place.solid = hit.solid;

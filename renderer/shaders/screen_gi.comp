@@ -1,14 +1,17 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Indirect light of diffuse surfaces: rays by the cosine, each with the light of the surface that
-// it meets in the picture, or of the sky where it meets none. Nothing comes from a surface that
-// turns its back. With gi_bounces=all a surface has its indirect light of the frame before, too.
+// Screen-space indirect light of diffuse surfaces. Cosine-distributed rays collect the light of the
+// visible surface that they hit, or the sky's light where they hit none. Back faces give no light.
+// With gi_bounces=all a hit surface also has its indirect light of the frame before.
+//
+// Output SCREEN_GI_RAW: rgb light of surfaces, w fraction of rays that reach the sky.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_before.glsl"
 #include "screen_lights.glsl"
 
+// Radiance of a hit surface towards the ray's origin.
 vec3 light_of(ScreenHit hit, vec3 direction)
 {
     bool is_front = dot(normal_at(hit.pixel), direction) < 0.0;
@@ -26,7 +29,7 @@ void main()
         return;
     ivec2 pixel = pixel_in(cell);
     float depth_m = depth_at_m(pixel);
-    if (is_sky(depth_m) || load(SCREEN_BASE, pixel).w >= 1.0) { // metal has no diffuse part
+    if (is_sky(depth_m) || load(SCREEN_BASE, pixel).w >= 1.0) { // pure metal has no diffuse part
         store(SCREEN_GI_RAW, cell, vec4(0.0));
         return;
     }

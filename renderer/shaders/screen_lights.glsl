@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Sun and lamps at a surface of the screen. Which of them it sees is known by rays (G-buffer) or
-// from a target, a bit each: the sun, and lamp i at bit i + 1. Places and directions are in the
-// world's axes, from the camera.
+// Direct light of sun and lamps at a surface. Visibility is one bit per light: bit 0 is the sun,
+// bit i + 1 is lamp i. The G-buffer pass finds it with rays; other passes read it from a target.
+// Positions are in world axes, relative to the camera.
 #ifndef NEPH_SCREEN_LIGHTS_GLSL
 #define NEPH_SCREEN_LIGHTS_GLSL
 
@@ -17,7 +17,8 @@ struct Place {
     float roughness, metalness;
 };
 
-// A light at a place: where it is, and its irradiance across the way from there.
+// A light as seen from a point: direction, distance, and irradiance on a plane across the
+// direction.
 struct Beam {
     vec3 to_light;
     float distance_m;
@@ -63,7 +64,7 @@ vec3 reflected(Place place, Beam beam)
            max(0.0, dot(place.normal, beam.to_light)) * beam.irradiance;
 }
 
-// Radiance towards the eye by those that it sees.
+// Radiance towards the eye, from the lights in the bits `seen`.
 vec3 direct_light(Place place, uint seen)
 {
     vec3 sum = vec3(0.0);
@@ -78,8 +79,9 @@ vec3 in_world_axes(vec3 v)
     return v.x * frame.camera_right + v.y * frame.camera_up + v.z * frame.camera_forward;
 }
 
-// What a pixel's surface reflects of sun and lamps into a ray that meets it; all directions are the
-// camera's where there is no metal, or metal is taken as the camera sees it.
+// Direct light that a pixel's surface reflects along a ray that hits it. Diffuse light does not
+// depend on the direction, so the stored radiance towards the camera is used; it is also used for
+// metal with the setting ray_metal=camera.
 vec3 direct_into(vec3 direction, ivec2 pixel)
 {
     vec4 base = load(SCREEN_BASE, pixel);

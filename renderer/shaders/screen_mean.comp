@@ -1,18 +1,20 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The mean over frames: what a surface had in the frame before, found where it was seen then, and
-// what it has now, each frame with the same weight until there are as many as the history holds.
+// Temporal accumulation of indirect light: the running mean of the reprojected history and this
+// frame. All frames have the same weight until the history's maximum length is reached; then the
+// mean becomes exponential.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
 bool is_gi() { return run.turn == 0u; }
 
-// Between the cells of the frame before that show the same plane; `count` frames, 0 for none.
+// The history, interpolated bilinearly over the four cells of the frame before that show the same
+// plane. `count`: number of frames in it, 0 without history.
 vec4 history(uint solid, vec3 point_m, vec3 normal, out float count)
 {
-    const float OFF_PLANE = 0.01, SAME_NORMAL = 0.9; // of the depth; a cosine
+    const float OFF_PLANE = 0.01, SAME_NORMAL = 0.9; // relative to the depth; a cosine
     vec3 was_m = place_before_m(solid, point_m), was_normal = direction_before(solid, normal);
     count = 0.0;
     if (view.has_before == 0u || !(was_m.z > 0.0))

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Names that the shaders of the screen, their CPU references and its table of options have in
-// common: this file is both GLSL and C. What a setting means is said once, in
-// renderer/screen/options.c; `neph engines screen` prints it.
+// Names shared by the screen-space shaders, their CPU references and the table of options: indices
+// of settings, values of choices, targets. This file is valid GLSL and valid C. Settings are
+// described in renderer/screen/options.c; `neph engines screen` prints the descriptions.
 #ifndef NEPH_SCREEN_NAMES_H
 #define NEPH_SCREEN_NAMES_H
 
@@ -83,38 +83,38 @@
 #define SCREEN_BOUNCES_ONE 0
 #define SCREEN_BOUNCES_ALL 1
 
-// --- targets, a pixel each ----------------------------------------------------------------------
+// --- targets: one texel per pixel ---------------------------------------------------------------
 
-// Those with one number, always 32 bits.
+// Targets with one 32-bit word.
 #define SCREEN_DEPTH 0 // linear eye depth [m]; FAR_M for the sky
-#define SCREEN_MARKS 1 // bits of sun and lamps that are seen from there, and which solid it is
-#define SCREEN_GI_COUNT 2 // frames in the mean
+#define SCREEN_MARKS 1 // visibility bits of sun and lamps, and the number of the solid
+#define SCREEN_GI_COUNT 2 // frames in the running mean
 #define SCREEN_SSR_COUNT 3
-// These in the frame before.
+// The same in the frame before.
 #define SCREEN_DEPTH_BEFORE 4
 #define SCREEN_GI_COUNT_BEFORE 5
 #define SCREEN_SSR_COUNT_BEFORE 6
-// Those with four numbers.
-#define SCREEN_NORMAL 7 // of the surface, in the camera's axes (right, up, forward); w: roughness
+// Targets with four channels.
+#define SCREEN_NORMAL 7 // normal in camera axes (right, up, forward); w: roughness
 #define SCREEN_BASE 8 // RGB: base colour; w: metalness
-#define SCREEN_DIRECT 9 // RGB: radiance towards the camera without any indirect light
-#define SCREEN_OPEN 10 // x: share of the hemisphere that is open, by cosine
-#define SCREEN_OPEN_SMOOTH 11 // x: after the blur
-#define SCREEN_OPEN_WHOLE 12 // x: of all pixels, where these are of one in 2x2
-// RGB: what a white surface reflects of other surfaces; w: how much of a sky of radiance 1. Of A
-// and B the one that the last smoothing has left has it for all pixels, where it is of one in 2x2.
+#define SCREEN_DIRECT 9 // RGB: radiance towards the camera without indirect light
+#define SCREEN_OPEN 10 // x: cosine-weighted unoccluded fraction of the hemisphere
+#define SCREEN_OPEN_SMOOTH 11 // x: after the filter
+#define SCREEN_OPEN_WHOLE 12 // x: at full resolution, when the ones above are at half resolution
+// RGB: light of other surfaces that a white surface reflects; w: fraction of the sky's light. After
+// the smoothing passes, A or B also contains the result at full resolution.
 #define SCREEN_GI_RAW 13
-#define SCREEN_GI_MEAN 14 // over frames
-#define SCREEN_GI_A 15 // after the first, third, .. smoothing
-#define SCREEN_GI_B 16 // after the second, fourth, ..
+#define SCREEN_GI_MEAN 14 // running mean over frames
+#define SCREEN_GI_A 15 // after smoothing pass 1, 3, ..
+#define SCREEN_GI_B 16 // after smoothing pass 2, 4, ..
 #define SCREEN_LIT 17 // RGB: radiance with all light of diffuse surfaces
-// RGB and w again, for a white metal.
+// Light of a white metal: the buffers of the reflections, as above.
 #define SCREEN_SSR_RAW 18
 #define SCREEN_SSR_MEAN 19
 #define SCREEN_SSR_A 20
 #define SCREEN_SSR_B 21
-#define SCREEN_PICTURE 22 // RGB: with everything
-// Some of these in the frame before.
+#define SCREEN_PICTURE 22 // RGB: final radiance
+// Targets of the frame before.
 #define SCREEN_NORMAL_BEFORE 23
 #define SCREEN_GI_BEFORE 24
 #define SCREEN_SSR_BEFORE 25
@@ -123,7 +123,7 @@
 #define SCREEN_LIGHT_BITS 17
 #define SCREEN_NONE 0xffffffffu
 
-// Words of a texel where it has four channels, by SCREEN_TARGETS.
+// Words of a four-channel texel, by SCREEN_TARGETS.
 #define SCREEN_WORDS_32 4
 #define SCREEN_WORDS_16 2
 

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// A ray through what the picture shows: along its line on the screen (M. McGuire, M. Mara,
-// "Efficient GPU Screen-Space Ray Tracing", JCGT 3(4), 2014), to the first surface that it goes
-// behind. A pixel's surface is its plane, so that a hit is where the ray meets the plane, not
-// where the steps are.
+// Screen-space ray tracing: marches a ray along its line in the image (M. McGuire and M. Mara,
+// "Efficient GPU Screen-Space Ray Tracing", JCGT 3(4), 2014) to the first visible surface that it
+// passes behind. A pixel's surface is its tangent plane, so the hit is the intersection with that
+// plane, and does not depend on the steps.
+//
+//   eye depth
+//      ^         ______     surface in the depth buffer
+//      |   _____/    x      x: first step behind it
+//      |        x  x
+//      |  x  x              ray
+//      +-----------------> along the line in the image
 #ifndef NEPH_SCREEN_RAY_GLSL
 #define NEPH_SCREEN_RAY_GLSL
 
@@ -11,22 +18,22 @@
 
 struct ScreenHit {
     bool is_found;
-    ivec2 pixel;   // whose surface it is
-    vec3 point_m;  // where the ray meets it
+    ivec2 pixel;   // with the surface that is hit
+    vec3 point_m;  // intersection of the ray with the surface
 };
 
 struct ScreenRay {
-    ivec2 own; // the pixel that it leaves
+    ivec2 own; // pixel of the ray's origin
     vec3 from_m, direction;
-    float length_m;         // as far as it is before the camera
-    vec2 from_px, to_px;    // of its ends
-    float per_from, per_to; // 1 / depth there; of an orthographic camera 1
-    float share;            // of the way on the screen that is in the picture
+    float length_m;         // limited to the part in front of the camera
+    vec2 from_px, to_px;    // image positions of its ends
+    float per_from, per_to; // 1 / depth of the ends; 1 for an orthographic camera
+    float share;            // fraction of the line that is inside the image
 };
 
 ScreenRay screen_ray(ivec2 own, vec3 from_m, vec3 direction, float most_m)
 {
-    const float NEAREST = 0.01; // of the depth where it begins
+    const float NEAREST = 0.01; // nearest depth, relative to the origin's
     ScreenRay ray;
     ray.own = own;
     ray.from_m = from_m;
@@ -45,15 +52,16 @@ ScreenRay screen_ray(ivec2 own, vec3 from_m, vec3 direction, float most_m)
     return ray;
 }
 
-// How far along the ray a share of its way on the screen is.
+// Distance along the ray at a fraction of the line in the image. 1 / depth is linear in the image,
+// so (perspective-correct interpolation) t = L s w1 / ((1 - s) w0 + s w1).
 float along_m(ScreenRay ray, float share)
 {
     float end = share * ray.per_to;
     return ray.length_m * end / ((1.0 - share) * ray.per_from + end);
 }
 
-// How much deeper a place on the ray is than what is seen there [m], and in which pixel; very
-// negative where that is the sky, the ray's own pixel or none.
+// Depth of the ray minus depth of the visible surface at the same image position [m], and the
+// pixel. -FAR_M for the sky, outside the image, and in the ray's own pixel.
 float behind_m(ScreenRay ray, float share, out ivec2 pixel, out float depth_m)
 {
     vec2 place_px = mix(ray.from_px, ray.to_px, share);
@@ -65,8 +73,8 @@ float behind_m(ScreenRay ray, float share, out ivec2 pixel, out float depth_m)
     return depth_m - (plane_at(place_px, pixel, seen_m) ? seen_m.z : depth_at_m(pixel));
 }
 
-// Between two places, before and behind a surface, halves the way until they are near; how far the
-// second is behind it then.
+// Bisection between a place in front of a surface and one behind it. Returns the distance of the
+// second behind the surface.
 float refine(ScreenRay ray, float before, inout float behind, inout ivec2 pixel, float gap_m)
 {
     for (int i = 0; i < choice(SCREEN_RAY_REFINE); i++) {
@@ -84,25 +92,27 @@ float refine(ScreenRay ray, float before, inout float behind, inout ivec2 pixel,
     return gap_m;
 }
 
-// Where the ray meets the plane of a pixel; where it does not, the place that is behind it.
+// Intersection of the ray with a pixel's tangent plane; without one, the place behind the surface.
 vec3 meeting_m(ScreenRay ray, ivec2 pixel, float share)
 {
     vec3 normal = normal_at(pixel), surface = surface_m(pixel);
     float falling = dot(normal, ray.direction), at_m = along_m(ray, share);
     float meets_m = falling < 0.0 ? dot(normal, surface - ray.from_m) / falling : at_m;
-    const float SLACK = 1.5; // a plane's place is that of its own pixel, not of the step's
+    const float SLACK = 1.5; // the plane belongs to the pixel's centre, not to the step's position
     return ray.from_m + (meets_m > 0.0 && meets_m < SLACK * at_m ? meets_m : at_m) * ray.direction;
 }
 
-// `offset`: in [0, 1), of a step. Where the ray is first behind something it has either met a
-// surface, which is near there, or gone behind its edge, farther than the thickness: then it passes
-// by, and what it meets until it comes out is not known.
+// Finds the first hit. `offset` in [0, 1) is the start within a step. Where the ray is first behind
+// the depth buffer, it has either hit a surface, which is near, or passed behind an object's edge,
+// when the distance exceeds the thickness. In the second case the ray goes on, and finds nothing
+// until it is in front of the depth buffer again.
 ScreenHit screen_march(ScreenRay ray, int steps, float offset)
 {
-    const float SAME = 1e-4; // of the depth, that floats leave
+    const float SAME = 1e-4; // relative to the depth: rounding
     float way_px = ray.share * length(ray.to_px - ray.from_px);
     float power = setting(SCREEN_RAY_STEP_POWER);
-    int count = int(min(float(steps), ceil(power * way_px))); // the last steps are so much longer
+    // The last steps are longer by `power`.
+    int count = int(min(float(steps), ceil(power * way_px)));
     float thickness_m = setting(SCREEN_RAY_THICKNESS_M);
     float before = 0.0;
     bool is_hidden = false;

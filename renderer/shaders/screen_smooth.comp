@@ -1,17 +1,22 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// One turn of the smoothing of rays' noise: 5x5 pixels, in turn k 2^k apart, of the same plane (H.
-// Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination
-// Filtering", HPG 2010). What metal reflects is smoothed no farther than it is rough.
+// Spatial filter of indirect light: one iteration of the edge-avoiding a-trous wavelet transform
+// (H. Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination
+// Filtering", HPG 2010). Iteration k = run.turn filters 5x5 cells at a spacing of 2^k, with weights
+// for cells of the same plane and orientation:
+//
+//   k = 0   . . x x x x x . .        k = 1   x . x . x . x . x
+//
+// Reflections are filtered at most over the width of the metal's reflection lobe.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
 bool is_gi() { return run.from < SCREEN_LIT; }
 
-// Radius in which a metal's reflection may be smoothed [px]: half the width of what it spreads a
-// line of sight to, at as far again as the eye.
+// Filter radius of a metal's reflection [px]: half the width of its lobe, for a reflected surface
+// at the same distance from the metal as the eye.
 float spread_px(float roughness)
 {
     float alpha = roughness * roughness;

@@ -1,18 +1,22 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Reflections of metal: rays by the facets that the camera sees (Heitz 2018), one for a mirror.
-// What a ray meets has the light of diffuse surfaces of this frame, and what metal there reflected
-// of others in the frame before, as the camera sees it. A surface that turns its back is not met.
+// Screen-space reflections of metal. Rays are sampled from the visible normals of the GGX
+// distribution (E. Heitz 2018); a mirror needs one ray. A hit surface has this frame's light of
+// diffuse surfaces, and the reflections of the frame before, as the camera saw them. Back faces are
+// not hit.
+//
+// Output SCREEN_SSR_RAW: rgb reflected light of surfaces, w fraction that comes from the sky, both
+// for a white metal.
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen_before.glsl"
 #include "screen_lights.glsl"
 
-// Between the centres of pixels of the same depth.
+// Bilinear interpolation of SCREEN_LIT over pixels of the same depth.
 vec3 lit_at(vec2 place_px, ivec2 pixel)
 {
-    const float SAME = 0.05; // of the depth
+    const float SAME = 0.05; // relative to the depth
     ivec2 corner = ivec2(floor(place_px - 0.5));
     vec2 way = place_px - 0.5 - vec2(corner);
     float depth_m = depth_at_m(pixel);
@@ -26,6 +30,7 @@ vec3 lit_at(vec2 place_px, ivec2 pixel)
     return sum.w > 0.01 ? sum.rgb / sum.w : load(SCREEN_LIT, pixel).rgb;
 }
 
+// rgb light of the surface that the ray hits, or w = 1 when it reaches the sky.
 vec4 reflected_along(ScreenRay ray, float offset)
 {
     ScreenHit hit = screen_march(ray, choice(SCREEN_SSR_STEPS), offset);

@@ -1,28 +1,28 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// From one pixel of each cell to all: between the four cells around a pixel, as far as they show
-// its surface (J. Kopf et al., "Joint Bilateral Upsampling", SIGGRAPH 2007).
+// Upsampling from one pixel per cell to all pixels: bilinear weights over four cells, times the
+// similarity of their surfaces (J. Kopf et al., "Joint Bilateral Upsampling", SIGGRAPH 2007).
 #extension GL_GOOGLE_include_directive : require
 
 #include "screen.glsl"
 
-const uint OF_AO = 0u, OF_GI = 1u, OF_SSR = 2u; // turns
+const uint OF_AO = 0u, OF_GI = 1u, OF_SSR = 2u; // values of run.turn: the signal that is upsampled
 
 bool has_signal(ivec2 pixel)
 {
     return run.turn == OF_AO ? !is_sky(depth_at_m(pixel)) : has_light(pixel, run.turn == OF_SSR);
 }
 
-// Where no cell around has the signal or faces that way: nothing stands near, and no rays were
-// cast.
+// Value where no cell around has the signal or a similar orientation: unoccluded, and for indirect
+// light the sky's unoccluded fraction, as without rays.
 vec4 unknown(ivec2 pixel)
 {
     float open = view.open_at != SCREEN_NONE ? load(int(view.open_at), pixel).x : 1.0;
     return run.turn == OF_AO ? vec4(1.0) : vec4(0.0, 0.0, 0.0, open);
 }
 
-// What a cell knows, and of which surface.
+// The value of a cell and the surface that it belongs to.
 struct Cell {
     bool has_signal;
     vec3 point_m, normal;
@@ -37,9 +37,9 @@ Cell cell_at(ivec2 cell)
     return Cell(true, surface_m(pixel), normal_at(pixel), load(int(run.from), cell));
 }
 
-// 1 on the plane of a surface; off it, facing the same way, a little, for where nothing is on it. A
-// cell that faces across it has nothing to say: by the eighth power of a cosine that is 0 but for
-// its last digit, that digit would choose.
+// Similarity of a cell's surface: 1 in the pixel's plane, and LEAST off the plane, so that cells
+// off the plane count only where there are no others. A cell facing sideways has none. Without that
+// bound the eighth power of a cosine that is 0 up to rounding would select by rounding errors.
 float likeness(vec3 point_m, vec3 normal, Cell cell)
 {
     const float LEAST = 1e-4, LEAST_FACING = 0.1; // a cosine
@@ -50,7 +50,7 @@ float likeness(vec3 point_m, vec3 normal, Cell cell)
     return max(LEAST, in_plane(point_m, normal, cell.point_m)) * fourth * fourth;
 }
 
-// `way`: from the first of four cells to the last, along both axes.
+// Value of a pixel; `way` is its position between the first and the last of four cells.
 vec4 whole(ivec2 pixel, vec2 way, Cell around[4])
 {
     vec3 point_m = surface_m(pixel), normal = normal_at(pixel);
@@ -66,7 +66,12 @@ vec4 whole(ivec2 pixel, vec2 way, Cell around[4])
     return weights > 0.0 ? sum / weights : unknown(pixel);
 }
 
-// A thread has four cells, and the pixels from that of the first to before those of the others.
+// A thread has four cells, and the up to four pixels from the first cell's pixel on, before the
+// pixels of the others.
+//
+//     0 . 1      0..3: pixels of the cells
+//     . .        .: pixels between them, written by this thread together with 0
+//     2   3
 void main()
 {
     ivec2 place;

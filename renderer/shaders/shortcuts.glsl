@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Shortcuts of a march through media, each off unless the specialization constant has its bit
-// (struct neph_shortcuts): steps that grow, empty cells that are passed, rays that end early. Those
-// of the sun are in sun_cache.glsl and cloud_shadow.glsl.
+// Approximations of the ray marcher, each enabled by a bit of a specialization constant (struct
+// neph_shortcuts): growing steps, empty-space skipping, early ray termination. The ones for sun
+// rays are in sun_cache.glsl and cloud_shadow.glsl. Measurements: docs/realtime.md.
 #ifndef NEPH_SHORTCUTS_GLSL
 #define NEPH_SHORTCUTS_GLSL
 
 #include "scene.glsl"
 #include "settings/march_shortcut_bits.h"
 
-// Bits of settings (renderer/march_settings.toml), and of neph_march_constants().
+// Bits of settings (renderer/march_settings.toml) and of neph_march_constants().
 layout(constant_id = 5) const uint SHORTCUTS = 0;
 const bool CACHES_SUN = (SHORTCUTS & NEPH_SHORTCUT_SUN_CACHE) != 0u && SHAPE_KINDS != 0u;
 const bool SKIPS = (SHORTCUTS & NEPH_SHORTCUT_SKIP) != 0u && SHAPE_KINDS != 0u;
@@ -17,20 +17,22 @@ const bool ENDS_EARLY = (SHORTCUTS & NEPH_SHORTCUT_EARLY_OUT) != 0u;
 const bool GROWS = (SHORTCUTS & NEPH_SHORTCUT_STEP_GROWTH) != 0u;
 const bool GROWS_BY_DEPTH = (SHORTCUTS & NEPH_SHORTCUT_DEPTH_GROWTH) != 0u;
 const uint SUN_RAY_BITS = NEPH_SHORTCUT_SUN_GROWTH | NEPH_SHORTCUT_SUN_CONE;
-const bool GROWS_SUN_RAYS = (SHORTCUTS & SUN_RAY_BITS) != 0u; // or has them in a cone
+// Growing steps, in a cone or on the ray.
+const bool GROWS_SUN_RAYS = (SHORTCUTS & SUN_RAY_BITS) != 0u;
 const bool CONES_SUN_RAYS = (SHORTCUTS & NEPH_SHORTCUT_SUN_CONE) != 0u;
-const bool MANY_OCTAVES = (SHORTCUTS & 4096u) != 0u; // more than a ray keeps the phases of
-const bool SUNLIT_TEXTURE = (SHORTCUTS & 2048u) != 0u; // media emit nothing and see the sun
+const bool MANY_OCTAVES = (SHORTCUTS & 4096u) != 0u; // more than KEPT_PHASES octaves
+// Grids are in textures, media scatter sunlight and emit none, and octaves are at most KEPT_PHASES.
+const bool SUNLIT_TEXTURE = (SHORTCUTS & 2048u) != 0u;
 const bool MAPS_SHADOW = (SHORTCUTS & NEPH_SHORTCUT_CLOUD_SHADOW) != 0u && SHAPE_KINDS != 0u;
 
 // --- steps of a stretch -----------------------------------------------------------------------
 
 struct Steps {
     Stretch stretch;
-    float step_m; // of equal ones
+    float step_m; // length of a step, if all are equal
     uint count;
-    float growth; // 1: they are equal
-    uint span, end; // GROWS_BY_DEPTH: so many are one, up to `end`
+    float growth; // ratio of successive lengths; 1: equal
+    uint span, end; // GROWS_BY_DEPTH: number of steps that are joined, and the end of this run
 };
 
 Steps equal_steps(Stretch stretch, uint count)
@@ -45,14 +47,14 @@ Steps view_steps_of(Stretch stretch)
     return steps;
 }
 
-// How many steps are one behind an optical depth: as many whole ones as it says, so that they tile
-// the ray as they would alone.
+// Number of steps that are joined behind an optical depth. It is an integer, so that the joined
+// steps have the same boundaries as the single ones.
 uint span_behind(float optical_depth)
 {
     return uint(min(1.0 + frame.depth_growth * optical_depth, float(NEPH_GPU_SPAN_MAX)));
 }
 
-// The step after one.
+// The step after step i, or after the joined steps from i on.
 uint step_after(Steps steps, uint i)
 {
     return GROWS_BY_DEPTH ? min(i + steps.span, steps.end) : i + 1;
@@ -60,7 +62,9 @@ uint step_after(Steps steps, uint i)
 
 bool are_equal(Steps steps) { return !GROWS || own(steps.growth == 1.0); }
 
-// Where a step that has grown begins: lengths in geometric progression.
+// Start of a step when lengths are a geometric progression with ratio g:
+//
+//   t_i = t0 + (t1 - t0) (g^i - 1) / (g^n - 1)
 float grown_start_m(Steps steps, uint i)
 {
     float part = (pow(steps.growth, float(i)) - 1.0) /
@@ -82,7 +86,7 @@ float step_length_m(Steps steps, uint i)
     return grown_start_m(steps, after) - grown_start_m(steps, i);
 }
 
-// The point of a step, `place` (0..1) of its length from its start.
+// The sample of a step, at `place` (0..1) of its length.
 float step_point_m(Steps steps, uint i, float place)
 {
     uint after = step_after(steps, i);
@@ -95,14 +99,14 @@ float step_point_m(Steps steps, uint i, float place)
 
 // --- empty cells ------------------------------------------------------------------------------
 
-// A bit for each cell of frame.skip_lattice, x fastest, 32 to a word: whether some shape may have a
-// density other than 0 in the cell and a hair around it, so that a point's rounding does not matter
-// (renderer/skip_cells.c). In place of majorants, which a march has no other use for.
+// One bit per cell of frame.skip_lattice, x fastest, 32 cells to a word: whether a shape may have
+// density in the cell or within rounding distance around it (renderer/skip_cells.c). The binding is
+// that of the majorants, which the ray marcher does not use.
 layout(std430, binding = 3) readonly buffer SkipCells {
     uint skip_cells[];
 };
 
-// At a place in cells; beyond the lattice all shapes end, and any answer is right.
+// `place` is in cells. Outside the grid there are no shapes, so every answer is valid.
 bool cell_is_empty(vec3 place)
 {
     uvec3 size = frame.skip_lattice.size;
@@ -116,8 +120,8 @@ bool shapes_are_empty(vec3 point_m)
     return cell_is_empty((point_m - frame.skip_lattice.origin_m) * frame.skip_lattice.per_m);
 }
 
-// Go on to the first step whose point is not in an empty cell, or to `end`; whether any was passed.
-// In a loop of its own: rays that have passed their empty steps do their full ones together.
+// Moves `i` on to the first step with its sample in a non-empty cell, or to `end`; returns whether
+// a step was skipped. A loop of its own, so that rays do their non-empty steps together afterwards.
 bool pass_empty_steps(Steps steps, float place, vec3 origin_m, vec3 direction, uint end,
                       inout uint i)
 {

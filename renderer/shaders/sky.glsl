@@ -1,49 +1,60 @@
 // SPDX-License-Identifier: MIT
 //
-// The sky of a planet, whose CPU reference is renderer/sky/: what the air is, who looks at it, and
-// light along a ray from its tables. These lie one behind the other in one buffer: transmittance to
-// the sun, moments of the field and irradiance of the ground, what is seen from each place, and the
-// air before the camera (renderer/sky/tables.h).
+// The atmosphere of a planet on the device: data, the lookup of its tables, and the march of a ray
+// through the air. renderer/sky/ is the CPU reference, renderer/sky/tables.h the C side.
+//
+// The tables are stored in one buffer, in this order:
+//
+//   sun       transmittance to the sun, by altitude and sun angle (sky_sun.comp)
+//   field     scattered light: moments of its distribution over directions, by altitude and sun
+//             angle; and the irradiance of the ground (sky_gather.comp, sky_sum.comp)
+//   views     everything visible from a place, by direction (sky_view.comp)
+//   aerial    the air in front of the camera, by froxel (sky_aerial.comp)
+//
+// The tables follow E. Bruneton and F. Neyret, "Precomputed Atmospheric Scattering", EGSR 2008, and
+// S. Hillaire, "A scalable and production ready sky and atmosphere rendering technique", EGSR 2020.
+// renderer/sky/field.h says how the field differs from both.
 #ifndef NEPH_SKY_GLSL
 #define NEPH_SKY_GLSL
 
 #include "phase.glsl"
 
 struct SkyLayer {
-    vec3 extinction_per_m; // where the density is 1
-    uint is_tent;          // else exponential
+    vec3 extinction_per_m; // at density 1
+    uint is_tent;          // 0: exponential; 1: tent
     vec3 scattering_per_m;
-    float middle_m; // of a tent: the altitude of its peak
-    float scale_m;  // scale height, or half the width of a tent
+    float middle_m; // tent: altitude of the peak
+    float scale_m;  // scale height; tent: half its width
     uint phase_kind;
     float g;
-    float legendre[NEPH_GPU_SKY_DEGREE_MAX + 1]; // what it scatters of the moments of a degree
+    // Per degree: the fraction of a moment that one scattering keeps.
+    float legendre[NEPH_GPU_SKY_DEGREE_MAX + 1];
 };
 
 struct SkyAir {
     vec3 ground_albedo;
     float radius_m; // of the ground
-    float top_m;    // altitude above which nothing is
+    float top_m;    // altitude of the upper end of the air
     uint layer_count;
-    uint degree;               // of the moments of the field
-    uint altitudes, suns;      // its nodes
+    uint degree;               // highest degree of the field's moments
+    uint altitudes, suns;      // nodes of the field
     uint sun_altitudes, sun_cosines; // nodes of the transmittance to the sun
-    float deepest_root;        // of the sun, where the field begins: sky_among_suns()
-    uint field_first;          // among the nodes of all tables
+    float deepest_root;        // lower end of the field's axis of sun angles: sky_among_suns()
+    uint field_first;          // index of the field's first node
     SkyLayer layers[NEPH_GPU_MEDIA_MAX];
-    float norms[NEPH_GPU_SKY_MOMENTS_MAX]; // of the harmonics
+    float norms[NEPH_GPU_SKY_MOMENTS_MAX]; // of the spherical harmonics
 };
 
-// Where somebody is, with a table of all that is seen from there under the sun (sky_view.glsl).
+// A place with a table of views (sky_view.glsl).
 struct SkyPlace {
     vec3 vertical;
     float altitude_m;
-    uint first; // of the table, among all nodes
+    uint first; // index of the table's first node
 };
 
 struct SkyEye {
     vec3 right;
-    float half_width; // of the picture in its plane at distance 1
+    float half_width; // of the image plane at distance 1
     vec3 up;
     float half_height;
     vec3 forward;
@@ -53,13 +64,14 @@ struct SkyEye {
     vec3 sun_irradiance;
     uint steps;
     uint scatters, has_field;
-    uint elevations, azimuths; // nodes of tables of views, of each half; 0: there is none
-    uint aerial_columns, aerial_rows, aerial_slices; // of the air before the camera; 0: not there
+    uint elevations, azimuths; // nodes of a table of views, per half; 0: none
+    uint aerial_columns, aerial_rows, aerial_slices; // nodes of the aerial table; 0: none
     float aerial_far_m;
     uint aerial_first;
-    uint is_shaded; // 0 or 1: by what throws shadows on the air
+    uint is_shaded; // 0 or 1: something shadows the air
     uint place_count;
-    SkyPlace places[NEPH_GPU_SKY_PLACES]; // of the camera, and of what the sky lights
+    // The camera, and the point at which media are lit by the sky.
+    SkyPlace places[NEPH_GPU_SKY_PLACES];
 };
 
 #ifndef SKY_BINDING
@@ -79,8 +91,8 @@ layout(std430, binding = SKY_BINDING + 1) readonly buffer SkyNodes {
     vec4 sky_nodes[];
 };
 
-// Kernels of tables are made for so many layers and moments: their loops have no turns to count,
-// and what these fill lies in registers. Others read how many there are.
+// Kernels that fill tables are specialized for the number of layers and moments: their loops
+// unroll, and their arrays are in registers. Other kernels read both numbers.
 #ifdef SKY_IS_KNOWN
 #define SKY_UNROLL [[unroll]]
 layout(constant_id = 0) const uint SKY_LAYERS = 1u;
@@ -96,8 +108,8 @@ uint sky_degree() { return air.degree; }
 vec3 sky_sun_node(uint index) { return sky_nodes[index].rgb; }
 vec3 sky_field_node(uint index) { return sky_nodes[air.field_first + index].rgb; }
 
-// Drivers may be off by 1e-4 in asin and acos. The series of asin where it is short, to 2e-7, and
-// asin x = pi / 2 - 2 asin(sqrt((1 - x) / 2)) where it is not.
+// Arc functions with an error of 2e-7; drivers may be off by 1e-4. For small x the series of asin;
+// else asin x = pi / 2 - 2 asin(sqrt((1 - x) / 2)).
 float sky_short_asin(float x)
 {
     float s = x * x;
@@ -118,12 +130,12 @@ float sky_asin(float x)
     return abs(x) > 0.5 ? 0.5 * PI - sky_acos(x) : sky_short_asin(x);
 }
 
-// --- places in tables ---------------------------------------------------------------------------
+// --- coordinates of tables ----------------------------------------------------------------------
 
-// r^2 - radius^2, without its cancellation.
+// r^2 - radius^2, without cancellation.
 float sky_growth_m2(float altitude_m) { return altitude_m * (2.0 * air.radius_m + altitude_m); }
 
-// The node below a part of an axis, and how far it is from there to the next.
+// The node below a coordinate 0..1 of an axis; returns the fraction to the next node.
 float sky_among(float part, uint nodes, out uint low)
 {
     float place = clamp(part, 0.0, 1.0) * float(nodes - 1u);
@@ -131,6 +143,7 @@ float sky_among(float part, uint nodes, out uint low)
     return place - float(low);
 }
 
+// Length of a ray to the upper end of the air; the ray misses the ground.
 float sky_length_to_top_m(float altitude_m, float cosine)
 {
     float rise_m = (air.radius_m + altitude_m) * cosine;
@@ -139,7 +152,11 @@ float sky_length_to_top_m(float altitude_m, float cosine)
     return rise_m > 0.0 ? left_m2 / (rise_m + root_m) : root_m - rise_m;
 }
 
-// Transmittance to the sun; 0 where the ground hides it.
+// Transmittance to the sun; 0 where the ground hides the sun. The axes are lengths (Bruneton and
+// Neyret 2008, section 4), so that nodes are dense at the horizon:
+//
+//   y = distance to the horizon / its maximum
+//   x = (length to the top - shortest) / (longest - shortest)      for this altitude
 vec3 sky_sun_transmittance(float altitude_m, float sun_cosine)
 {
     float horizon_m = sqrt(sky_growth_m2(altitude_m)), most_m = sqrt(sky_growth_m2(air.top_m));
@@ -158,6 +175,7 @@ vec3 sky_sun_transmittance(float altitude_m, float sun_cosine)
 
 uint sky_moments() { return (sky_degree() + 1u) * (sky_degree() + 2u) / 2u; }
 
+// Coordinate of the sun's elevation. Its square root, with sign, makes nodes dense at the horizon.
 float sky_among_suns(float sun_cosine, out uint low)
 {
     float part = sky_asin(sun_cosine) * (2.0 / PI);
@@ -165,7 +183,7 @@ float sky_among_suns(float sun_cosine, out uint low)
     return sky_among((root - air.deepest_root) / (1.0 - air.deepest_root), air.suns, low);
 }
 
-// Irradiance of the ground by all but the sun itself: behind the moments.
+// Irradiance of the ground by scattered light only; stored behind the moments.
 vec3 sky_field_ground(float sun_cosine)
 {
     uint i;
@@ -174,25 +192,34 @@ vec3 sky_field_ground(float sun_cosine)
     return mix(sky_field_node(first + i), sky_field_node(first + i + 1u), x);
 }
 
-// --- where a ray goes ---------------------------------------------------------------------------
+// --- geometry of a ray --------------------------------------------------------------------------
 
 struct SkyRay {
-    float altitude_m, cosine; // of its start, to the vertical there
-    float sun_cosine;         // of the sun to that vertical
+    float altitude_m, cosine; // at its start
+    float sun_cosine;         // cosine of the sun to the vertical at the start
     float toward_sun;         // cosine between ray and sun
-    float phases[NEPH_GPU_MEDIA_MAX]; // of the layers, at that angle
+    float phases[NEPH_GPU_MEDIA_MAX]; // phase functions of the layers at that angle
 };
 
-// The part of a ray that is in the air: down to its lowest place and up from there, as seen there.
+// The part of a ray in the air, as two legs from its lowest point (or the ground):
+//
+//    start o                    o upper end
+//           \  fall_m  climb_m /
+//            \                /
+//             '------o------'      lowest point: low_m, low_t_m
+//      ___________________________ ground
+//
+// Steps are at equal distances of the square root of the climb, so they are dense at the lowest
+// point.
 struct SkyPath {
-    float low_m, low_t_m;  // altitude of that place, and where on the ray it is
+    float low_m, low_t_m;  // altitude of the lowest point, and its ray parameter
     float rise_m;          // radius times |cosine| there
-    float fall_m, climb_m; // how far it comes down to there, and goes up from there
-    uint falls, climbs;    // in so many steps
-    float length_m;        // to the ground; FAR_M: there is none
+    float fall_m, climb_m; // descent from the start to there, and climb from there
+    uint falls, climbs;    // steps of the two legs
+    float length_m;        // to the ground; FAR_M: misses the ground
 };
 
-// Distance from the lowest place to where the path has climbed.
+// Distance from the lowest point at which the path has climbed.
 float sky_distance_m(SkyPath path, float climb_m)
 {
     float growth_m2 = climb_m * (2.0 * (air.radius_m + path.low_m) + climb_m);
@@ -201,7 +228,7 @@ float sky_distance_m(SkyPath path, float climb_m)
                : 0.0;
 }
 
-// To the ground; FAR_M: the ray meets none.
+// Distance to the ground; FAR_M: the ray misses it.
 float sky_length_m(SkyRay ray)
 {
     float rise_m = (air.radius_m + ray.altitude_m) * ray.cosine;
@@ -225,7 +252,7 @@ SkyPath sky_path(SkyRay ray, uint steps)
                    air.top_m - low_m, turns ? of_leg : 0u, of_leg, FAR_M);
 }
 
-// --- what is scattered --------------------------------------------------------------------------
+// --- scattered light ----------------------------------------------------------------------------
 
 float sky_density(SkyLayer layer, float altitude_m)
 {
@@ -234,7 +261,9 @@ float sky_density(SkyLayer layer, float altitude_m)
                : transmittance(max(0.0, altitude_m) / layer.scale_m);
 }
 
-// By light of all orders before, into a direction of coordinates x (towards the sun) and z (up).
+// Light of the field that is scattered once more, into the unit vector with the components x
+// (horizontally towards the sun) and z (up): the sum over spherical harmonics of the moment times
+// the scattering of its degree. The Legendre and azimuth factors are computed by recurrence.
 vec3 sky_scatter_field(float altitude_m, float sun_cosine, float x, float z,
                        vec3 scattering_per_m[NEPH_GPU_SKY_DEGREE_MAX + 1])
 {
@@ -268,13 +297,13 @@ vec3 sky_scatter_field(float altitude_m, float sun_cosine, float x, float z,
 // --- along a ray --------------------------------------------------------------------------------
 
 struct SkyLight {
-    vec3 radiance; // of the media alone; sky_walk() adds the ground's
+    vec3 radiance; // of the media only; sky_walk() adds the ground's
     vec3 volume;
     vec3 transmittance;
-    float length_m; // to the ground; FAR_M: there is none
+    float length_m; // to the ground; FAR_M: misses the ground
 };
 
-// The light of one step around a place, the source being the same all along it.
+// Adds the light of one step, with source and extinction constant along it.
 void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, float length_m,
               bool scatters, bool has_field, inout SkyLight light)
 {
@@ -303,7 +332,7 @@ void sky_step(SkyRay ray, float altitude_m, float cosine, float sun_cosine, floa
     light.transmittance *= transmittance(depth);
 }
 
-// Steps of a path, from one to before another.
+// Marches steps first..end-1 of a path.
 void sky_walk_steps(SkyRay ray, SkyPath path, uint first, uint end, bool scatters, bool has_field,
                     inout SkyLight light)
 {
@@ -326,6 +355,7 @@ void sky_walk_steps(SkyRay ray, SkyPath path, uint first, uint end, bool scatter
     }
 }
 
+// Adds light reflected by the ground.
 void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
 {
     float sun_m = (air.radius_m + ray.altitude_m) * ray.sun_cosine;
@@ -336,8 +366,8 @@ void sky_add_ground(SkyRay ray, bool has_field, inout SkyLight light)
     light.radiance += light.transmittance * air.ground_albedo / PI * irradiance;
 }
 
-// Light of a sun of irradiance 1. `scatters`: media scatter its light; `has_field`: and all that
-// was scattered before.
+// Light along a ray for a sun of irradiance 1. `scatters`: the media scatter sunlight; `has_field`:
+// and light that was scattered before.
 SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
 {
     SkyPath path = sky_path(ray, steps);
@@ -349,7 +379,7 @@ SkyLight sky_walk(SkyRay ray, uint steps, bool scatters, bool has_field)
     return light;
 }
 
-// Phases of all layers between two unit vectors.
+// Phase functions of all layers between two unit vectors.
 void sky_find_phases(inout SkyRay ray, vec3 view, vec3 sun)
 {
     SKY_UNROLL for (uint n = 0u; n < sky_layers(); n++)

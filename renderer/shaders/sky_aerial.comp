@@ -1,12 +1,13 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Fills the air before the camera (sky_aerial.glsl): a thread is a slice of a column of froxels,
-// which it walks in two steps as if it began there; 32 slices of a column are done at once, put one
-// behind the other, and followed by the next 32. Where something throws shadows on the air,
-// sky_sunlit.comp has left in place of the shade how much of the sun each slice sees. Columns that
-// meet the ground go on below it, in air as it is at the ground, so that there is something to
-// interpolate to.
+// Fills the aerial table, the air in front of the camera (sky_aerial.glsl). One thread marches one
+// froxel in two steps, as if the ray started there. A group of threads then composes AT_ONCE slices
+// of a column in order, and continues with the next AT_ONCE slices.
+//
+// Where something shadows the air, sky_sunlit.comp has already stored the visible fraction of the
+// sun in place of the shade. Columns that meet the ground continue below it, in air as at the
+// ground, so that there are values to interpolate to.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -19,15 +20,15 @@ layout(local_size_x = 64) in;
 
 const uint STEPS_OF_SLICE = 2, AT_ONCE = NEPH_GPU_SKY_SLICES_AT_ONCE;
 
-// What a part of a column adds: all light of clear air, that of it which is scattered once, what
-// shadows take of the latter, and those of clouds alone, light of clouds; and what comes through.
+// A part of a column: all light of clear air; its single scattering; the loss of single scattering
+// to all shadows, and to shadows of clouds; light from clouds; transmittance.
 struct Part {
     vec3 light, once, shade_of_once, clouds_of_once, of_clouds, through;
 };
 
 shared Part parts[gl_WorkGroupSize.x];
 
-// A stretch of the column, seen from its middle.
+// A segment of the column, by the properties at its middle.
 struct Stretch {
     float length_m, altitude_m, cosine, sun_cosine;
 };
@@ -42,7 +43,7 @@ Stretch stretch_of(SkyRay ray, float t0_m, float t1_m)
                    clamp((rise_m + t_m) / here_m, -1.0, 1.0), clamp(sun_cosine, -1.0, 1.0));
 }
 
-// Light of a stretch that is scattered once, its sun being seen.
+// Single scattering of a segment in full sunlight.
 vec3 light_once(SkyRay ray, Stretch stretch, vec3 through)
 {
     SkyLight once = SkyLight(vec3(0.0), vec3(0.0), through, FAR_M);
@@ -51,8 +52,8 @@ vec3 light_once(SkyRay ray, Stretch stretch, vec3 through)
     return once.volume;
 }
 
-// Light of the clouds above a stretch that the air there scatters on: sunlight that they hand on
-// leaves them downwards, the same from all over, which is half of all directions.
+// Light from the clouds above a segment that the air scatters: the sunlight that clouds scatter
+// downwards, isotropic over the lower half of all directions.
 vec3 light_of_clouds(SkyRay ray, Stretch stretch, vec3 through, float handed_on)
 {
     for (uint n = 0u; n < sky_layers(); n++)
@@ -61,12 +62,12 @@ vec3 light_of_clouds(SkyRay ray, Stretch stretch, vec3 through, float handed_on)
     return 2.0 * flux * light_once(ray, stretch, through);
 }
 
-// What shadows take of all light up to a slice. Tables know the higher orders of clear air alone.
-// What is in the shade loses of these the part of the directions that clouds cover. Of clouds that
-// stand at random a slant ray meets as many more as its way is longer: where a mean T of the sun
-// comes through along its cosine, T^(2 cosine) does from all the sky, whose mean cosine is 1/2.
-// Solids cover little of the sky. What clouds have in that place is their own light,
-// light_of_clouds().
+// Light that shadows remove up to a slice. The tables have the multiple scattering of clear air
+// only; in shade it loses the part of the directions that clouds cover. A slanted ray meets more of
+// randomly placed clouds, in proportion to its length: with a mean transmittance T along the sun's
+// cosine, the transmittance of the whole sky is T^(2 cosine), because the mean cosine of the sky is
+// 1/2. Solids cover little of the sky and are neglected. In exchange the clouds' own light is added
+// (light_of_clouds()).
 vec3 shade_of_all(Part all, vec3 light, float sun_cosine)
 {
     const float LEAST_THROUGH = 1e-6;
@@ -98,6 +99,7 @@ Part part_of(SkyRay ray, uint slice, vec4 sunlit, float through_clouds)
                 (1.0 - through_clouds) * part.once, part.of_clouds, light.transmittance);
 }
 
+// Composition: one part of a column in front of another.
 Part before(Part near, Part far)
 {
     return Part(near.light + near.through * far.light, near.once + near.through * far.once,
@@ -118,7 +120,7 @@ void keep(uint node, Part all, float sun_cosine)
 void main()
 {
     uint index = gl_GlobalInvocationID.x / AT_ONCE, own = gl_LocalInvocationIndex % AT_ONCE;
-    uint first = gl_LocalInvocationIndex - own; // of the column's threads
+    uint first = gl_LocalInvocationIndex - own; // first thread of the column
     uint column = index % eye.aerial_columns, row = index / eye.aerial_columns;
     bool is_there = row < eye.aerial_rows;
     SkyRay ray = sky_ray_along(eye.places[0], sky_aerial_direction(column, row));

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// The air before the camera: what lies between it and a place in its picture, by froxels (S.
-// Hillaire, "A scalable and production ready sky and atmosphere rendering technique", EGSR 2020,
-// the aerial perspective volume). A node is a direction, from one edge of the picture to the other,
-// and a distance; these grow as squares. Light and transmittance are linear between nodes.
+// The aerial table: light and transmittance of the air between the camera and a point in view, by
+// froxels (S. Hillaire, "A scalable and production ready sky and atmosphere rendering technique",
+// EGSR 2020, aerial perspective volume). Nodes in the image plane reach from edge to edge;
+// distances grow with the square of the slice number. Values between nodes are interpolated
+// linearly.
 #ifndef NEPH_SKY_AERIAL_GLSL
 #define NEPH_SKY_AERIAL_GLSL
 
 #include "sky.glsl"
 
-// What is between: light for a sun of irradiance 1, without what shadows take of it.
+// Light for a sun of irradiance 1, with shadows removed, and transmittance.
 struct SkyVeil {
     vec3 light, through;
 };
 
-// Parts of a node, in their order.
+// Values of a node, in this order.
 const uint VEIL_LIGHT = 0, VEIL_THROUGH = 1, VEIL_SHADE = 2, VEIL_PARTS = 3;
 
 float sky_slice_m(uint slice)
@@ -23,7 +24,7 @@ float sky_slice_m(uint slice)
     return eye.aerial_far_m * part * part;
 }
 
-// Slice 0, at the camera, is not kept.
+// Slice 0 is at the camera and is not stored.
 uint sky_aerial_node(uint column, uint row, uint slice)
 {
     uint index = ((slice - 1u) * eye.aerial_rows + row) * eye.aerial_columns + column;
@@ -37,13 +38,13 @@ vec3 sky_aerial_direction(uint column, uint row)
     return normalize(eye.forward + x * eye.half_width * eye.right + y * eye.half_height * eye.up);
 }
 
-// Between nodes: the four directions around one, and the distances before and behind.
+// A position between nodes: the lower ones of four directions and two distances.
 struct SkyFroxel {
     uint column, row, slice;
-    float x, y, z; // parts of the way to the next
+    float x, y, z; // fractions to the next node
 };
 
-// In a direction of the picture; beyond the last slice all stays as it is there.
+// Position of a direction in view and a distance; constant beyond the last slice.
 SkyFroxel sky_froxel(vec3 direction, float distance_m)
 {
     SkyFroxel at;
@@ -59,7 +60,7 @@ SkyFroxel sky_froxel(vec3 direction, float distance_m)
     return at;
 }
 
-// A part of the nodes of a slice.
+// One value of a slice, interpolated bilinearly.
 vec3 sky_slice_part(SkyFroxel at, uint slice, uint part)
 {
     if (slice == 0u)

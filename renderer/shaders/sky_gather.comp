@@ -1,7 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A pass over the field, first half: a thread is the light that comes to a node from a direction.
+// One order of the sky's scattered light, first half: each thread marches one ray and stores the
+// radiance that arrives at a node of the field from one direction. sky_sum.comp is the second half.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// What a pass over the field is told, and where its nodes and directions are
-// (renderer/sky/solve.h).
+// Parameters, nodes and directions of the two passes that compute the field (renderer/sky/solve.h).
 #ifndef NEPH_SKY_GATHER_GLSL
 #define NEPH_SKY_GATHER_GLSL
 
 #include "sky.glsl"
 
 layout(push_constant) uniform SkyPass {
-    uint has_field; // 0: of the first order
-    uint above, below, around; // directions
+    uint has_field; // 0: no field yet, the first order
+    // Numbers of directions: rows above and below the horizon, and directions per row.
+    uint above, below, around;
     uint steps;
 } pass;
 
-// Cosines between -1 and 1, and their weights: those above the horizon first.
+// Gauss-Legendre cosines in -1..1 and their weights: the rows above the horizon first.
 layout(std430, binding = 2) readonly buffer Caps {
     vec2 caps[];
 };
@@ -21,10 +21,11 @@ layout(std430, binding = 2) readonly buffer Caps {
 uint direction_count() { return (pass.above + pass.below) * pass.around; }
 
 struct SkyDirection {
-    float x, y, z; // x towards the sun, z up
+    float x, y, z; // x towards the sun (horizontally), z up
     float solid_angle_sr;
 };
 
+// Altitudes are dense at the ground, sun angles at the horizon: both axes are squares.
 float node_altitude_m(uint node)
 {
     float part = float(node / air.suns) / float(air.altitudes - 1u);
@@ -37,6 +38,9 @@ float node_sun_cosine(uint node)
     return sin(root * abs(root) * PI / 2.0);
 }
 
+// A direction, its solid angle included. Rows above and below the horizon have separate
+// quadratures, because the radiance is discontinuous there; azimuths cover half a turn, by
+// symmetry.
 SkyDirection direction_of(float altitude_m, uint index)
 {
     uint cap = index / pass.around;

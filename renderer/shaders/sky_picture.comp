@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What a camera sees of a planet and its sky: a thread is a pixel, which walks its ray or looks
-// into the table of views.
+// Renders a planet and its sky without other media: each thread is a pixel, which marches its ray
+// or reads the table of views.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -12,7 +12,7 @@
 layout(local_size_x = 64) in;
 
 struct SkyPixel {
-    vec4 radiance; // w: eye depth [m], FAR_M: sky
+    vec4 radiance; // w: eye depth [m]; FAR_M: sky
     vec4 volume;
     vec4 transmittance;
 };

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// A pass over the field, second half: a thread is a moment of a node, and behind those the
-// irradiance of the ground under a sun.
+// One order of the sky's scattered light, second half: each thread integrates the arriving radiance
+// of a node over all directions, times one spherical harmonic. The threads behind them compute the
+// irradiance of the ground.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -16,7 +17,8 @@ layout(std430, binding = 3) readonly buffer Arrivals {
     vec4 arrivals[];
 };
 
-// The harmonic of an index among the moments, in a direction.
+// Spherical harmonic number k in a direction: degree l and order m with k = l (l + 1) / 2 + m, by
+// recurrence.
 float harmonic(uint k, SkyDirection direction)
 {
     uint degree = uint((sqrt(8.0 * float(k) + 1.5) - 1.0) * 0.5);
@@ -45,7 +47,7 @@ void main()
     if (index >= moments + air.suns)
         return;
     bool is_ground = index >= moments;
-    uint node = is_ground ? index - moments : index / count; // of altitude 0
+    uint node = is_ground ? index - moments : index / count; // ground: the node at altitude 0
     float altitude_m = node_altitude_m(node);
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < direction_count(); i++) {

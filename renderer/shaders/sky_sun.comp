@@ -1,7 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The table of transmittance to the sun: a thread is a node (renderer/sky/sun_table.h).
+// Fills the table of transmittance to the sun; one thread per node. Coordinates:
+// sky_sun_transmittance() in sky.glsl; CPU reference: renderer/sky/sun_table.h.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -13,6 +14,7 @@
 
 layout(local_size_x = 64) in;
 
+// Integral of a layer's density to the top of the air [m].
 float column_m(SkyLayer layer, Globe globe, vec3 direction)
 {
     if (layer.is_tent != 0u)

@@ -1,9 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// How much of the sun the air before the camera sees past media and solids: a thread is a froxel of
-// sky_aerial.glsl, from its slice before to its own, at some places in between. The planet's own
-// shadow is in the table of transmittance to the sun.
+// Shadows on the air: the fraction of the sun that is visible from each froxel of sky_aerial.glsl,
+// past media and solids, as a mean over samples between its slice and the one before. The planet's
+// own shadow is in the table of transmittance to the sun. The results are stored in the aerial
+// table, where sky_aerial.comp replaces them.
 #extension GL_GOOGLE_include_directive : require
 
 #define SKY_IS_FILLED
@@ -12,21 +13,21 @@
 #include "counting.glsl"
 
 layout(std430, binding = 6) buffer SunCounters {
-    uint density_evaluations[2]; // lower and upper half
+    uint density_evaluations[2]; // lower and upper half of 64 bits
     uint closed_forms[2];
 } counters;
 
-const uint GROUND = 0; // of the solids
+const uint GROUND = 0; // number of the solid that is the planet's ground
 
-// How much of the sun arrives, how much clouds on its way hand on, scattered, and how much comes
-// through clouds, whatever solids do.
+// Fraction of sunlight that arrives; fraction that clouds on the way scatter downwards;
+// transmittance of the clouds without solids.
 struct Sunlit {
     vec3 seen;
-    float handed_on; // of the flux through a level plane
+    float handed_on; // over the flux through a horizontal plane
     float through;
 };
 
-// What clouds are on the whole: the mean of all media.
+// Mean properties of all media.
 struct Clouds {
     float g, albedo;
 };
@@ -40,10 +41,10 @@ Clouds mean_clouds()
     return Clouds(sum.x, sum.y);
 }
 
-// The sunlight that leaves clouds downwards, without what comes straight through: Eddington's
-// transmittance of a layer (K. N. Liou, "An Introduction to Atmospheric Radiation", 2002, chapter
-// 6), of clouds that are as deep as they are long along the sun's rays, by the depth of the similar
-// isotropic medium; and what they absorb along a diffusion length.
+// Sunlight that clouds scatter downwards, without the direct beam: Eddington's transmittance of a
+// layer (K. N. Liou, "An Introduction to Atmospheric Radiation", 2002, chapter 6), times the
+// absorption along a diffusion length. The clouds are taken to be as deep as they are long on the
+// sun ray, and the optical depth is the similar isotropic medium's.
 float handed_on(Clouds clouds, float depth, float mu)
 {
     float similar = (1.0 - clouds.g) * depth;
@@ -55,7 +56,7 @@ float handed_on(Clouds clouds, float depth, float mu)
 
 Sunlit sunlit_at(Clouds clouds, vec3 point_m)
 {
-    is_in_shape = false; // a map is good enough
+    is_in_shape = false; // use the shadow map, which is accurate enough
     vec3 depth = mapped_or_own_sun_depth(point_m);
     float mu = max(sky_spot(point_m).sun_cosine, 0.0), through = fraction_through(depth).g;
     if (!sees_sun(point_m, GROUND))

@@ -1,10 +1,10 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The tables of views: each node is a ray, and of each ray what every layer scatters by itself, and
-// all that is not of one layer. Eight threads share one of these, for there are fewer of them than
-// a GPU has room for: each walks its part of the steps as if it began there, and the first puts the
-// parts one behind the other.
+// Fills the tables of views (sky_view.glsl). A node is a ray; its slices are the single scattering
+// of each layer, and one task more for everything else. There are fewer tasks than a GPU can run in
+// parallel, so eight threads share one: each marches a part of the steps as if the ray started
+// there, and the first one composes the parts.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
@@ -18,7 +18,8 @@ const uint WALKERS = NEPH_GPU_SKY_WALKERS;
 
 shared vec3 volumes[gl_WorkGroupSize.x], throughs[gl_WorkGroupSize.x];
 
-// A node is [half][elevation][azimuth], of slices.
+// The ray of a node, [half][elevation][azimuth]. Nodes are dense at the horizon and towards the
+// sun.
 SkyRay ray_of(SkyPlace place, uint node)
 {
     uint row = node / eye.azimuths;
@@ -35,7 +36,7 @@ SkyRay ray_of(SkyPlace place, uint node)
     return ray;
 }
 
-// What the walkers from `first` on have found, the part nearest to the camera first.
+// Composes the parts of the threads from `first` on, the nearest part first.
 SkyLight together(uint first, float length_m)
 {
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(1.0), length_m);
@@ -55,13 +56,13 @@ void keep(uint first, uint layer, SkyRay ray, SkyLight light)
     }
     first += sky_layers();
     if (light.length_m < FAR_M)
-        sky_add_ground(ray, eye.has_field != 0u, light); // to a radiance of 0
+        sky_add_ground(ray, eye.has_field != 0u, light); // adds to a radiance of 0
     sky_nodes[first + SLICE_HIGHER] = vec4(per_m, 0.0);
     sky_nodes[first + SLICE_GROUND] = vec4(light.radiance, 0.0);
     sky_nodes[first + SLICE_THROUGH] = vec4(light.transmittance, 0.0);
 }
 
-// All rays of a layer come before those of the next: threads side by side do the same.
+// All rays of a layer come before the next layer's, so neighbouring threads do the same work.
 void main()
 {
     uint thread = gl_LocalInvocationIndex, walker = thread % WALKERS;

@@ -1,19 +1,27 @@
 // SPDX-License-Identifier: MIT
 //
-// Tables of what is seen from a place under the sun (renderer/sky/view_table.h), and looking into
-// them.
+// Tables of views: the sky and ground visible from a place, by direction
+// (renderer/sky/view_table.h). A node has one slice per layer, with the single scattering over the
+// layer's phase function, which is smooth, and the slices below.
+//
+//    elevation ^    upper half      the two halves are interpolated separately,
+//              |  --------------    because the radiance is discontinuous
+//              |  -- horizon ---    at the horizon
+//              |    lower half
+//              +------------------> azimuth from the sun, half a turn
 #ifndef NEPH_SKY_VIEW_GLSL
 #define NEPH_SKY_VIEW_GLSL
 
 #include "sky.glsl"
 
-// enum neph_sky_slice, behind those of the layers
+// enum neph_sky_slice, behind the layers' slices
 const uint SLICE_HIGHER = 0, SLICE_GROUND = 1, SLICE_THROUGH = 2, SLICES = 3;
 
 const float HORIZON_GAP_RAD = 1e-5;
 
 uint sky_slice_count() { return sky_layers() + SLICES; }
 
+// Elevation of the horizon.
 float sky_horizon_rad(SkyPlace place)
 {
     return -sky_asin(sqrt(sky_growth_m2(place.altitude_m)) / (air.radius_m + place.altitude_m));
@@ -24,7 +32,7 @@ float sky_range_rad(float horizon_rad, bool is_below)
     return (is_below ? 0.5 * PI + horizon_rad : 0.5 * PI - horizon_rad) - HORIZON_GAP_RAD;
 }
 
-// By cosines: of the ray to the vertical, and to the sun. Without phases.
+// A ray by its cosines to the vertical and to the sun; its phase functions are not set.
 SkyRay sky_ray_from(SkyPlace place, float cosine, float toward_sun)
 {
     SkyRay ray;
@@ -35,7 +43,7 @@ SkyRay sky_ray_from(SkyPlace place, float cosine, float toward_sun)
     return ray;
 }
 
-// Along a unit vector, with its phases.
+// The ray along a unit vector, with phase functions.
 SkyRay sky_ray_along(SkyPlace place, vec3 direction)
 {
     SkyRay ray = sky_ray_from(place, dot(direction, place.vertical),
@@ -44,7 +52,7 @@ SkyRay sky_ray_along(SkyPlace place, vec3 direction)
     return ray;
 }
 
-// --- looking up ---------------------------------------------------------------------------------
+// --- lookup -------------------------------------------------------------------------------------
 
 float sky_among_azimuths(SkyRay ray, out uint low)
 {
@@ -53,8 +61,8 @@ float sky_among_azimuths(SkyRay ray, out uint low)
     return sky_among(sqrt(sky_acos(x) / PI), eye.azimuths, low);
 }
 
-// Below the horizon nodes hold what the air scatters per metre of the way to the ground, which
-// changes more between them than anything else.
+// Below the horizon the nodes store scattered light per metre of the way to the ground, because
+// that length changes most between nodes.
 float sky_way_m(float length_m)
 {
     const float LEAST_M = 1e-3; // for a place on the ground
@@ -73,7 +81,7 @@ void sky_add_view(SkyRay ray, uint first, float weight, inout SkyLight light)
     light.transmittance += weight * sky_nodes[others + SLICE_THROUGH].rgb;
 }
 
-// From a place whose table there is.
+// Light along a ray from a place that has a table.
 SkyLight sky_look_up(SkyPlace place, SkyRay ray)
 {
     SkyLight light = SkyLight(vec3(0.0), vec3(0.0), vec3(0.0), sky_length_m(ray));

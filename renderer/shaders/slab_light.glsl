@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Slab light (renderer/slab_light.h) in a march: sunlight scattered once, as it is; scattered once
-// in the similar isotropic medium, where that was more often in ours; and from the table what was
-// scattered more often in both.
+// Slab light (renderer/slab_light.h) in the ray marcher: multiple scattering from a table of slabs,
+// after A. Bouthors et al., "Interactive multiple anisotropic scattering in clouds", I3D 2008. A
+// point sends to the camera
+// - single scattering of the original medium,
+// - single scattering of the similar isotropic medium, minus the original's: light that is
+//   scattered forward in the original before or after its one deflection,
+// - from the table: multiple scattering of the similar medium.
 #ifndef NEPH_SLAB_LIGHT_GLSL
 #define NEPH_SLAB_LIGHT_GLSL
 
@@ -10,7 +14,7 @@
 
 const uint SLAB_NODES = NEPH_GPU_SLAB_NODES;
 
-// Optical depth behind a point, away from the sun, as far as the next solid.
+// Optical depth from a point away from the sun, to the next solid.
 float depth_behind(vec3 point_m)
 {
     vec3 away = -to_sun();
@@ -33,14 +37,15 @@ float depth_behind(vec3 point_m)
     return depth;
 }
 
-// In nodes of the table.
+// Position in the table, in nodes.
 vec2 slab_place(vec2 depths)
 {
     vec2 octaves = log2(1.0 + NEPH_GPU_SLAB_PER_DEPTH * depths);
     return min(octaves / NEPH_GPU_SLAB_OCTAVES, 1.0) * float(SLAB_NODES - 1u);
 }
 
-// Mean diffuse radiance of a slab, per 1 W/m^2 of sun [1/sr].
+// Mean diffuse radiance in a slab, by the optical depths above and below, per 1 W/m^2 of sun
+// [1/sr].
 vec3 slab_radiance(float above, float below)
 {
     vec2 place = slab_place(vec2(above, below));
@@ -53,7 +58,7 @@ vec3 slab_radiance(float above, float below)
         .rgb;
 }
 
-// What a step of optical depth `step_depth`, met after `seen_depth`, sends to the camera.
+// Radiance that a step of optical depth `step_depth` behind `seen_depth` sends to the camera.
 vec3 slab_light(Mixture mixture, vec3 point_m, float seen_depth, float step_depth)
 {
     if (mixture.scattering == vec3(0.0) || !medium_sees_sun(point_m))

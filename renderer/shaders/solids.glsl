@@ -1,30 +1,32 @@
 // SPDX-License-Identifier: MIT
 //
-// Convex solids: where a ray is inside them. Positions are relative to the camera.
+// Convex solids (spheres and boxes): ray intervals and normals. Positions are relative to the
+// camera.
 #ifndef NEPH_SOLIDS_GLSL
 #define NEPH_SOLIDS_GLSL
 
 #include "globe.glsl"
 
-// What else is known of the scene, the bits of constants.h.
+// Specialization constant with properties of the scene, the bits of constants.h.
 layout(constant_id = 1) const uint TRAITS = NEPH_GPU_COLOURED;
-const bool TURNED = (TRAITS & NEPH_GPU_TURNED) != 0u; // some box has turned
+const bool TURNED = (TRAITS & NEPH_GPU_TURNED) != 0u; // a box is rotated
 
-// enum neph_solid_kind; behind it a box that has turned about x, about y and about z.
+// enum neph_solid_kind. SOLID_TURNED + 0, 1, 2 are boxes rotated about x, y, z.
 const uint SOLID_BOX = 0;
 const uint SOLID_SPHERE = 1;
 const uint SOLID_TURNED = 2;
 
 struct Solid {
-    vec3 low_m; // of a sphere: its centre; of a turned box: as if it had not turned
+    vec3 low_m; // sphere: centre; rotated box: before the rotation
     uint kind;
-    vec3 high_m; // of a sphere: the direction from its centre to the camera, unit
-    float radius_m; // of a turned box: the cosine of its angle
-    vec4 albedo; // w: of a sphere, how high the camera is above it; of a turned box: the sine
+    vec3 high_m; // sphere: direction from its centre to the camera, unit
+    float radius_m; // rotated box: cosine of its angle
+    vec4 albedo; // w: sphere: altitude of the camera above it; rotated box: sine
 };
 
-// The box around BLOCK_SOLIDS of them that follow each other: its rounded interval on a ray holds
-// each of theirs, for it is found in the same way from lower lows and higher highs.
+// The box around BLOCK_SOLIDS consecutive solids. Its rounded interval on a ray contains the
+// rounded intervals of its solids, because it is computed in the same way from smaller lows and
+// larger highs.
 struct SolidBlock {
     vec3 low_m;
     float padding_low;
@@ -33,11 +35,11 @@ struct SolidBlock {
 };
 const uint BLOCK_SOLIDS = NEPH_GPU_BLOCK_SOLIDS;
 
-// A direction component below this is parallel to the face; what is left cannot overflow when a
-// distance up to FAR_M is divided by it.
+// Direction components below this count as parallel to the face. For larger ones a distance up to
+// FAR_M over the component does not overflow.
 const float PARALLEL = 1e-20;
 
-// Narrow [t0, t1] to low <= origin + t direction <= high; false when nothing is left.
+// Narrows [t0, t1] to low <= origin + t direction <= high; false when it becomes empty.
 bool clip_axis(float low, float high, float origin, float direction, inout float t0, inout float t1)
 {
     if (abs(direction) < PARALLEL)
@@ -58,7 +60,8 @@ bool clip_box(vec3 low_m, vec3 high_m, vec3 origin_m, vec3 direction, inout floa
            clip_axis(low_m.z, high_m.z, origin_m.z, direction.z, t0_m, t1_m);
 }
 
-// From the point nearest to the centre, where b^2 - 4 a c would cancel for far spheres.
+// Computed from the ray's point nearest to the centre; the discriminant b^2 - 4 a c would cancel
+// for far spheres.
 bool sphere_interval(vec3 center_m, float radius_m, vec3 origin_m, vec3 direction, out float t0_m,
                      out float t1_m)
 {
@@ -72,9 +75,10 @@ bool sphere_interval(vec3 center_m, float radius_m, vec3 origin_m, vec3 directio
     return half_chord_m > 0.0;
 }
 
-// Where camera and ray start within a radius of its surface and of each other a ball is ground:
-// there the nearest point's distance from the centre would cancel against the radius (half a metre
-// at Earth's size), and heights over the ground do not. Elsewhere the heights would.
+// A sphere is treated as a planet when the camera and the ray's origin are within one radius of its
+// surface and of each other. Then the nearest point's distance from the centre would cancel against
+// the radius (an error of half a metre at Earth's size), and altitudes do not (globe.glsl). In
+// other cases the altitudes would cancel.
 bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, out float t1_m)
 {
     if (ball.albedo.w >= ball.radius_m || dot(origin_m, origin_m) >= ball.radius_m * ball.radius_m)
@@ -83,7 +87,7 @@ bool ball_interval(Solid ball, vec3 origin_m, vec3 direction, out float t0_m, ou
     return globe_interval(globe, globe_ray(globe, origin_m, direction), 0.0, t0_m, t1_m);
 }
 
-// By the box's angle, whose sine is given: with the other sign back by it.
+// Rotates by the angle with the given sine; the opposite sign rotates back.
 vec3 turned(Solid box, vec3 v, float sine)
 {
     float c = box.radius_m;
@@ -96,7 +100,7 @@ vec3 turned(Solid box, vec3 v, float sine)
 
 bool is_turned(Solid solid) { return TURNED && solid.kind >= SOLID_TURNED; }
 
-// A point as a turned box would have it if it had not turned.
+// A point in the axes of a rotated box.
 vec3 own_point(Solid box, vec3 point_m)
 {
     vec3 middle_m = 0.5 * (box.low_m + box.high_m);
@@ -116,7 +120,7 @@ bool solid_interval(Solid solid, vec3 origin_m, vec3 direction, out float t0_m, 
     return clip_box(solid.low_m, solid.high_m, origin_m, direction, t0_m, t1_m);
 }
 
-// That of the nearest face of a box, outward.
+// Outward normal of the nearest face of an axis-aligned box.
 vec3 box_normal(Solid box, vec3 point_m)
 {
     vec3 to_low_m = abs(point_m - box.low_m);
@@ -130,7 +134,7 @@ vec3 box_normal(Solid box, vec3 point_m)
     return vec3(0.0, 0.0, outward.z);
 }
 
-// Outward unit normal at a point of the surface. Of a box: of the face that is nearest.
+// Outward unit normal at a point of the surface; for a box, of the nearest face.
 vec3 solid_normal(Solid solid, vec3 surface_m)
 {
     if (solid.kind == SOLID_SPHERE)

@@ -8,6 +8,7 @@ struct Stretch {
     float t0_m, t1_m; // empty when t1 <= t0
 };
 
+// Extends the hull by [start, end].
 void include(inout Stretch hull, float start_m, float end_m)
 {
     if (start_m < end_m) {

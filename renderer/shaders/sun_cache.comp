@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Fills the sun cache (sun_cache.glsl): one thread a node, one sun ray each, as a march has them.
-// Solids do not count: whether a sample sees the sun is asked at the sample.
+// Fills the sun cache (sun_cache.glsl): one thread per node traces one sun ray, as the ray marcher
+// does. Solids are left out: the lookup tests separately whether a solid blocks the sun.
 #extension GL_GOOGLE_include_directive : require
 
 #define SEES_GRID_TEXELS
@@ -16,7 +16,7 @@ layout(std430, binding = 5) writeonly buffer SunNodes {
 };
 
 layout(std430, binding = 6) buffer SunCounters {
-    uint density_evaluations[2]; // lower and upper half
+    uint density_evaluations[2]; // lower and upper half of 64 bits
     uint closed_forms[2];
 } counters;
 

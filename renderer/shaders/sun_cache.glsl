@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// The sun cache: optical depth of all shapes towards the sun at the nodes of a lattice over their
-// bounds (written by sun_cache.comp), looked up trilinearly in place of a ray for each sample. Its
-// error is that of a straight line between nodes: of second order in their distance where the depth
-// is smooth, of first order behind an edge of the medium.
+// The sun cache: optical depth of all shapes towards the sun, at the nodes of a grid over their
+// bounds. A trilinear lookup replaces the sun ray of a sample. The interpolation error is of second
+// order in the node distance where the depth is smooth, and of first order behind an edge of the
+// medium. Filled by sun_cache.comp.
 #ifndef NEPH_SUN_CACHE_GLSL
 #define NEPH_SUN_CACHE_GLSL
 
 #include "shortcuts.glsl"
 
-const uint SUN_CHANNELS = COLOURED ? 3 : 1; // of a node, one after the other
+const uint SUN_CHANNELS = COLOURED ? 3 : 1; // values per node, stored together
 
 layout(std430, binding = 7) readonly buffer SunCache {
     float sun_depths[];
@@ -21,7 +21,7 @@ uint sun_node(uvec3 node)
     return SUN_CHANNELS * (node.x + size.x * (node.y + size.y * node.z));
 }
 
-// One channel at a place within the cell above the node `at`.
+// One channel at a place in the cell; `at` is the index of the cell's lowest node.
 float sun_depth_in(uint at, vec3 in_cell)
 {
     uint x = SUN_CHANNELS, y = x * frame.sun_lattice.size.x, z = y * frame.sun_lattice.size.y;
@@ -32,7 +32,7 @@ float sun_depth_in(uint at, vec3 in_cell)
                         in_cell);
 }
 
-// At a point of the lattice.
+// Lookup at a point inside the grid.
 vec3 sun_lattice_depth(vec3 point_m)
 {
     vec3 last = vec3(frame.sun_lattice.size - 1);
@@ -49,7 +49,8 @@ vec3 sun_lattice_depth(vec3 point_m)
     return depth;
 }
 
-// At any point: one outside of the bounds sees what the point sees where its sun ray enters them.
+// Lookup at any point. From outside the bounds the depth is the one at which the sun ray enters
+// them.
 vec3 cached_sun_depth(vec3 point_m)
 {
     vec3 low_m = frame.sun_lattice.origin_m;

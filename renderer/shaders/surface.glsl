@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a surface does to light, and its patterns: scenes/surface.h in float32.
+// Surfaces: patterns and rough metal; float32 version of scenes/surface.h.
 #ifndef NEPH_SURFACE_GLSL
 #define NEPH_SURFACE_GLSL
 
@@ -16,6 +16,7 @@ float noise_value(uint seed, ivec2 cell)
     return float(bits.x >> 8) * exp2(-24.0);
 }
 
+// Value noise: bilinear between random values of cells.
 float noise_at(uint seed, vec2 place)
 {
     ivec2 cell = ivec2(floor(place));
@@ -33,14 +34,16 @@ float checker_at(vec2 place)
 
 // --- metal ------------------------------------------------------------------------------------
 
-// The part of facets that a direction sees (Smith's, of GGX; Walter et al. 2007, equation 34).
+// Smith's masking function of GGX: the visible fraction of microfacets (B. Walter et al.,
+// "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, equation 34).
 float masking(float alpha, float cosine)
 {
     float tangent_squared = (1.0 - cosine * cosine) / (cosine * cosine);
     return 2.0 / (1.0 + sqrt(1.0 + alpha * alpha * max(0.0, tangent_squared)));
 }
 
-// D G / (4 cos_in cos_out) [1/sr]; of a mirror 0, which no light at a point meets.
+// The microfacet reflectance D G / (4 cos_in cos_out) [1/sr]. A mirror (alpha 0) gives 0: no light
+// at a point hits its delta lobe.
 float metal_reflectance(float alpha, vec3 normal, vec3 to_light, vec3 to_eye)
 {
     float cos_in = dot(normal, to_light), cos_out = dot(normal, to_eye);
@@ -53,8 +56,8 @@ float metal_reflectance(float alpha, vec3 normal, vec3 to_light, vec3 to_eye)
     return facets * masking(alpha, cos_in) * masking(alpha, cos_out) / (4.0 * cos_in * cos_out);
 }
 
-// A facet that the eye sees, in axes in which the normal is z (E. Heitz, "Sampling the GGX
-// Distribution of Visible Normals", JCGT 7(4), 2018). What is reflected by it has weight
+// Samples a visible microfacet normal; z is the surface normal (E. Heitz, "Sampling the GGX
+// Distribution of Visible Normals", JCGT 7(4), 2018). A reflection by it has the weight
 // masking(in).
 vec3 visible_facet(float alpha, vec3 to_eye, vec2 u)
 {

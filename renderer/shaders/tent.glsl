@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// A layer around a sphere: a tent over the height, 1 in the middle, 0 from half a width away on.
-// Between the heights of its foot, peak and top, and on either side of its lowest point, the height
-// of a ray is so nearly a parabola that four-point Gauss-Legendre is good to 1e-6 of the integral
-// when the radius is at least half the width (to rounding when it is that of a planet).
+// A layer around a sphere with a tent profile over altitude, and its integral along a ray.
+//
+//   density 1         .
+//                    / \       peak
+//                   /   \      at the centre
+//   density 0  ____/     \____      over altitude
+//                  |--|
+//                  half_width_m
+//
+// The ray is split at its lowest point and where it crosses the altitudes of foot, peak and top. In
+// each piece the altitude is nearly a parabola, so four-point Gauss-Legendre quadrature is accurate
+// to 1e-6 of the integral for a radius of at least half the width, and to rounding for a planet.
 #ifndef NEPH_TENT_GLSL
 #define NEPH_TENT_GLSL
 
@@ -22,7 +30,7 @@ float tent_density(Tent tent, vec3 point_m)
     return max(1.0 - off_m / tent.half_width_m, 0.0);
 }
 
-// Over [t0, t1], where the density has no kink.
+// Integral over [t0, t1], in which the density has no kink.
 float tent_piece_m(Tent tent, GlobeRay ray, float t0_m, float t1_m)
 {
     const vec4 NODES = vec4(-0.861136312, -0.339981044, 0.339981044, 0.861136312);
@@ -36,7 +44,7 @@ float tent_piece_m(Tent tent, GlobeRay ray, float t0_m, float t1_m)
     return max(half_m, 0.0) * dot(WEIGHTS, max(1.0 - off_m / tent.half_width_m, 0.0));
 }
 
-// Where the ray is below a height: nowhere, at its lowest point, if it never is.
+// The part of the ray below an altitude; empty, at the lowest point, when there is none.
 vec2 tent_below_m(Tent tent, GlobeRay ray, float height_m)
 {
     float t0_m, t1_m;

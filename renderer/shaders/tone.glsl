@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// From scene-linear Rec.709 to what a display shows: tone curves and the display's transfer. All
-// take and give colours >= 0; a grey stays grey.
+// Tone curves and display encodings, from scene-linear Rec.709 to the values that a display
+// receives. All curves take and return colours >= 0 and keep greys grey. Used by post_tone.comp and
+// post_lut.comp.
 #ifndef NEPH_TONE_GLSL
 #define NEPH_TONE_GLSL
 
 #include "post.glsl"
 
-// --- curves of one channel ----------------------------------------------------------------------
+// --- curves per channel -------------------------------------------------------------------------
 
 // E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, eq. 3.
 vec3 reinhard(vec3 x) { return x / (1.0 + x); }
 
-// K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016). Its supremum is 1.033: held to 1. Beyond
-// 1e6, where squares could overflow, it is 1 to the last digit anyhow.
+// K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016). Its supremum is 1.033, so the result is
+// clamped to 1. Above 1e6 squares could overflow, and the result is 1 to the last digit anyway.
 vec3 narkowicz(vec3 x)
 {
     x = min(x, vec3(1e6));
@@ -23,8 +24,8 @@ vec3 narkowicz(vec3 x)
 
 // --- Khronos PBR Neutral (2024) -----------------------------------------------------------------
 
-// The identity, less what a dielectric reflects, up to 0.76; above that the peak is compressed and
-// the colour fades to white.
+// The identity up to 0.76, minus the reflection of a dielectric (4 %). Above, the peak is
+// compressed and the colour is desaturated towards white.
 vec3 neutral(vec3 colour)
 {
     const float FRESNEL = 0.04, START = 0.8 - FRESNEL, DESATURATION = 0.15;
@@ -39,10 +40,10 @@ vec3 neutral(vec3 colour)
     return mix(colour * (compressed / peak), vec3(compressed), faded);
 }
 
-// --- Unreal Engine 4.26's film curve -----------------------------------------------------------
+// --- the film curve of Unreal Engine 4.26 -------------------------------------------------------
 //
-// After ACES 1.0 (Academy S-2014-004): glow and the red modifier in AP0, then a curve in AP1 whose
-// toe and shoulder are logistic in log10 and meet a straight part.
+// After ACES 1.0 (Academy S-2014-004): glow and the red modifier in AP0, then a curve per channel
+// in AP1. Over log10 of the value, the curve has a straight part, and a logistic toe and shoulder.
 
 const vec3 AP1_LUMINANCE = vec3(0.2722287168, 0.6740817658, 0.0536895174);
 
@@ -53,22 +54,22 @@ float saturation_of(vec3 ap0)
     return (max(peak, LEAST) - max(least, LEAST)) / max(peak, LEAST_PEAK);
 }
 
-// Luminance with a part of the chroma.
+// ACES YC: luminance plus a part of the chroma.
 float luminance_with_chroma(vec3 c)
 {
     float chroma = c.b * (c.b - c.g) + c.g * (c.g - c.r) + c.r * (c.r - c.b);
-    // It is >= 0 but for rounding.
+    // = 0, except for rounding
     return (c.r + c.g + c.b + 1.75 * sqrt(max(chroma, 0.0))) / 3.0;
 }
 
-// 0 .. 1 over -2 .. 2, by two parabolas.
+// ACES sigmoid shaper: 0 .. 1 over -2 .. 2, from two parabolas.
 float shaped(float x)
 {
     float t = max(1.0 - abs(0.5 * x), 0.0);
     return 0.5 * (1.0 + sign(x) * (1.0 - t * t));
 }
 
-// Dark saturated colours glow.
+// ACES glow: dark saturated colours get brighter.
 vec3 with_glow(vec3 ap0)
 {
     const float MIDDLE = 0.08;
@@ -80,14 +81,15 @@ vec3 with_glow(vec3 ap0)
     return ap0 * (1.0 + gain * part);
 }
 
-// Degrees from red, -180 .. 180; 0 for a grey.
+// Hue in degrees from red, -180 .. 180; 0 for a grey.
 float hue_from_red(vec3 c)
 {
     float y = sqrt(3.0) * (c.g - c.b), x = 2.0 * c.r - c.g - c.b;
     return y == 0.0 && x == 0.0 ? 0.0 : degrees(atan(y, x));
 }
 
-// Saturated reds are held back. ACES weights the hue by a B-spline, Unreal by this square.
+// ACES red modifier: saturated reds get darker. ACES weights the hue with a B-spline, Unreal with
+// this square.
 vec3 with_less_red(vec3 ap0)
 {
     const float SCALE = 0.82, PIVOT = 0.03, WIDTH_DEG = 135.0;
@@ -97,7 +99,7 @@ vec3 with_less_red(vec3 ap0)
     return ap0;
 }
 
-// A logistic function from -1 to 1 of its exponent; exp() overflows to an infinity, which is right.
+// 2 / (1 + e^x). For large x exp() overflows to infinity, and the result is the correct 0.
 float logistic(float exponent) { return 2.0 / (1.0 + exp(exponent)); }
 
 float film_of(float x)
@@ -123,7 +125,7 @@ float film_of(float x)
 
 vec3 unreal(vec3 rec709)
 {
-    const float BEFORE = 0.96, AFTER = 0.93; // of the saturation that stays
+    const float BEFORE = 0.96, AFTER = 0.93; // factors of the saturation
     vec3 ap0 = multiplied(view.ap1_to_ap0, multiplied(view.rec709_to_ap1, rec709));
     ap0 = with_less_red(with_glow(ap0));
     vec3 colour = max(multiplied(view.ap0_to_ap1, ap0), vec3(0.0));
@@ -133,11 +135,11 @@ vec3 unreal(vec3 rec709)
     return max(multiplied(view.ap1_to_rec709, max(colour, vec3(0.0))), vec3(0.0));
 }
 
-// --- AgX (T. Sobotka 2022, its base) ----------------------------------------------------------
+// --- AgX (T. Sobotka, 2022; base look) ----------------------------------------------------------
 
-// Colours are drawn together, then each channel goes from 16.5 stops about grey through a curve
-// whose ends are powers: straight with a slope of 2 through 1/2 at grey, 0 and 1 at both ends. What
-// comes out is meant for a display with a power of 2.2.
+// The primaries are moved inwards, then each channel is mapped from 16.5 stops around grey. The
+// curve is 1/2 with a slope of 2 at grey, and its ends approach 0 and 1 as power functions. The
+// result is encoded for a display with gamma 2.2; the last line makes it linear.
 float agx_curve(float place)
 {
     const float PIVOT = 20.0 / 33.0, SLOPE = 2.0, TOE = 3.0, SHOULDER = 3.25;
@@ -177,15 +179,16 @@ float nits_of(float code)
     return PQ_NITS * pow(max(x - PQ_C1, 0.0) / (PQ_C2 - PQ_C3 * x), 1.0 / PQ_M1);
 }
 
-// What the display shows at most; of an SDR display that is its white.
+// Peak of the display [cd/m^2]; for an SDR display its white.
 float peak_nits()
 {
     return choice(POST_ENCODE) == POST_ENCODE_PQ ? setting(POST_PEAK_NITS)
                                                  : setting(POST_WHITE_NITS);
 }
 
-// BT.2390, 5.4.1: codes of PQ up to a knee as they are, above it along a Hermite spline that ends
-// level, 10000 cd/m^2 at the peak. Colours are scaled by what becomes of their largest channel.
+// ITU-R BT.2390, 5.4.1: PQ codes are unchanged up to a knee, and follow a Hermite spline above it,
+// which ends with slope 0 and maps 10000 cd/m^2 to the display's peak. The colour is scaled by the
+// change of its largest channel.
 vec3 bt2390(vec3 colour)
 {
     float most = max(colour.r, max(colour.g, colour.b));
@@ -199,7 +202,7 @@ vec3 bt2390(vec3 colour)
     return colour * (nits_of(held) / (setting(POST_WHITE_NITS) * most));
 }
 
-// --- the whole ----------------------------------------------------------------------------------
+// --- all curves ---------------------------------------------------------------------------------
 
 vec3 mapped(vec3 colour)
 {
@@ -227,7 +230,7 @@ float srgb(float x)
     return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
 }
 
-// BT.2020, 1 at white_nits, held to the peak.
+// PQ in BT.2020; the value 1 is white_nits, and values are clamped to the display's peak.
 vec3 encoded_hdr(vec3 colour)
 {
     vec3 nits = setting(POST_WHITE_NITS) * multiplied(view.rec709_to_rec2020, colour);
@@ -245,16 +248,16 @@ vec3 encoded(vec3 colour)
                : colour;
 }
 
-// Scene-linear, exposed, to what the display is sent.
+// White balance, tone curve and encoding of an exposed scene-linear colour.
 vec3 developed(vec3 colour)
 {
     return encoded(mapped(max(multiplied(view.white_balance, colour), vec3(0.0))));
 }
 
-// --- the table of colours -----------------------------------------------------------------------
+// --- the colour table ---------------------------------------------------------------------------
 //
-// Unreal's: 32^3 nodes at equal steps of the logarithm, 14 stops with 0.18 at 444 of 1023. What
-// lies at the first node is taken from all, so that black is at it.
+// As in Unreal: 32^3 nodes at equal steps of the logarithm over 14 stops, 0.18 at code 444 of 1023.
+// The colour of the first node is subtracted from all nodes, so that the first node is black.
 
 const float LUT_STOPS = 14.0, LUT_GREY = 0.18, LUT_GREY_AT = 444.0 / 1023.0;
 
@@ -265,7 +268,7 @@ vec3 to_place(vec3 colour)
     return clamp(log2(colour / LUT_GREY) / LUT_STOPS + LUT_GREY_AT, 0.0, 1.0);
 }
 
-// What a place stands for, and back.
+// The colour of a table coordinate, and the inverse.
 vec3 colour_at(vec3 place) { return from_place(place) - from_place(vec3(0.0)); }
 vec3 place_of(vec3 colour) { return to_place(colour + from_place(vec3(0.0))); }
 

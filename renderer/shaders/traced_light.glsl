@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// Traced light: light that media have scattered more than once, by paths that start on the rays of
-// a coarse grid of texels over the picture. A path's first collision stands for what the view sees
-// of the media there; what it brings home from its later ones is counted in the texel, and so is
-// the collision. Their quotient is the light of higher orders per unit of opacity. It varies slowly
-// over the picture, where the opacity does not, and the march knows the opacity of its own ray:
+// Traced light: multiple scattering from paths on a coarse grid of texels over the image. This file
+// has the texel; light_walk.comp traces the paths, light_settle.comp accumulates over time,
+// light_smooth.comp filters, and the ray marcher reads the result (higher_light() in march.glsl).
 //
-//   L_higher = (1 - T) sum of light / sum of collisions
+// A path starts on a camera ray of its texel. Its first collision represents the visible medium.
+// The light that it finds at later collisions is added to the texel, and the first collision is
+// counted. The quotient is the multiple scattering per unit of opacity. It varies slowly over the
+// image; opacity does not, but the ray marcher knows the opacity of each ray:
 //
-// Both sums fade from picture to picture alike, so that the quotient is a mean over the last
-// pictures, and where a texel knows little its neighbours count more.
+//   L_higher = (1 - T) (sum of light) / (sum of collisions)
+//
+// Both sums fade at the same rate from frame to frame, so the quotient is a mean over the last
+// frames, and a texel with few collisions takes more from its neighbours.
 #ifndef NEPH_TRACED_LIGHT_GLSL
 #define NEPH_TRACED_LIGHT_GLSL
 
@@ -17,12 +20,12 @@
 
 struct LightTexel {
     vec3 light; // sum over paths [W m^-2 sr^-1]
-    float collisions; // how many of the view's rays had one
-    float distance_m; // sum of the distances along the view at which
+    float collisions; // number of paths with a first collision
+    float distance_m; // sum of the distances to the first collisions
     float padding[3];
 };
 
-// How many there are of a picture.
+// Number of texels of an image.
 uvec2 light_size(uvec2 size_px, uint texel_px) { return (size_px + texel_px - 1u) / texel_px; }
 
 #endif

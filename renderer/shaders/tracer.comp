@@ -1,16 +1,24 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer: light that was scattered more than once, without bias.
+// The path tracer's main kernel: multiple scattering, unbiased. renderer/tracer.h describes the
+// estimator.
 //
-// One work group works on a queue of items, an item being one sample of one pixel. Every thread
-// carries one path; where it ends, the thread takes the next item. A turn of the main loop takes
-// every thread one segment further: a ray towards the sun or the next stretch of the path. So all
-// threads have something to do in every part of the loop, whatever state their paths are in. (On
-// drivers without branches, lavapipe above all, every part of the loop costs every thread.) Paths
-// that are not at their end when the turns are over wait in a buffer for the next dispatch.
+// A work group processes a queue of items; an item is one sample of one pixel. Every thread has one
+// path, and takes the next item when the path ends. One iteration (turn) of the main loop advances
+// every thread by one segment: a ray towards a light or the next segment of the path. The work is a
+// state machine:
 //
-// An item's result depends on (seed, pixel, sample) alone, not on the thread or the dispatch.
+//   IDLE -> MEDIUM, SURFACE -> LEAVE -> ENTER <-> TRACK -> ARRIVE -> next event or segment
+//
+//   end of a path -> BEHIND -> SURFACE     the path of the surface behind the media
+//                           -> NONE -> IDLE
+//
+// All threads have work in every part of the loop, in any state. (On drivers without branches,
+// above all lavapipe, every part of the loop costs every thread.) Unfinished paths wait in a buffer
+// for the next dispatch.
+//
+// The result of an item depends on (seed, pixel, sample) only, not on the thread or the dispatch.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_lamps.glsl"
@@ -18,52 +26,53 @@
 
 layout(local_size_x_id = 2) in;
 
-// Below this part of its first throughput a path lives on by chance alone (Russian roulette).
+// Fraction of the first throughput below which Russian roulette decides whether a path continues.
 const float ROULETTE = 0.05;
 
-// Below this part of the sunlight that arrives at an event its ray goes on by chance alone. Fog is
-// left out of that part (cross_fog()): its transmittance is exact and costs no steps, and behind a
-// fog of optical depth 16 a roulette at 0.2 would keep one ray in two million, without the variance
-// of the pixel showing the loss.
+// Fraction of an event's sunlight below which roulette decides whether its ray continues. Fog is
+// not part of that fraction (cross_fog()): its transmittance is exact and costs no steps, and
+// behind a fog of optical depth 16 a roulette at 0.2 would keep one ray in two million, a loss that
+// the variance of the pixel would not show.
 const float SUN_ROULETTE = 0.2;
 
-// Light of lamps that is scattered on the view ray is followed further: behind an optical depth of
-// 10 a roulette at 0.2 leaves one ray in 4,000, and the variance of a pixel says nothing of the
-// rest.
+// The threshold for light of lamps that is scattered on the view ray is lower: behind an
+// optical depth of 10 a roulette at 0.2 keeps one ray in 4,000, and the variance of a pixel does
+// not show the loss.
 const float LAMP_ROULETTE = 0.01;
 
-// Steps through majorant cells in a turn.
+// Majorant cells per turn.
 layout(constant_id = 9) const uint STEPS = 8;
 
-// A tracked medium that begins so many of its free paths away is tracked from there. From 2^23 on a
-// step would be less than the last bit of the way from the origin: the ray would meet one tentative
-// collision after the other in the same place, and where the density is 0 there would be no end.
+// A tracked medium that starts more than this many of its free paths away is tracked with its entry
+// as the origin. From 2^23 free paths on, a step would be below the last bit of the distance: the
+// ray would meet one tentative collision after the other at the same place, endlessly where the
+// density is 0.
 const float FAR_FREE_PATHS = 1e4;
 
-// Items that a thread takes in a turn, at most, if they are empty.
+// Empty items that a thread skips per turn, at most.
 const uint TAKES = NEPH_GPU_TAKES;
 
-// What the thread is about to do.
+// State of the thread: its next action.
 const uint STAGE_IDLE = 0;    // take an item
 const uint STAGE_MEDIUM = 1;  // scatter in `medium` at `origin`
 const uint STAGE_SURFACE = 2; // reflect from `solid` at `origin`
-const uint STAGE_LEAVE = 3;   // send a segment from `origin` along `direction`
-const uint STAGE_ENTER = 4;   // the next tracked medium
-const uint STAGE_TRACK = 5;   // step through its cells
-const uint STAGE_ARRIVE = 6;  // the segment is at its end
+const uint STAGE_LEAVE = 3;   // start a segment from `origin` along `direction`
+const uint STAGE_ENTER = 4;   // find the next tracked medium
+const uint STAGE_TRACK = 5;   // track through its majorant cells
+const uint STAGE_ARRIVE = 6;  // end of the segment
 const uint STAGE_BEHIND = 7;  // start the path of the surface behind the media
-const uint STAGE_NONE = 8;    // hand in the item
-const uint STAGE_DONE = 9;    // no items are left
+const uint STAGE_NONE = 8;    // store the item's result
+const uint STAGE_DONE = 9;    // no items left
 
-// What the segment in work is.
+// Kind of the current segment.
 const uint RAY_PATH = 0;
-const uint RAY_SUN = 1;   // how much of the sunlight arrives
-const uint RAY_VIEW = 2;  // how much arrives of the light behind the media, if OPEN
-const uint RAY_FIRST = 3; // how much arrives from a first collision whose place is guessed, if OPEN
-const uint RAY_PLACE = 4; // if LAMPS: how much arrives from a place on the segment to come,
-const uint RAY_LAMP = 5;  // and there from a lamp
+const uint RAY_SUN = 1;   // transmittance of the sunlight
+const uint RAY_VIEW = 2;  // if OPEN: transmittance of the light behind the media
+const uint RAY_FIRST = 3; // if OPEN: transmittance from a first collision at a guessed place
+const uint RAY_PLACE = 4; // if LAMPS: transmittance from a place on the next segment,
+const uint RAY_LAMP = 5;  // and from a lamp to that place
 
-// All are, where nothing else is looked for: then the compiler leaves the rest out.
+// Without any other kind of ray the compiler removes their code.
 const bool ONLY_PATHS = SUN_BY_TABLE && !SURFACES && !LAMPS;
 
 struct TracerState {
@@ -72,43 +81,43 @@ struct TracerState {
     vec3 direction;
     uint item;
     vec3 throughput;
-    uint drawn; // random numbers so far, in threes
-    vec3 pending; // sunlight that the path would bring home if nothing were in its way
+    uint drawn; // random numbers drawn so far, in threes
+    vec3 pending; // light of the current shadow ray, before its transmittance
     uint medium;
-    vec3 next_direction; // of the path, after the ray to the sun
-    uint solid;          // that `origin` lies on, or NO_SOLID
-    vec3 channels;       // probability density of the path in each channel, relative to the hero
-    uint hero;           // the channel that distances are drawn for
+    vec3 next_direction; // of the path, after the shadow ray
+    uint solid;          // solid that `origin` lies on, or NO_SOLID
+    vec3 channels;       // probability density of the path per channel, over the hero's
+    uint hero;           // channel by which distances are drawn
     uvec3 key;
-    uint events; // scatterings and reflections
+    uint events; // scatterings and reflections so far
     vec3 order1;
     uint is_surface_first;
     vec3 higher;
     uint ray;
     vec3 surface;
-    float roulette; // the throughput below which it is played
-    // The segment in work.
-    vec3 sun_fraction; // of a ray to the sun (or of the view): the part that arrives
-    float end_m;       // the nearest event so far
-    uint end_medium;   // that has a collision there, or MEDIA_MAX
-    uint end_solid;    // that is met there, or NO_SOLID
-    uint tracked;      // place in TRACKED_ORDER
-    float skipped_m;   // of the segment, as far as a far medium
-    float t_m;         // where tracking is, from there on
+    float roulette; // throughput below which roulette is played
+    // The current segment.
+    vec3 sun_fraction; // transmittance of a shadow or view ray so far
+    float end_m;       // nearest event so far
+    uint end_medium;   // medium with a collision there, or MEDIA_MAX
+    uint end_solid;    // solid that is hit there, or NO_SOLID
+    uint tracked;      // index in TRACKED_ORDER
+    float skipped_m;   // distance on the segment from which a far medium is tracked
+    float t_m;         // position of the tracking, from there on
     ivec3 cell;
     float depth_left; // majorant optical depth to the next tentative collision
-    vec3 view_fraction; // if OPEN: of the light behind the media, the part that arrives
-    float sun_roulette; // the fraction below which it is played
-    float reach_m;      // of a ray to a first collision, a place or a lamp: its length
-    float raised;       // majorants are, so many times
-    float sun_depth;    // guessed, where sunlight must be known well; else 0
-    // If LAMPS: where the segment to come begins, while its light of lamps is looked for.
+    vec3 view_fraction; // if OPEN: transmittance of the view ray
+    float sun_roulette; // fraction below which roulette is played
+    float reach_m;      // length of a ray to a first collision, a place or a lamp
+    float raised;       // factor by which majorants are raised
+    float sun_depth;    // guessed, where sunlight needs a low variance; else 0
+    // If LAMPS: start of the next segment, while its lamp light is sampled.
     vec3 segment_origin_m;
     uint segment_solid;
-    vec3 lamp_direction; // from the place
+    vec3 lamp_direction; // from the place to the lamp
     float lamp_m;
-    uint is_looked_for; // 1: that has been done
-    SunCheck check; // if SUN_BY_TABLE; of the item so far
+    uint is_looked_for; // 1: lamp light of the next segment is sampled already
+    SunCheck check; // if SUN_BY_TABLE: of the item so far
 };
 
 layout(std430, binding = 5) buffer States {
@@ -119,12 +128,12 @@ TracerState path;
 
 bool is_path() { return ONLY_PATHS || path.ray == RAY_PATH; }
 
-// What every turn needs of the scene, read before there is any branch or loop: inside of one,
-// lavapipe reads a buffer lane by lane, even where all lanes want the same.
+// Scene data of every turn, read before the first branch or loop. Inside one, lavapipe reads a
+// uniform lane by lane.
 Camera camera;
 vec3 sun_direction, sun_irradiance, background;
 Lattice sun_lattice;
-Medium only;              // of a scene with one medium
+Medium only;              // in a scene with one medium
 Medium tracked;           // the medium that the thread tracks in this turn
 vec3 tracked_cells_per_m; // of its majorant grid
 
@@ -167,13 +176,13 @@ uvec4 draw4()
 
 uint queue() { return run.first_queue + gl_WorkGroupID.x; }
 
-// In the chunk.
+// Index of the item's pixel in the chunk.
 uint item_pixel() { return queue() * run.queue_pixels + path.item / run.samples; }
 
-// The place of its result.
+// Index of the item's result.
 uint item_place() { return queue() * queue_items() + path.item; }
 
-// The path of the current item from the camera, all over again.
+// Resets the path to its start at the camera.
 ViewRay start_path()
 {
     uint pixel = run.first_pixel + item_pixel();
@@ -192,7 +201,7 @@ ViewRay start_path()
     return ray;
 }
 
-// Straight to the surface behind the media, if light can come from there that is not known yet.
+// Starts at the surface behind the media, if it can contribute light that is not known yet.
 void start_at_surface()
 {
     path.stage = STAGE_NONE;
@@ -213,7 +222,7 @@ void start_at_surface()
     path.stage = STAGE_SURFACE;
 }
 
-// If OPEN: the ray of the view, then from the camera like any path.
+// If OPEN: first the view ray, then a path from the camera.
 void start_at_camera()
 {
     start_path();
@@ -223,16 +232,17 @@ void start_at_camera()
     path.stage = STAGE_LEAVE;
 }
 
-// Even faint transmittances must be known well where a guess chose the place: with tight majorants
-// the relative variance of ratio tracking is e^(optical depth).
+// Factor for majorants on rays to a guessed place, where even small transmittances need a low
+// relative variance: with tight majorants ratio tracking has the relative variance e^(optical
+// depth).
 float raise_for(float guessed_depth)
 {
     const float RAISED_MAX = 16.0;
     return clamp(guessed_depth, 1.0, RAISED_MAX);
 }
 
-// The ray to a first collision that is chosen already, if the guess is better than to look for it;
-// light of lamps on the view ray comes before it.
+// Starts the ray to a first collision that is already chosen, if the guess has a lower variance
+// than a free flight. Lamp light of the view ray is sampled before.
 void start_for_guessed_collision()
 {
     if (LAMPS && own(frame.scatters_lamps) != 0u && path.is_looked_for == 0)
@@ -241,7 +251,7 @@ void start_for_guessed_collision()
     if (first.medium == MEDIA_MAX)
         return;
     path.throughput = first.weight;
-    if (first.weight == vec3(0.0)) // then the path ends
+    if (first.weight == vec3(0.0)) // the path ends
         return;
     path.ray = RAY_FIRST;
     path.sun_fraction = vec3(1.0);
@@ -264,13 +274,13 @@ void start_at_first_collision()
         path.channels = first.channels;
 }
 
-// Nothing but the sum of its first kernels comes of an item that meets no medium and no surface.
+// Whether an item has neither a medium nor a surface; its result is the sum of the first kernels.
 bool is_empty_item()
 {
     return !OPEN && !SURFACES && firsts[item_place()].weight == vec3(0.0);
 }
 
-// The next item with a path. None among so many: again in the next turn.
+// Takes the next item with a path; false without one among TAKES items, to try again next turn.
 bool find_item()
 {
     for (uint i = 0; i < TAKES; i++) {
@@ -310,7 +320,7 @@ void take_item()
         start_at_first_collision();
 }
 
-// A path is at its end. An item has two: one from the media and one from the surface behind them.
+// The end of a path. An item has two paths: one from the media, one from the surface behind them.
 void finish_path()
 {
     path.stage = path.is_surface_first == 0 ? STAGE_BEHIND : STAGE_NONE;
@@ -338,7 +348,7 @@ void add_light(vec3 light)
         path.higher += light;
 }
 
-// Light that a medium emits where the path meets it.
+// Adds emission at an event of the path.
 void add_emitted(vec3 glow)
 {
     vec3 light = path.throughput * glow * channel_weights(path.channels);
@@ -348,7 +358,7 @@ void add_emitted(vec3 glow)
         path.higher += light;
 }
 
-// Sunlight that would bring little home goes on by chance alone.
+// Roulette for a shadow ray with little light.
 void play_sun_roulette(float u)
 {
     float most = brightest_of(path.sun_fraction);
@@ -356,7 +366,7 @@ void play_sun_roulette(float u)
         path.sun_fraction *= u * path.sun_roulette < most ? path.sun_roulette / most : 0.0;
 }
 
-// A pair of numbers for one of the first decisions of the item in work; if SOBOL.
+// If SOBOL: a low-discrepancy pair for one of the first decisions of the item.
 uvec2 first_bits(uint decision)
 {
     return low_discrepancy(run.first_pixel + item_pixel(),
@@ -365,7 +375,7 @@ uvec2 first_bits(uint decision)
 
 // --- lamps ------------------------------------------------------------------------------------
 
-// It is of one order more than what has happened: the place is an event by itself.
+// One order more than the events so far: the place on the segment is an event, too.
 void add_lamplight(vec3 light)
 {
     light *= channel_weights(path.channels);
@@ -377,15 +387,15 @@ void add_lamplight(vec3 light)
         path.higher += light;
 }
 
-// Whether the segment to come is one on which light of lamps is scattered that nobody has counted:
-// that of the view is, unless OPEN (tracer_first.comp).
+// Whether lamp light scattered on the next segment is still to be sampled. For the view ray
+// tracer_first.comp has done it, unless OPEN.
 bool looks_for_lamps()
 {
     bool counts = own(frame.scatters_lamps) != 0u && (path.events > 0 ? MULTIPLE : OPEN);
     return counts && path.is_looked_for == 0 && path.throughput != vec3(0.0);
 }
 
-// Choose a place on the segment to come, which ends at `end_m`, and send the first of two rays.
+// Chooses a place on the next segment, which ends at `end_m`, and starts the ray from there.
 bool send_to_place(float end_m)
 {
     path.is_looked_for = 1;
@@ -410,7 +420,7 @@ bool send_to_place(float end_m)
     return true;
 }
 
-// From the place to the lamp; what has been lost up to the place stays lost.
+// Continues from the place to the lamp, with the transmittance so far.
 void arrive_at_place()
 {
     path.origin_m += path.reach_m * path.direction;
@@ -430,7 +440,7 @@ void arrive_from_lamp()
     path.stage = STAGE_LEAVE;
 }
 
-// At a surface one ray looks for sun or lamps: for a lamp half of the time, if there is a sun.
+// At a surface one ray samples either the sun or a lamp, with equal probability if there is a sun.
 bool prepares_lamplight(vec3 normal, inout float sun_per_sr)
 {
     vec3 u = uniform_from(draw());
@@ -444,7 +454,7 @@ bool prepares_lamplight(vec3 normal, inout float sun_per_sr)
     path.lamp_m = max(length(way_m), 1e-12);
     path.lamp_direction = way_m / path.lamp_m;
     float per_sr = max(0.0, dot(normal, path.lamp_direction)) / PI;
-    bool is_known = path.events == 1 && !OPEN; // tracer_view.comp
+    bool is_known = path.events == 1 && !OPEN; // by tracer_view.comp
     path.pending = probability > 0.0 && !is_known
                        ? path.throughput *
                              lamp_irradiance(lamp, path.lamp_direction,
@@ -456,7 +466,7 @@ bool prepares_lamplight(vec3 normal, inout float sun_per_sr)
     return true;
 }
 
-// Some directions are drawn towards lamps instead; the throughput takes what is left.
+// Draws some directions towards lamps; the throughput gets the mixture's weight.
 vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
 {
     uvec4 bits = draw4();
@@ -471,7 +481,7 @@ vec3 turn_to_lamps(vec3 next, bool is_medium, Medium by, vec3 normal)
 
 // --- events -------------------------------------------------------------------------------------
 
-// Go on along `direction` with `throughput`, or end: there is nothing more to find, or by roulette.
+// Continues along `direction`, or ends the path: at the highest order, or by roulette.
 void prepare_next(vec3 direction, float u)
 {
     path.next_direction = direction;
@@ -485,8 +495,7 @@ void prepare_next(vec3 direction, float u)
 
 bool is_sun_in_table() { return SUN_BY_TABLE && path.is_surface_first == 0; }
 
-// Sunlight at an event, as it would be if nothing were in its way. Roulette goes by what it is
-// worth beside isotropic scattering.
+// Sunlight at an event before transmittance. Roulette compares with isotropic scattering.
 void prepare_sunlight(float per_sr, float u)
 {
     path.sun_fraction = vec3(1.0);
@@ -502,7 +511,8 @@ void prepare_sunlight(float per_sr, float u)
         path.pending = vec3(0.0);
 }
 
-// The sunlight of an event, which by chance is what is checked. Of order 1 a path has one.
+// Adds an event's sunlight from the table, and makes the event the checked one with a probability
+// in proportion to its light (a reservoir). Order 1 has only one event.
 void look_up_sunlight(float u)
 {
     float guessed = guess_sun_transmittance(sun_lattice, path.origin_m, sun_direction);
@@ -534,13 +544,14 @@ bool sees_light(bool is_lamp)
     return sees_sun(path.origin_m, path.solid);
 }
 
-// Unless OPEN: at a first collision what is emitted is known already (tracer_first.comp), and order
-// 1 unless FIRST_BY_PATH; at a first surface the sunlight that it reflects (tracer_view.comp).
+// One event: emission, shadow ray, next direction. Not repeated here, unless OPEN, is light that
+// earlier kernels have: at a first collision the emission (tracer_first.comp) and, unless
+// FIRST_BY_PATH, order 1; at a first surface the direct sunlight (tracer_view.comp).
 void happen()
 {
     uvec4 bits = draw4();
     vec3 u = uniform_from(bits.xyz), next, normal = vec3(0.0);
-    float light_per_sr; // of the sun's
+    float light_per_sr; // phase function or cosine / pi for the light's direction
     Medium by = only;
     bool is_medium = !SURFACES || path.stage == STAGE_MEDIUM, is_lamp = false;
     if (SOBOL && path.events == 0)
@@ -587,7 +598,7 @@ void happen()
 
 // --- segments -----------------------------------------------------------------------------------
 
-// Nearest surface with t > 0 of any solid but the one that the origin lies on (they are convex).
+// Nearest hit with t > 0, except for the solid that the origin lies on (solids are convex).
 Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
 {
     Hit hit = Hit(FAR_M, NO_SOLID);
@@ -602,7 +613,8 @@ Hit nearest_hit(vec3 origin_m, vec3 direction, uint except)
     return hit;
 }
 
-// One layer of a fog within [t0, t1]: transmittance to the sun exact, free paths by inversion.
+// One fog layer within [t0, t1]: exact transmittance for shadow rays, inverted free paths for
+// paths.
 void cross_layer(uint m, FogLayer layer, vec3 color, float t0_m, float t1_m)
 {
     if (!is_path()) {
@@ -630,7 +642,8 @@ void cross_fog_medium(uint m, Medium medium)
             cross_layer(m, medium.layers[l], medium.extinction_color, t0_m, t1_m);
 }
 
-// The roulette of a ray to a light goes by what tracked media leave of it.
+// Exact transmittances of fogs also scale the roulette threshold of a shadow ray, so roulette
+// depends only on tracked media.
 void cross_fog()
 {
     float arriving = brightest_of(path.sun_fraction);
@@ -643,8 +656,8 @@ void cross_fog()
         path.sun_roulette *= brightest_of(path.sun_fraction) / arriving;
 }
 
-// The density of paths in each channel, after fog: e^-((color - color of the hero) depth), and the
-// color where fog has scattered.
+// Path densities per channel after fog: e^-((color - hero's color) depth), times the color where
+// fog has scattered.
 void weigh_fog()
 {
     for (uint m = 0; m < media_count(); m++) {
@@ -694,8 +707,8 @@ void leave()
         cross_fog();
 }
 
-// The ray of the view is at its end: what is behind the media comes from the sky, or will come from
-// a surface.
+// End of the view ray. Behind the media is the sky, or a surface, which start_at_surface() adds
+// later.
 void arrive_behind()
 {
     path.view_fraction = path.sun_fraction;
@@ -704,7 +717,7 @@ void arrive_behind()
     path.next_direction = path.direction;
 }
 
-// What comes from the guessed place is known: there the path goes on.
+// End of the ray to a guessed first collision: the path continues there.
 void arrive_at_first()
 {
     path.throughput *= path.sun_fraction;
@@ -713,10 +726,10 @@ void arrive_at_first()
     path.ray = RAY_PATH;
     path.stage = path.roulette > 0.0 ? STAGE_MEDIUM : STAGE_BEHIND;
     collisions++;
-    lookups++; // of the density there
+    lookups++; // of the density at the place
 }
 
-// A ray that finds out how much arrives is at its end.
+// End of a shadow or view ray.
 void arrive_with_fraction()
 {
     bool is_view = OPEN && path.ray == RAY_VIEW;
@@ -762,9 +775,9 @@ void arrive()
     path.medium = path.end_medium;
     path.solid = path.end_solid;
     path.stage = is_collision ? STAGE_MEDIUM : STAGE_SURFACE;
-    // Single scattering and single reflection know one event only.
+    // In single scattering there is only one event.
     bool may_happen = MULTIPLE && (is_collision || (SURFACES && !is_sky));
-    if (is_first) // what is behind the media has been seen
+    if (is_first) // the view ray has handled the surface behind the media
         may_happen = is_collision;
     if (!may_happen)
         finish_path();
@@ -798,7 +811,7 @@ void enter()
     if (is_met && t0_m * free_paths_per_m > FAR_FREE_PATHS) {
         path.skipped_m = t0_m;
         place_cells();
-        t0_m = -path.skipped_m; // the place is rounded, and may lie behind the box's face
+        t0_m = -path.skipped_m; // the entry point is rounded and may lie in front of the box
         t1_m = path.end_m - path.skipped_m;
         is_met = clip_box(tracked.low_m, tracked.high_m, tracked_from_m(), path.direction, t0_m,
                           t1_m);
@@ -818,8 +831,9 @@ void enter()
     path.stage = STAGE_TRACK;
 }
 
-// A tentative collision: a real one with the probability extinction / majorant (Woodcock 1965); on
-// a ray to the sun, the part that is not extinguished (ratio tracking, Novak et al. 2014).
+// A tentative collision. For a path: real with the probability extinction / majorant (delta
+// tracking, E. R. Woodcock et al. 1965). For a shadow ray: a factor 1 - extinction / majorant
+// (ratio tracking, J. Novak et al. 2014).
 void collide(float majorant_per_m)
 {
     uvec4 bits = draw4();
@@ -851,7 +865,7 @@ void collide(float majorant_per_m)
     next_tracked();
 }
 
-// To the end of a majorant cell, or to a tentative collision before it.
+// Advances to the face of a majorant cell, or to a tentative collision before it.
 void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
 {
     vec3 faces_m = mix((vec3(path.cell + side) - cells_start) * per_slope, vec3(FAR_M), parallel);
@@ -872,7 +886,7 @@ void track_step(vec3 per_slope, ivec3 side, bvec3 parallel)
     path.t_m = exit_m;
     path.cell += mix(ivec3(0), 2 * side - 1, lessThanEqual(faces_m, vec3(face_m)));
     if (exit_m >= end_m ||
-        !all(lessThan(uvec3(path.cell), size))) // -1 is a large number
+        !all(lessThan(uvec3(path.cell), size))) // -1 wraps to a large number
         next_tracked();
 }
 

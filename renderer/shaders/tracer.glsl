@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// What the kernels of the path tracer share: renderer/tracer.c is the mirror of the buffers.
+// Common part of the path tracer's kernels: specialization constants, push constants, buffers,
+// sample numbers. renderer/tracer.c has the C side. Kernels of a frame and their order:
+//
+//   tracer_sun    table of transmittance to the sun            if SUN_BY_TABLE
+//   tracer_view   unscattered light, optical depths            per pixel
+//   tracer_lit    distribution of first collisions by light    if LIT, and not OPEN
+//   tracer_guess  the same from guessed optical depths         if LIT and OPEN
+//   then per round of samples:
+//   tracer_first  first collisions, order 1                    per sample
+//   tracer        paths, higher orders                         per sample
+//   tracer_check  correction of the sun table                  if SUN_BY_TABLE
+//   tracer_sum    sums of the samples                          per pixel
 #ifndef NEPH_TRACER_GLSL
 #define NEPH_TRACER_GLSL
 
@@ -8,41 +19,44 @@
 #include "low_discrepancy.glsl"
 #include "sampling.glsl"
 
-// All kernels get all constants (renderer/tracer.c), the first two being those of scene.glsl.
+// All kernels get all constants; the first two are in media.glsl and solids.glsl.
 layout(constant_id = 3) const bool MULTIPLE = true;    // all orders of scattering
 layout(constant_id = 4) const bool SURFACES = true;    // a solid reflects
-layout(constant_id = 5) const bool ENVIRONMENT = true; // the background lights media and solids
-layout(constant_id = 6) const uint MEDIA = 0;          // how many there are; 0: any number
-// Media that are tracked through their majorant grids: how many, and a hexadecimal digit for each,
-// the first one lowest.
+// The background illuminates media and solids.
+layout(constant_id = 5) const bool ENVIRONMENT = true;
+layout(constant_id = 6) const uint MEDIA = 0;          // number of media; 0: any number
+// Number of media that are tracked through majorant grids, and their order: one hexadecimal digit
+// each, the first one lowest.
 layout(constant_id = 7) const uint TRACKED_COUNT = 0;
 layout(constant_id = 8) const uint TRACKED_ORDER = 0x76543210;
-layout(constant_id = 10) const bool SOLIDS = true; // there are some
+layout(constant_id = 10) const bool SOLIDS = true; // there are solids
 
-// First collisions are drawn by the light that comes from there: light is scattered once, and the
-// sun shines, or MEDIA_DIFFER.
+// First collisions are drawn by the light that they scatter: for single scattering of sunlight, or
+// if MEDIA_DIFFER.
 layout(constant_id = 11) const bool LIT = false;
-layout(constant_id = 12) const bool EMITS = false; // some medium does
+layout(constant_id = 12) const bool EMITS = false; // a medium emits light
 
-layout(constant_id = 13) const bool SOBOL = false; // the first decisions of a sample are not random
+// The first decisions of a sample are low-discrepancy numbers.
+layout(constant_id = 13) const bool SOBOL = false;
 
-// How much sunlight arrives at an event is looked up (tracer_sun.glsl).
+// Sunlight at events comes from a table (tracer_sun.glsl).
 layout(constant_id = 14) const bool SUN_BY_TABLE = false;
 
-// Media differ in brightness (scenes/sources.h): collisions in proportion to extinction would miss
-// the bright ones, so each has a share of the first collisions for itself.
+// Media differ in brightness (scenes/sources.h). Collisions in proportion to extinction would miss
+// bright media, so each medium gets a share of the first collisions.
 layout(constant_id = 15) const bool MEDIA_DIFFER = false;
 
-// Some medium's optical depth has no closed form: then the view ray is a matter of chance too.
+// A medium's optical depth has no closed form, so the transmittance of the view ray is estimated,
+// too.
 const bool OPEN = (KINDS & OPEN_KINDS) != 0u;
 
-// Where paths go on anyway, what they find out of the sun costs less than the walk through a voxel
-// grid that knows exactly what arrives at a first collision, and adds little to the noise of all
+// In grids with multiple scattering order 1 is left to the paths: a shadow ray by tracking costs
+// less than the exact transmittance through a voxel grid, and adds little to the noise of all
 // orders.
 const bool HAS_GRID = (KINDS & 1u << MEDIUM_GRID) != 0u;
 const bool CLOSED = !OPEN;
 const bool CLOSED_GRID = HAS_GRID && CLOSED;
-const bool FIRST_BY_PATH = MULTIPLE && CLOSED_GRID; // step by step: a compiler's bug
+const bool FIRST_BY_PATH = MULTIPLE && CLOSED_GRID; // in steps, because of a compiler bug
 
 // First collisions may be chosen by a guess (tracer_guess.glsl).
 const bool GUESSED = LIT && OPEN;
@@ -50,58 +64,57 @@ const bool GUESSED = LIT && OPEN;
 layout(push_constant) uniform TracerRun {
     uint seed_low;
     uint seed_high;
-    uint first_pixel;  // of the chunk of the frame that is in work, in raster order
+    uint first_pixel;  // of the current chunk of the frame, in raster order
     uint pixel_count;  // of the chunk
-    uint part_pixel;   // the first that `pixels` has
+    uint part_pixel;   // first pixel of the buffer `pixels`
     uint first_sample; // of the round
     uint samples;      // of the round, per pixel: whole batches
-    uint queue_pixels; // that one work group works on
+    uint queue_pixels; // pixels per work group
     uint first_queue;  // of this dispatch
-    uint turns;        // of the outer loop, at most
-    uint is_fresh;     // 1: the states hold nothing yet
+    uint turns;        // iterations of the outer loop, at most
+    uint is_fresh;     // 1: no unfinished paths
 } run;
 
 const uint STRATA = NEPH_GPU_STRATA;
-const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair in each stratum
+const uint BATCH_SAMPLES = 2 * STRATA; // per pixel: a pair of samples in each stratum
 
-// A work group's items, an item being one sample of one pixel.
+// Items of a work group; an item is one sample of one pixel.
 uint queue_items() { return run.queue_pixels * run.samples; }
 
-// One sample's light [W m^-2 sr^-1]; the fourth components are its estimate of the view's
-// transmittance, red, green and blue, if OPEN.
+// Radiance of one sample [W m^-2 sr^-1]. If OPEN, the fourth components are its estimate of the
+// view ray's transmittance (red, green, blue).
 struct Result {
     vec4 order1;  // scattered once, by a medium
-    vec4 higher;  // scattered by a medium first, and then again
-    vec4 surface; // from a surface first, without direct sunlight, before the view's transmittance;
-                  // if OPEN, all that no medium has scattered first, as it arrives
+    vec4 higher;  // scattered by a medium first, then further
+    vec4 surface; // reflected by a surface first, without direct sunlight and before the view's
+                  // transmittance; if OPEN, all light with no medium as the first event
 };
 
 layout(std430, binding = 6) buffer Results {
     Result results[];
 };
 
-// Per queue: the next item that nobody has taken. There is room for a queue of each pixel of the
-// chunk: how many there are may change from round to round.
+// Per queue: the next free item. There is room for one queue per pixel of the chunk, because the
+// number of queues changes from round to round.
 layout(std430, binding = 7) buffer Queues {
     uint next_items[];
 };
 
-// Per pixel of a part of the frame: what needs no chance, and the sums over all samples so far,
-// each with its rounding error (numbers.glsl).
+// Per pixel of a part of the frame: the deterministic light, and compensated sums over all samples
+// (numbers.glsl).
 struct TracerPixel {
-    vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN;
-                        // w: eye depth [m]
-    vec4 transmittance; // w: free
-    vec4 sums[4];       // of the results: order1, higher, surface; then of all light the squared
-                        // differences of pairs
-    vec4 excess[4];     // what they have too much
+    vec4 behind;        // background, or sunlight reflected by the surface; black if OPEN; w: eye
+                        // depth [m]
+    vec4 transmittance; // w: unused
+    vec4 sums[4];       // order1, higher, surface; and squared differences of pairs
+    vec4 excess[4];     // rounding errors of the sums
 };
 
 layout(std430, binding = 8) buffer Pixels {
     TracerPixel pixels[];
 };
 
-// What the rounds have cost and how far they are. Only ever added to.
+// Cost and progress of all rounds. Counters only grow.
 layout(std430, binding = 9) buffer Progress {
     uint items_done;
     uint collisions;
@@ -109,13 +122,13 @@ layout(std430, binding = 9) buffer Progress {
     uint closed_forms;
 } progress;
 
-// A sample's first collision on the view ray, when it is chosen where it counts (forced collision).
+// A sample's forced first collision on the view ray.
 struct First {
-    vec3 weight; // f / p per channel, if OPEN without the transmittance; 0: there is none
+    vec3 weight; // f / p per channel, if OPEN without transmittance; 0: no collision
     float t_m;
     vec3 channels; // p per channel, relative to the hero
-    uint medium;   // MEDIA_MAX: the path has to find it
-    float view_depth, sun_depth; // if OPEN: guessed optical depths to the camera and to the sun
+    uint medium;   // MEDIA_MAX: the path finds the collision
+    float view_depth, sun_depth; // if OPEN: guessed optical depths to camera and sun
 };
 
 First no_first() { return First(vec3(0.0), 0.0, vec3(1.0), 0, 0.0, 0.0); }
@@ -124,8 +137,8 @@ layout(std430, binding = 10) buffer Firsts {
     First firsts[];
 };
 
-// Per pixel and layer of a medium (one of a medium without layers): the scalar optical depth of the
-// view ray.
+// Optical depth of the view ray, scalar, per pixel and layer of a medium (media without layers have
+// one).
 const uint PARTS = MEDIA_MAX * LAYERS_MAX;
 layout(std430, binding = 11) buffer Depths {
     float depths[];
@@ -136,14 +149,14 @@ uvec4 sample_key(uint pixel, uint sample_index)
     return pcg4d(uvec4(pixel, sample_index, run.seed_low, run.seed_high));
 }
 
-// The first decisions of a sample: a pair of numbers for each.
-const uint PAIR_PLACE = 0;      // of the first collision, and its medium where that is guessed
-const uint PAIR_SCATTERED = 1;  // the direction from there
-const uint PAIR_REFLECTED = 2;  // the direction from a first surface
-const uint PAIR_FREE_PATH = 3;  // after the first event; one number
+// Decisions of a sample that take a low-discrepancy pair each.
+const uint PAIR_PLACE = 0;      // place of the first collision, and its medium where it is guessed
+const uint PAIR_SCATTERED = 1;  // direction from there
+const uint PAIR_REFLECTED = 2;  // direction from a first surface
+const uint PAIR_FREE_PATH = 3;  // free path after the first event; one number
 
-// If SOBOL. The samples of a pair come from two sequences that know nothing of each other, so that
-// the means over both are independent, too (tracer_sum.comp).
+// If SOBOL. The two samples of a pair are from independent sequences, so the means over both are
+// independent (tracer_sum.comp).
 uvec2 low_discrepancy(uint pixel, uint sample_index, uint decision)
 {
     uvec2 own = pcg4d(uvec4(pixel, 2u * decision + (sample_index & 1u), run.seed_low,
@@ -151,20 +164,20 @@ uvec2 low_discrepancy(uint pixel, uint sample_index, uint decision)
     return sobol_pair(sample_index >> 1, uvec4(own, run.seed_low, run.seed_high));
 }
 
-// The channel that distances are drawn for, from the first numbers of a sample.
+// Hero channel, by which distances are drawn; from a sample's first random numbers.
 uint hero_of(uvec3 bits)
 {
     return COLOURED ? min(uint(3.0 * uniform_from(bits).z), 2u) : 0u;
 }
 
-// One path stands for all three channels: its density is the mean of theirs (single-sample multiple
-// importance sampling; Miller, Georgiev, Jarosz 2019).
+// Balance heuristic over channels: one path stands for all three, with the mean of their densities
+// (single-sample multiple importance sampling; B. Miller, I. Georgiev, W. Jarosz 2019).
 vec3 channel_weights(vec3 channels)
 {
     return COLOURED ? channels * (3.0 / (channels.r + channels.g + channels.b)) : vec3(1.0);
 }
 
-// A scene without colour needs one exponential instead of three.
+// Grey scenes need one exponential, not three.
 vec3 colour_transmittance(vec3 optical_depth)
 {
     return COLOURED ? transmittance(optical_depth) : vec3(transmittance(optical_depth.r));
@@ -179,13 +192,13 @@ float brightest_of(vec3 channels) { return max(channels.r, max(channels.g, chann
 
 float mean_of(vec3 channels) { return dot(channels, vec3(1.0 / 3.0)); }
 
-// What scenes/sources.h says: light that a collision brings [W m^-2 sr^-1].
+// Approximate light of a collision [W m^-2 sr^-1] (scenes/sources.h). Used for sampling only.
 struct Source {
-    vec3 sun;     // before it is attenuated on its way
-    vec3 ambient; // emitted, or scattered and not the sun's
+    vec3 sun;     // before attenuation
+    vec3 ambient; // emitted, or scattered from other light than the sun's
 };
 
-// That does not come straight from the sun; a lamp is taken to be a metre away.
+// Light from other sources than direct sun; lamps count as one metre away.
 vec3 incident_light()
 {
     vec3 light = ENVIRONMENT ? frame.background : vec3(0.0);
@@ -211,7 +224,7 @@ bool is_bright(uint m)
     return source.sun + source.ambient != vec3(0.0);
 }
 
-// Optical depth of all but one medium, or layer of a fog, up to a distance on the view ray.
+// Optical depth on the view ray of all media except one medium or fog layer.
 vec3 others_depth(uint but_medium, uint but_layer, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);

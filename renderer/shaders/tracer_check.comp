@@ -1,27 +1,28 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's kernel behind the paths, if SUN_BY_TABLE: what the table (tracer_sun.glsl) is
-// wrong by at one event of a batch of samples, in closed form, stands for all of the batch; so for
-// order 1, where it is by the table, and for the higher ones together. One thread a batch. A
-// correction goes to the sample of its event, so that pairs of samples know its noise
-// (tracer_sum.comp).
+// The path tracer's kernel after the paths, if SUN_BY_TABLE: corrects the bias of the table
+// (tracer_sun.glsl). One thread per batch of samples chooses one event of the batch, in proportion
+// to its light by the table, computes its exact transmittance, and applies the ratio to the light
+// of the whole batch. The higher orders together have one such event, and order 1, where it uses
+// the table, another. The correction is added to the sample of the chosen event, so that the
+// differences of pairs include its noise (tracer_sum.comp).
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_sun.glsl"
 
 layout(local_size_x = 64) in;
 
-// So much more light, half a digit of float32, and no sum of a batch is below 0.
+// Light is reduced by this, half a digit of float32, so that no sum of a batch becomes negative.
 const float ROUNDING = 1e-6;
 
-// One sample of a batch, in proportion to its light (a reservoir of one; M. T. Chao, "A General
+// Weighted reservoir of size 1: selects a sample in proportion to its light (M. T. Chao, "A General
 // Purpose Unequal Probability Sampling Plan", Biometrika 69, 1982).
 struct Choice {
     uint item;
-    float u;    // uniform, after each step anew
+    float u;    // uniform; renewed after each step
     float most; // sum over all so far
-    vec3 light; // the same in all channels
+    vec3 light; // the same per channel
 };
 
 void offer(inout Choice choice, uint item, float most, vec3 light)
@@ -36,14 +37,14 @@ void offer(inout Choice choice, uint item, float most, vec3 light)
     choice.u = is_taken ? choice.u / share : (choice.u - share) / max(1.0 - share, 1e-30);
 }
 
-// What the batch has too little (or, below 0, too much), if the chosen light's color is this.
+// Correction of a batch (of either sign), when the chosen light has this colour.
 vec3 missing(Choice choice, vec3 point_m, float guessed, vec3 color)
 {
     float arrives = transmittance(scene_optical_depth(point_m, to_sun(), FAR_M).r);
     return color * (choice.most * (arrives / guessed)) - choice.light * (1.0 - ROUNDING);
 }
 
-// Nobody has handed in what met nothing (tracer.comp).
+// Whether an item has stored a result; empty items have not (tracer.comp).
 bool is_handed_in(uint item) { return SURFACES || firsts[item].weight != vec3(0.0); }
 
 void check_higher(uint first, float u)

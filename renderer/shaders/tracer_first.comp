@@ -1,18 +1,19 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's second kernel: forced first collisions, one thread per item. Every sample
-// collides on the view ray, and weighs as much as the ray absorbs; where, is stratified over the
-// samples of a batch. The sunlight scattered there towards the camera is order 1, with the exact
-// transmittance to the sun. Light emitted there is of no order: it is added to the higher ones.
+// The path tracer's kernel for forced first collisions, one thread per item. Every sample collides
+// on the view ray, with a weight equal to the ray's opacity. Collisions are stratified over the
+// samples of a batch. Order 1 is the sunlight that they scatter towards the camera, with exact
+// transmittance. Emission at the collision is added to the higher orders.
 //
-// A fog layer or another medium is chosen in proportion to what it would absorb alone, the
-// collision is drawn as if it were alone, and the transmittance of the others up to there is a
-// weight:
-//   L = sum_k integral sigma_k T_k (prod_(j != k) T_j) J dt.
-// The weight is at most the number of layers and media. Where light is scattered once, both the
-// choice and the place go by the sunlight that comes from there (tracer_lit.glsl). If OPEN, that
-// light is a guess (tracer_guess.glsl), and the paths find out what of it arrives.
+// A fog layer or other medium k is chosen in proportion to the light that it would absorb without
+// the others, the collision is drawn in it, and the transmittance of the others is a weight:
+//
+//   L = sum_k integral sigma_k T_k (prod_(j != k) T_j) J dt
+//
+// The weight is at most the number of layers and media. If LIT, choice and place are drawn by the
+// light instead (tracer_lit.glsl). If OPEN, that light is a guess (tracer_guess.glsl), and the
+// paths estimate the transmittance.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_guess.glsl"
@@ -22,9 +23,9 @@ layout(local_size_x = 64) in;
 
 struct Choice {
     uint medium, layer;
-    float depth; // of the view ray in it, scalar
-    float u;     // uniform once more
-    vec3 total;  // sum over all of what they would absorb alone, per channel
+    float depth; // optical depth of the view ray in it, scalar
+    float u;     // uniform number, renewed
+    vec3 total;  // sum of the absorbed fractions, per channel
 };
 
 Choice choose(uint pixel, uint hero, float u)
@@ -69,7 +70,7 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
     first.t_m = view_free_path_m(pixel, m, choice.layer, ray, t0_m, t1_m, depth);
     vec3 others = others_depth(m, choice.layer, ray, first.t_m);
     first.weight = choice.total * colour_transmittance(others);
-    if (COLOURED) { // p = color e^(-color depth) / total; e^30 is more than chance allows
+    if (COLOURED) { // p = color e^(-color depth) / total; bounded by e^30, more than occurs
         vec3 density = color / max(choice.total, vec3(1e-30)) *
                        exp(min((color[hero] - color) * depth, vec3(30.0)));
         first.channels = density / density[hero];
@@ -77,10 +78,10 @@ First first_collision(uint pixel, ViewRay ray, uint hero, float u)
     return first;
 }
 
-// --- by the sunlight ----------------------------------------------------------------------------
+// --- by light -----------------------------------------------------------------------------------
 
-// What a medium or layer would absorb alone, of light that has all channels. If MEDIA_DIFFER, the
-// same for all that are bright, so that none is overlooked.
+// Absorbed fraction of one medium or layer, mean of the channels. If MEDIA_DIFFER: equal for all
+// bright media, so that each is sampled.
 float grey_absorbed(uint pixel, uint m, uint l)
 {
     if (MEDIA_DIFFER)
@@ -90,14 +91,14 @@ float grey_absorbed(uint pixel, uint m, uint l)
     return mean_of(parts);
 }
 
-// One medium or layer, among all.
+// The chosen medium or layer.
 struct Part {
     uint medium, layer;
-    float lit_chance, other_chance; // that it is chosen, by its light or otherwise
-    float u;                        // uniform once more
+    float lit_chance, other_chance; // probabilities that it is chosen, by light and otherwise
+    float u;                        // uniform number, renewed
 };
 
-// Sums over all media and layers: of the light (over the brightest's), and of what they absorb.
+// Sums over all media and layers: light (over the brightest one's), and absorbed fractions.
 struct Whole {
     float most_log_light;
     float light, absorbed;
@@ -163,7 +164,7 @@ First lit_collision(uint pixel, ViewRay ray, float u)
     return first;
 }
 
-// Sunlight scattered once, at a first collision.
+// Order 1: sunlight scattered at a first collision.
 vec3 scattered_once(First first, ViewRay ray)
 {
     vec3 point_m = view_point_m(ray, first.t_m);
@@ -178,7 +179,7 @@ vec3 scattered_once(First first, ViewRay ray)
            frame.sun_irradiance * (phase * arriving);
 }
 
-// Light of lamps scattered once on the view ray, at a place of its own.
+// Lamp light scattered once on the view ray, at a place of its own.
 vec3 lamplight_scattered_once(uint pixel, ViewRay ray, uint sample_index, float stratified_u)
 {
     uvec4 key = sample_key(run.first_pixel + pixel, run.first_sample + sample_index);
@@ -197,7 +198,7 @@ vec3 lamplight_scattered_once(uint pixel, ViewRay ray, uint sample_index, float 
     return light * colour_transmittance(depth);
 }
 
-// Light that the medium emits there.
+// Emission at a first collision.
 vec3 emitted(First first)
 {
     if (!EMITS || first.weight == vec3(0.0))

@@ -1,33 +1,35 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's kernel before the first collisions, where light is scattered once and some
-// medium has no closed form: a guess of the optical depths of each pixel's ray, from densities at a
-// few places, and the table of light that follows from it. One thread per pixel and edge of its
-// table.
+// The path tracer's kernel that prepares guessed first collisions (tracer_guess.glsl), for single
+// scattering in scenes with a medium without closed form: optical depths along the pixel's ray and
+// to the sun, guessed from a few densities, and the table of light that follows. One thread per
+// pixel and edge of its table.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_guess.glsl"
 
 layout(local_size_x = 64) in;
 
-// On a ray to the sun, in each medium.
+// Densities per medium on a ray to the sun.
 const uint SUN_PLACES = 12;
 
-// Mean square over square of the mean, of the light of free flights: beyond, a guess is better.
+// Threshold for the light of free flights, mean square over squared mean; above it, a guess has the
+// lower variance.
 const float SPREAD_MAX = 4.0;
 
-// Depths of the stretches of the cell behind each thread's edge.
+// Optical depths of the segments in the cell behind each thread's edge.
 shared float own_depths[64 * GUESS_PLACES];
 shared float sun_depths[64];
 
-// If MEDIA_DIFFER: the depth of each bright medium in the cell behind each thread's edge, the
-// weight of each medium per pixel, and the depths that places are drawn by, not `own_depths`.
+// If MEDIA_DIFFER: the optical depth of each bright medium in the cell behind each thread's edge;
+// the weight of each medium per pixel; and the weighted depths, which replace `own_depths` for
+// drawing.
 shared float medium_depths[64 * MEDIA_MAX];
 shared float weights[64 / LIT_EDGES * MEDIA_MAX];
 shared float drawn[64 * GUESS_PLACES];
 
-// Where a ray is in a medium; exact for those without closed forms.
+// The part of a ray in a medium; tight for media without closed form.
 Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
 {
     Stretch inside = Stretch(0.0, length_m);
@@ -38,7 +40,7 @@ Stretch inside_of(uint m, vec3 origin_m, vec3 direction, float length_m)
     return inside;
 }
 
-// The hull of all media on the view ray; empty when there is none, or no end.
+// Hull of all media on the view ray; empty when there are none, or when it is unbounded.
 Stretch find_hull(ViewRay ray)
 {
     float length_m = scene_hit(ray.origin_m, ray.direction).t_m;
@@ -69,8 +71,8 @@ float guess_sun_depth(vec3 point_m)
     return sum;
 }
 
-// A medium may begin or end anywhere in a stretch: the depth that places are drawn by is shared
-// with the stretches beside it.
+// The depth of a segment for drawing. If MEDIA_DIFFER, smoothed over the neighbours, because a
+// medium may start or end anywhere in a segment.
 float stretch_depth(uint first, uint i)
 {
     uint at = first * GUESS_PLACES + i;
@@ -81,8 +83,8 @@ float stretch_depth(uint first, uint i)
     return 0.5 * drawn[at] + 0.25 * (before + behind);
 }
 
-// No stretch is left without a depth: what the places have missed is looked for as if there were a
-// little everywhere.
+// Cumulative depths. Each segment gets at least 5 % of the mean, so that media between the sampled
+// densities are found, too.
 void sum_depths(uint pixel, uint first)
 {
     float sum = 0.0;
@@ -97,7 +99,7 @@ void sum_depths(uint pixel, uint first)
     }
 }
 
-// The logarithm of what SPREAD_MAX limits.
+// log of the quantity that SPREAD_MAX bounds.
 float log_spread(uint pixel)
 {
     float squares[LIT_EDGES], most = DARK, sum = 0.0;
@@ -131,7 +133,7 @@ vec3 place_m(ViewRay ray, float from_m, float stretch_m, uint place)
     return view_point_m(ray, from_m + (float(place) + 0.5) * stretch_m);
 }
 
-// `thread` has the cell that begins at `from_m`.
+// Depth of each medium in the thread's cell, which starts at `from_m`.
 void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
 {
     for (uint m = 0; m < media_count(); m++) {
@@ -145,8 +147,8 @@ void sum_media(ViewRay ray, float from_m, float stretch_m, uint thread)
 
 uint weight_of(uint thread, uint m) { return thread / LIT_EDGES * MEDIA_MAX + m; }
 
-// Half of the places are shared out evenly to the bright media, the rest by their light. The
-// weights make the sum over the ray of the depths that places are drawn by 1.
+// Weights of the media: half of the samples are shared out evenly to bright media, half by their
+// light. The weighted depth of the whole ray is 1.
 void weigh_media(uint first)
 {
     float depth_of[MEDIA_MAX], sent_of[MEDIA_MAX], sent = 0.0, count = 0.0;
@@ -176,7 +178,7 @@ float weighed_per_m(uint thread, vec3 point_m)
     return sum_per_m;
 }
 
-// The logarithm of the light that the brightest media send from a place.
+// log of the light that the brightest media send from a place.
 float log_sent(float sun_depth)
 {
     float sun = 0.0, ambient = 0.0;
@@ -188,8 +190,8 @@ float log_sent(float sun_depth)
     return ambient > 0.0 ? log(ambient + sun * transmittance(sun_depth)) : -sun_depth;
 }
 
-// Whether free flights meet bright media often enough, in all channels that have light: see
-// truth/own_flight.c.
+// Whether free flights collide with bright media often enough in all channels that have light
+// (truth/own_flight.c).
 bool do_flights_suffice(uint pixel, uint first)
 {
     const float SUFFICE = 1.0 / 32.0;

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
 //
-// Where on the view ray sunlight is scattered once, if OPEN: what truth/guess.h says. The
-// distribution of tracer_lit.glsl is made from a guess of the optical depths, which only says where
-// to look: densities at the places are exact, and the path estimates transmittances without bias.
+// Guessed first collisions, if OPEN: the distribution of tracer_lit.glsl from guessed optical
+// depths (CPU version: truth/guess.h). The guess only decides where to sample: densities at the
+// places are exact, and the path estimates transmittances, so the result is unbiased.
 #ifndef NEPH_TRACER_GUESS_GLSL
 #define NEPH_TRACER_GUESS_GLSL
 
 #include "tracer_lit.glsl"
 
-// Densities are looked up at so many places of each cell of the table.
+// Densities per cell of the table, and the number of segments of a ray.
 const uint GUESS_PLACES = 6;
 const uint GUESS_STRETCHES = GUESS_PLACES * (LIT_EDGES - 1u);
 
-// The guess of a pixel, whose table of light has the same number.
+// The guess of a pixel. Its table of light has the same index.
 struct Guess {
-    float t0_m, stretch_m; // where the first stretch begins; length of each
-    uint is_known;         // 0: free flights are as good
-    // Guessed optical depths, mean of the channels: from the camera to each stretch, and from the
-    // edges of the cells to the sun.
+    float t0_m, stretch_m; // start of the first segment; length of each
+    uint is_known;         // 0: free flights have no higher variance
+    // Guessed optical depths, mean of the channels: from the camera to each segment, and from the
+    // cells' edges to the sun.
     float depth[GUESS_STRETCHES + 1u];
     float sun_depth[LIT_EDGES];
-    // If MEDIA_DIFFER, `depth` is the integral of extinction times the weight of its medium, and
-    // the optical depths from the camera are here.
+    // If MEDIA_DIFFER, `depth` is the integral of the weighted extinction, and the optical depths
+    // from the camera are here.
     float weight[MEDIA_MAX];
     float view_depth[LIT_EDGES];
 };
@@ -30,7 +30,7 @@ layout(std430, binding = 13) buffer Guesses {
     Guess guesses[];
 };
 
-// The stretch that a depth lies in.
+// The segment that contains a depth.
 uint guess_stretch(uint pixel, float depth)
 {
     uint low = 0, high = GUESS_STRETCHES;
@@ -44,7 +44,7 @@ uint guess_stretch(uint pixel, float depth)
     return low;
 }
 
-// Extinction, by which places are drawn; if MEDIA_DIFFER, times the weight of the medium.
+// Extinction for drawing; if MEDIA_DIFFER, times the medium's weight.
 float drawn_per_m(uint pixel, uint m, vec3 point_m)
 {
     float weight = MEDIA_DIFFER ? guesses[pixel].weight[m] : 1.0;
@@ -62,7 +62,7 @@ float total_per_m(uint pixel, vec3 point_m)
     return sum_per_m;
 }
 
-// By its share of `all_per_m`; MEDIA_MAX: there is none.
+// Chooses a medium by its part of `all_per_m`; MEDIA_MAX: none.
 uint pick_medium(uint pixel, vec3 point_m, float all_per_m, float u)
 {
     uint picked = MEDIA_MAX;
@@ -76,7 +76,7 @@ uint pick_medium(uint pixel, vec3 point_m, float all_per_m, float u)
     return picked;
 }
 
-// u.x decides on the place, u.y on the medium.
+// A guessed first collision: u.x gives the place, u.y the medium.
 First guessed_collision(uint pixel, ViewRay ray, vec2 u)
 {
     First first = no_first();

@@ -1,39 +1,48 @@
 // SPDX-License-Identifier: MIT
 //
-// How paths sample lamps, as truth/lamp_draw.h has it: places on each segment by 1/d^2
-// (equiangular) and by 1/d of the distance d from a lamp, for surfaces a lamp by its irradiance,
-// and of directions a few by 1 / sin of the angle from a lamp. So each estimate has a finite
-// variance, however near a path comes to a lamp.
+// Sampling of point and spot lights by paths (CPU version, with the derivation: truth/lamp_draw.h).
+// The estimates have a finite variance however near a path passes a light:
+// - On each segment a place is drawn by 1/d^2 (equiangular sampling: C. Kulla, M. Fajardo, EGSR
+//   2012) or by 1/d, with d the distance from the light.
+// - At surfaces a light is chosen by its irradiance.
+// - Some scattered directions are drawn by 1 / sin of the angle to a light.
 //
-// Cancellation. Three differences lose all digits of a float32 near a lamp, and none of them is
-// taken; small angles have series of their own. The angle of a segment, seen from a lamp, is one
-// arctangent of both ends. The distance from a lamp is that of the triangle (height, place behind
-// the foot), not of two points. The height of a lamp over a view ray comes from the lamp's place in
-// the frame, which the CPU knows in double. Other segments have random directions: one of 10^5
-// passes a lamp so near that its height is off by 1 %.
+//               light
+//                *  .
+//                |    .  d         squares:  integral ds / d^2 = angle / h
+//              h |      .          octaves:  integral ds / d   = asinh(s1/h) - asinh(s0/h)
+//                |        .
+//   ----|--------+---------|---->  s: distance from the foot of the perpendicular
+//       s0     foot       s1
+//
+// Cancellation. Near a light three differences would lose all digits of a float32, and are avoided:
+// - The angle of a segment is one arctangent of both ends. Small angles have their own series.
+// - The distance from a light is the hypotenuse of (h, s), not a difference of two points.
+// - The height of a light over a view ray comes from the light's position in the frame, which the
+//   CPU has computed in double. Other segments have random directions: one in 10^5 passes a light
+//   so near that its height has an error of 1 %.
 #ifndef NEPH_TRACER_LAMPS_GLSL
 #define NEPH_TRACER_LAMPS_GLSL
 
 #include "tracer.glsl"
 
-// The part of directions that are drawn towards lamps.
+// Fraction of directions that are drawn towards lights.
 const float LAMP_DIRECTIONS = 1.0 / 8.0;
 
-// The part of places that are drawn by 1/d, in octaves of the distance.
+// Fraction of places that are drawn by 1/d (uniform in octaves of the distance).
 const float LAMP_BY_OCTAVE = 1.0 / 4.0;
 
-// A segment other than a view ray that passes a lamp nearer than this part of its distance passes
-// it this far off.
+// Smallest height of a light over a segment, relative to the distance; not for view rays.
 const float LAMP_NEAREST = 1e-6;
 
-// A view ray passes a lamp this far off, at least: 1/d^2 stays a float32.
+// Smallest height over a view ray: 1/d^2 stays a float32.
 const float LAMP_NEAREST_M = 1e-15;
 
-// Where the frame has a lamp (renderer/lamp_sight.c).
+// Position of a light in the frame (renderer/lamp_sight.c).
 struct LampSight {
-    ivec2 pixel;    // the nearest one,
-    vec2 beside_px; // and how far from its centre
-    float depth_m;  // along camera_forward; of an orthographic camera 1; 0: not in view
+    ivec2 pixel;    // the nearest pixel
+    vec2 beside_px; // offset from its centre
+    float depth_m;  // along camera_forward; orthographic camera: 1; 0: not in view
 };
 
 layout(std430, binding = 17) readonly buffer LampSights {
@@ -47,20 +56,20 @@ struct LampPlace {
     float t_m;
     vec3 to_lamp; // unit
     float distance_m;
-    float density_per_m; // of this place and lamp; 0: no medium is lit on the segment
+    float density_per_m; // of this place and light; 0: no medium is lit on the segment
 };
 
-// A lamp as a segment passes it. `s` is the distance along the segment from the foot of the lamp's
+// A light relative to a segment. `s` is the distance along the segment from the foot of the light's
 // perpendicular.
 struct LampPass {
     float foot_m, height_m;
-    vec3 across_m;        // from the foot to the lamp
-    float squares_per_m;  // integral of 1/d^2 over the media's stretches of the segment
+    vec3 across_m;        // from the foot to the light
+    float squares_per_m;  // integral of 1/d^2 over the media's parts of the segment
     float octaves;        // integral of 1/d
 };
 
-// From a view ray to a lamp, across the ray. In the plane at the lamp's depth both are some pixels
-// apart, and so far apart in world space; what of that lies along the ray is left out.
+// Perpendicular from a view ray to a light. In the plane at the light's depth both are some pixels
+// apart, which gives a world-space vector; its part along the ray is removed.
 vec3 view_across_m(LampSight sight, uint pixel, vec3 direction)
 {
     ivec2 from = ivec2(pixel % frame.width_px, pixel / frame.width_px);
@@ -87,7 +96,7 @@ LampPass lamp_pass(uint lamp, vec3 origin_m, vec3 direction, uint pixel)
     return pass;
 }
 
-// atan(y, x) of y >= 0. Drivers have it to 2e-5 of small angles, which the series has to 1e-8.
+// atan(y, x) for y >= 0. Drivers have an error of 2e-5 for small angles; the series has 1e-8.
 float angle_at(float y, float x)
 {
     float slope = y / x, square = slope * slope;
@@ -96,7 +105,8 @@ float angle_at(float y, float x)
                     : atan(y, x);
 }
 
-// 1 / tan(x) of x in 0..pi. GPUs have sine and cosine to 5e-7, which leaves a small angle no digit.
+// 1 / tan(x) for x in 0..pi. GPUs have an error of 5e-7 in sine and cosine, as large as a small
+// angle.
 float cotangent(float x)
 {
     float square = x * x;
@@ -105,7 +115,7 @@ float cotangent(float x)
                : 1.0 / tan(x);
 }
 
-// Integrals of 1/d^2 (1 / s0 - 1 / s1 at a height of 0) and of 1/d over a stretch.
+// Integrals over [s0, s1] of 1/d^2 (its limit for height 0 is 1 / s0 - 1 / s1) and of 1/d.
 float squares_between(float height_m, float s0_m, float s1_m)
 {
     return angle_at(height_m * (s1_m - s0_m), height_m * height_m + s0_m * s1_m) / height_m;
@@ -122,10 +132,10 @@ float octaves_between(float height_m, float s0_m, float s1_m)
     return log_1_plus(farther_m / (near_m + d0_m));
 }
 
-// Where the part u of either integral lies.
+// Inverse of the integrals: the place at which the fraction u is reached.
 float place_by_squares_m(float height_m, float s0_m, float s1_m, float u)
 {
-    bool is_before = s0_m + s1_m < 0.0; // then angles from the other side are the small ones
+    bool is_before = s0_m + s1_m < 0.0; // angles from the other side are the small ones then
     float angle0 = angle_at(height_m, is_before ? -s1_m : s0_m);
     float angle1 = angle_at(height_m, is_before ? -s0_m : s1_m);
     float part = is_before ? 1.0 - u : u;
@@ -143,13 +153,13 @@ float place_by_octaves_m(float height_m, float s0_m, float s1_m, float u)
     if (near_m < 0.0) {
         s_m = height_m * sinh(more - log((d0_m - near_m) / height_m));
     } else {
-        float sum_m = d0_m + near_m; // sum e^more - h^2 / sum e^-more is 2 s
+        float sum_m = d0_m + near_m; // 2 s = sum e^more - h^2 / sum e^-more
         s_m = 0.5 * (sum_m * exp(more) - height_m * (height_m / sum_m) * exp(-more));
     }
     return is_before ? -s_m : s_m;
 }
 
-// A medium's part of a segment.
+// The part of a segment in a medium's box.
 bool lamp_stretch(uint m, vec3 origin_m, vec3 direction, float end_m, out float t0_m,
                   out float t1_m)
 {
@@ -174,12 +184,13 @@ LampPass whole_lamp_pass(uint lamp, vec3 origin_m, vec3 direction, float end_m, 
 
 float lamp_brightness(uint lamp) { return dot(frame.lamps[lamp].intensity, vec3(1.0)); }
 
-// Choose a lamp, one of the media's stretches, and a place on it: by u.x and, on the stretch, by
-// u.y. `pixel` is that of a view ray, or NO_PIXEL.
+// Chooses a light, a medium's part of the segment, and a place on it: u.x gives light and part, u.y
+// the place. `pixel` is the view ray's pixel, or NO_PIXEL.
 LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, uint pixel)
 {
     LampPlace place = LampPlace(0, 0.0, vec3(0.0), 0.0, 0.0);
-    float weight_sum = 0.0, shining = 0.0; // all lamps' 1/d^2, and how many lamps there are
+    // Sum over lights of weighted 1/d^2; number of lights with a weight.
+    float weight_sum = 0.0, shining = 0.0;
     for (uint i = 0; i < own(frame.lamp_count); i++) {
         LampPass pass = whole_lamp_pass(i, origin_m, direction, end_m, pixel);
         float weight = lamp_brightness(i) * pass.squares_per_m;
@@ -192,7 +203,7 @@ LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, ui
     float left = by_octaves ? u.x / LAMP_BY_OCTAVE * shining
                             : (u.x - LAMP_BY_OCTAVE) / (1.0 - LAMP_BY_OCTAVE) * weight_sum;
     LampPass chosen;
-    float share = 0.0, inside = 0.0; // the chosen lamp's, and where in it u.x is
+    float share = 0.0, inside = 0.0; // weight of the chosen light, and the position of u.x in it
     for (uint i = 0; i < own(frame.lamp_count); i++) {
         LampPass pass = whole_lamp_pass(i, origin_m, direction, end_m, pixel);
         float weight = lamp_brightness(i) * pass.squares_per_m;
@@ -224,7 +235,7 @@ LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, ui
     place.t_m = max(chosen.foot_m + s_m, 0.0);
     place.distance_m = length(vec2(chosen.height_m, s_m));
     place.to_lamp = (chosen.across_m - s_m * direction) / place.distance_m;
-    // Each stretch that has the place in it adds the same to the density.
+    // Each medium's part that contains the place adds the same density.
     float by_squares = lamp_brightness(place.lamp) / weight_sum / place.distance_m;
     float per_m = mix(by_squares, 1.0 / (shining * chosen.octaves), LAMP_BY_OCTAVE) /
                   place.distance_m;
@@ -237,8 +248,7 @@ LampPlace draw_lamp_place(vec3 origin_m, vec3 direction, float end_m, vec2 u, ui
     return place;
 }
 
-// What media scatter at a place from one direction into the one that `direction` comes from, per
-// metre [1/(m sr)].
+// Scattering of all media at a point, from one light into the path's direction [1/(m sr)].
 vec3 lamp_scattering(vec3 point_m, vec3 direction, vec3 to_lamp)
 {
     vec3 sum = vec3(0.0);
@@ -251,8 +261,8 @@ vec3 lamp_scattering(vec3 point_m, vec3 direction, vec3 to_lamp)
     return sum;
 }
 
-// Light of a lamp that media scatter at a place on a segment, with nothing in between, over the
-// place's density; black where a solid is in between.
+// Lamp light scattered at a place on a segment, without attenuation, over the place's density; 0 if
+// a solid is in between.
 vec3 lamplight_at(LampPlace place, vec3 point_m, vec3 direction)
 {
     float part = 1.0 / (place.distance_m * place.density_per_m) / place.distance_m;
@@ -264,7 +274,7 @@ vec3 lamplight_at(LampPlace place, vec3 point_m, vec3 direction)
     return light;
 }
 
-// For a surface: a lamp by its irradiance without cosine and obstacles.
+// For a surface: chooses a light by its irradiance, without cosine and visibility.
 uint pick_lamp(vec3 point_m, float u, out float probability)
 {
     float sum = 0.0, weight = 0.0;
@@ -290,6 +300,7 @@ uint pick_lamp(vec3 point_m, float u, out float probability)
     return picked;
 }
 
+// A direction with density 1 / (2 pi^2 sin(angle)) about the direction to a random light.
 vec3 draw_lamp_direction(vec3 point_m, vec3 u)
 {
     uint lamp = min(uint(u.x * float(frame.lamp_count)), frame.lamp_count - 1u);

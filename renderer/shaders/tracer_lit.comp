@@ -1,9 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's kernel before the first collisions, where light is scattered once: the sunlight
-// that arrives from places on the view ray, without solids, which only make it less. One thread per
-// pixel, fog layer or other medium, and edge of its table.
+// The path tracer's kernel that prepares first collisions by light (tracer_lit.glsl): the sunlight
+// that arrives at the camera from places on the view ray. Shadows of solids are left out; they only
+// reduce light. One thread per pixel, fog layer or other medium, and edge of its table.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_lit.glsl"
@@ -12,14 +12,14 @@ layout(local_size_x = 64) in;
 
 shared float log_light[64];
 
-// Behind this no channel's light leaves float32.
+// Depth of the last edge: beyond it the light of all channels is below float32.
 float lit_last(vec3 color, float depth)
 {
     return min(depth, -EXPONENT_MIN / least_positive(color));
 }
 
-// Two ladders back to back: even up to a depth of 8, exponential beyond, so that the first and last
-// cells stay below 1.
+// Edges of the table: evenly spaced up to a depth of 8. Deeper tables are exponential towards both
+// ends, so that the first and last cells are below 1.
 float lit_edge(uint i, float last)
 {
     float at = float(i) / float(LIT_EDGES - 1u);
@@ -39,8 +39,9 @@ vec3 way(uint m, uint l, ViewRay ray, float t_m, float x)
     return sum + others_depth(m, l, ray, t_m);
 }
 
-// The first and the last edge are looked up a little inside: there a medium has its faces, a sunray
-// may run along one, and the last bit would decide on which side; the last may be infinitely far.
+// The first and the last edge are evaluated slightly inside. The faces of a medium are there, and
+// along a face a sun ray's side would be decided by the last bit; the last edge may also be at
+// infinity.
 float lit_inside(uint edge, float last)
 {
     const float inside = 1.0 / 64.0; // of a cell
@@ -51,7 +52,7 @@ float lit_inside(uint edge, float last)
     return lit_edge(edge, last);
 }
 
-// The logarithm of the sum over the channels of light that has lost an optical depth.
+// log of the sum over channels of light after an optical depth.
 float log_sum(vec3 light, vec3 lost)
 {
     if (light == vec3(0.0))
@@ -61,7 +62,7 @@ float log_sum(vec3 light, vec3 lost)
     return log(max(left.r + left.g + left.b, 1e-30)) - least;
 }
 
-// If MEDIA_DIFFER: the logarithm of all light that a medium sends, summed over the channels.
+// If MEDIA_DIFFER: log of all light that a medium sends, summed over channels.
 float log_sent(uint m, uint l, ViewRay ray, float t_m, float x)
 {
     Source source = source_of(m);
@@ -85,7 +86,7 @@ float find_log_light(uint pixel, uint m, uint l, uint edge)
     float t_m = view_free_path_m(pixel, m, l, ray, t0_m, t1_m, x);
     float result = MEDIA_DIFFER ? log_sent(m, l, ray, t_m, x)
                                 : log_sum(frame.sun_irradiance * color, way(m, l, ray, t_m, x));
-    return result > DARK ? result : DARK; // also where it is no number
+    return result > DARK ? result : DARK; // also for NaN
 }
 
 void main()

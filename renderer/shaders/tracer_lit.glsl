@@ -1,48 +1,58 @@
 // SPDX-License-Identifier: MIT
 //
-// Where on the view ray sunlight is scattered that still has a way to go: what truth/lit_flight.h
-// says, for each fog layer or other medium by itself, in optical depths x of it alone. Against the
-// light free flights end near the camera, but the light is at the far side.
+// The distribution of first collisions by the light that they scatter (CPU version:
+// truth/lit_flight.h), per fog layer or other medium, over its own optical depth x.
+//
+// Against the light, free flights end near the camera, but the light comes from the far side:
+//
+//   density of      ^ \  free flight             light  /
+//   collisions      |  \___                         ___/
+//                   |      \________       ________/
+//                   +------------------------------------> x
+//                 camera                              far side
+//
+// The density is a mixture of the light itself, log-linear between edges of a table; free flight,
+// which bounds the weights; and a uniform part, which finds light that starts between two edges.
 #ifndef NEPH_TRACER_LIT_GLSL
 #define NEPH_TRACER_LIT_GLSL
 
 #include "tracer_way.glsl"
 
-// With light from all around, too, or of the media themselves, half of all collisions are free
-// flights, which are good for that. Guesses (OPEN) earn less trust. If MEDIA_DIFFER, what is not
-// chosen by light is shared out evenly to the media: it must suffice for a channel of its own.
+// Shares of the mixture. With light from all directions or emission, half of the collisions are
+// free flights, which suit it. Guesses (OPEN) get a smaller share of light. If MEDIA_DIFFER, the
+// other share is divided evenly among media, and must suffice for light that only one medium has.
 const bool AMBIENT = ENVIRONMENT || EMITS || MEDIA_DIFFER;
 const float LIT_SHARE = AMBIENT ? 0.45 : OPEN ? 0.8 : 0.9;
-const float FREE_SHARE = AMBIENT ? 0.5 : OPEN ? 0.1 : 0.05; // the rest is even in x
+const float FREE_SHARE = AMBIENT ? 0.5 : OPEN ? 0.1 : 0.05; // the remaining share is uniform in x
 
 const uint LIT_EDGES = NEPH_GPU_LIT_EDGES;
 
-// The light of a pixel and one layer of a medium; of a pixel and all its media, if OPEN.
+// Light of a pixel and one layer of a medium; if OPEN, of a pixel and all its media.
 struct LitTable {
     float x[LIT_EDGES];
-    float log_light[LIT_EDGES]; // over the brightest's
-    float below[LIT_EDGES];     // the part of the light before each edge
-    float log_whole;            // of all the light
+    float log_light[LIT_EDGES]; // relative to the brightest edge
+    float below[LIT_EDGES];     // fraction of the light before each edge
+    float log_whole;            // log of the whole light
 };
 
 layout(std430, binding = 12) buffer Lits {
     LitTable lits[];
 };
 
-const float DARK = -1e4; // for a logarithm of light
+const float DARK = -1e4; // logarithm that stands for no light
 
 uint lit_table(uint pixel, uint m, uint l)
 {
     return (pixel * frame.medium_count + m) * LAYERS + l;
 }
 
-// The light of a cell: the integral of a log-linear function.
+// Light of a cell: the integral of a log-linear function.
 float cell_light(float width, float log_a, float log_b)
 {
     return width * exp(max(max(log_a, log_b), EXPONENT_MIN)) * phi(abs(log_b - log_a));
 }
 
-// Places are even in tables that have no light.
+// Normalizes a table. Without light its density is uniform.
 void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
 {
     float most = DARK, sum = 0.0;
@@ -63,10 +73,10 @@ void lit_complete(uint table, float x[LIT_EDGES], float log_light[LIT_EDGES])
     lits[table].log_whole = most + log(max(sum, 1e-30));
 }
 
-// --- drawing ------------------------------------------------------------------------------------
+// --- sampling -----------------------------------------------------------------------------------
 
-// A table, the chances that it is chosen for its light and otherwise, and the mean over the
-// channels of the extinction that x = 1 has.
+// A table; the probabilities that it is chosen by light and otherwise; and the mean over channels
+// of the extinction for x = 1.
 struct LitChoice {
     uint table;
     float lit_chance, other_chance;
@@ -75,10 +85,10 @@ struct LitChoice {
 
 struct LitPlace {
     float x;
-    float density; // probability density of it, the choice of the table included
+    float density; // probability density, with the choice of the table
 };
 
-// The probability that a place lies before x and is chosen otherwise than by light.
+// Probability that a place is before x and not chosen by light.
 float other_below(LitChoice choice, float x, float last)
 {
     const float free = FREE_SHARE / (1.0 - LIT_SHARE);
@@ -87,7 +97,7 @@ float other_below(LitChoice choice, float x, float last)
     return choice.other_chance * mix(x / last, flown, free);
 }
 
-// Where in 0..1 the integral of e^(slope x) reaches the part u of the whole.
+// The place in 0..1 at which the integral of e^(slope x) reaches the fraction u.
 float exponential_quantile(float slope, float u)
 {
     float size = abs(slope);
@@ -121,7 +131,7 @@ LitPlace lit_place(LitChoice choice, float u)
     float place = target < lit ? exponential_quantile(b - a, target / lit)
                                : min((target - lit) / other, 1.0);
     float shape = exp(max(mix(a, b, place) - max(a, b), EXPONENT_MIN)) / phi(abs(b - a));
-    // Never at the end: a fog without bounds is FAR_M away there, where its sunlight is lost.
+    // Never at the end: an unbounded fog is FAR_M away there, and its sunlight has no digits.
     float inside = last * (1.0 - exp2(-20.0));
     return LitPlace(min(mix(x0, x1, place), inside), (lit * shape + other) / (x1 - x0));
 }

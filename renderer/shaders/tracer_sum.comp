@@ -1,14 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's last kernel: the samples of a round are added to the sums, in the order of the
-// samples, one thread per pixel; and every queue starts anew. Sums carry their rounding error, so
-// that it does not matter how samples were cut into rounds.
+// The path tracer's last kernel: adds the samples of a round to the pixel's sums, in order, one
+// thread per pixel, and resets the queues. Sums are compensated, so the division into rounds does
+// not change them.
 //
-// The two samples of a pair lie in the same stratum: half their squared difference estimates the
-// variance inside the stratum, which is all the variance that a stratified mean has. If SOBOL, the
-// samples of one sequence are no strangers to each other, but the two sequences that pairs are of
-// are: what counts is the difference of their means, squared when all is summed up.
+// Variance. The two samples of a pair are in the same stratum. Half their squared difference
+// estimates the variance within the stratum, which is the whole variance of a stratified mean. If
+// SOBOL, samples of one sequence are correlated, but the two sequences of the pairs are
+// independent. The estimate is then the difference of the two means, squared after all samples are
+// added.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer.glsl"

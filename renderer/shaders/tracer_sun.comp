@@ -1,16 +1,16 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's kernel before all others, if SUN_BY_TABLE: the transmittance of all shapes
-// towards the sun at the nodes of the lattice, from densities at a few places. One thread a node.
-// It need not be exact (tracer_sun.glsl).
+// The path tracer's kernel before all others, if SUN_BY_TABLE: fills the table of transmittance to
+// the sun (tracer_sun.glsl) from densities at a few places. One thread per node. The table need not
+// be exact, because tracer_check.comp corrects it.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_sun.glsl"
 
 layout(local_size_x = 64) in;
 
-// On a node's ray, in each medium.
+// Densities per medium on a node's sun ray.
 const uint PLACES = 24;
 
 float shape_depth(uint m, vec3 point_m)

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's sunlight by a table, if SUN_BY_TABLE: no event in a medium sends a ray to the
-// sun. How much arrives is looked up, the transmittance of all shapes towards the sun between the
-// nodes of a lattice (tracer_sun.comp). Then one of all events of a batch of samples is chosen, in
-// proportion to the light that it has by the table, and its true transmittance over that of the
-// table is what the batch's light is multiplied with (tracer_check.comp): resampled importance
-// sampling (J. Talbot, D. Cline, P. Egbert, EGSR 2005), without bias whatever the table says, and
-// never negative.
+// Sunlight from a table in the path tracer, if SUN_BY_TABLE. Events in media send no shadow rays:
+// the transmittance of all shapes is interpolated between the nodes of a grid (tracer_sun.comp).
+//
+// The bias of the table is removed per batch of samples: one event of the batch is chosen in
+// proportion to its light L_i by the table, and the batch is multiplied with the ratio of true and
+// tabulated transmittance there (tracer_check.comp):
+//
+//   estimate = (sum L_i) T_true(k) / T_table(k),    P(k) = L_k / sum L_i
+//
+// with L_i the brightest channel of an event, and the colour of event k for the whole batch.
+//
+// This is resampled importance sampling (J. Talbot, D. Cline, P. Egbert, EGSR 2005): unbiased for
+// every table with positive values, and never negative.
 #ifndef NEPH_TRACER_SUN_GLSL
 #define NEPH_TRACER_SUN_GLSL
 
@@ -16,23 +22,23 @@ layout(std430, binding = 15) buffer SunTable {
     float sun_transmittances[];
 };
 
-// No transmittance of the table is less: what it takes for dark may have a gap.
+// Smallest value of the table: a place that seems dark may have a gap.
 const float SUN_LEAST = 1e-5;
 
-// An item's sunlight by the table: of all events behind the first, and one of them, chosen in
-// proportion to that; and of the first, if FIRST_BY_PATH.
+// An item's sunlight by the table: of all events after the first, with one event chosen in
+// proportion to its light; and of the first event, if FIRST_BY_PATH.
 struct SunCheck {
-    vec3 light;          // of all
-    float most;          // the same in one number: the sum over events of their brightest channel
-    vec3 point_m;        // of the chosen one
-    float guessed;       // transmittance there
+    vec3 light;          // sum over events
+    float most;          // sum over events of the brightest channel
+    vec3 point_m;        // of the chosen event
+    float guessed;       // transmittance there, by the table
     vec3 color;          // of its light; the brightest channel is 1
-    float first_guessed; // transmittance at the first event
-    vec3 first_light;    // of that
+    float first_guessed; // transmittance at the first event, by the table
+    vec3 first_light;    // light of the first event
 };
 
 layout(std430, binding = 16) buffer SunChecks {
-    SunCheck sun_checks[]; // as results[]
+    SunCheck sun_checks[]; // indexed as results[]
 };
 
 SunCheck no_sun_check()
@@ -40,8 +46,8 @@ SunCheck no_sun_check()
     return SunCheck(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, vec3(0.0));
 }
 
-// That of all shapes, by the table, at any point: one outside of the lattice sees what it sees
-// where its sun ray enters that.
+// Transmittance of all shapes by the table. From outside the grid it is the value where the sun ray
+// enters the grid.
 float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     vec3 last = vec3(lattice.size - 1);
@@ -62,7 +68,7 @@ float shapes_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
                         place - cell);
 }
 
-// That of all media; fogs are exact.
+// Transmittance of all media; fogs are exact.
 float guess_sun_transmittance(Lattice lattice, vec3 point_m, vec3 sun)
 {
     float depth = 0.0;

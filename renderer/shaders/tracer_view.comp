@@ -1,9 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The path tracer's first kernel: the light that comes to the camera without scattering, exact, one
-// thread per pixel; the optical depth of each medium on the view ray; and every queue at its first
-// item.
+// The path tracer's first kernel per pixel: unscattered light, exact; the optical depth of each
+// medium on the view ray; and empty queues. One thread per pixel.
 #extension GL_GOOGLE_include_directive : require
 
 #include "tracer_way.glsl"
@@ -43,7 +42,7 @@ vec3 surface_light(Hit hit, vec3 point_m)
     return LAMPS ? light + surface_lamplight(hit, point_m) : light;
 }
 
-// Returns the sum over the media, per channel.
+// Stores the optical depths of a view ray; returns their sum per channel.
 vec3 find_depths(uint pixel, ViewRay ray, float length_m)
 {
     vec3 sum = vec3(0.0);

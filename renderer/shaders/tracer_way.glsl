@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// How each view ray goes through the voxel grids, walked once for all of a pixel's samples: the
-// integral of the density up to evenly spaced edges. A first collision is then looked for within
-// one stretch, a few cells, instead of from the grid's border on; where it lies is the same.
+// View rays through voxel grids, walked once for all samples of a pixel: the integral of the
+// density up to evenly spaced edges. A first collision is then searched in one segment of a few
+// cells, not from the grid's border on. The result is the same.
 #ifndef NEPH_TRACER_WAY_GLSL
 #define NEPH_TRACER_WAY_GLSL
 
@@ -10,9 +10,9 @@
 
 const uint WAY_STRETCHES = NEPH_GPU_WAY_STRETCHES;
 
-// A pixel has one in each medium.
+// Per pixel and medium.
 struct Way {
-    float t0_m, t1_m; // the ray is in the medium's box there
+    float t0_m, t1_m; // the ray's part in the medium's box
     float integral_m[WAY_STRETCHES + 1u];
 };
 
@@ -33,13 +33,13 @@ float way_edge_m(uint way, uint i)
     return i == WAY_STRETCHES ? t1_m : t0_m + float(i) * ((t1_m - t0_m) / float(WAY_STRETCHES));
 }
 
-// Returns the optical depth of all of it.
+// Walks a view ray; returns its whole optical depth.
 float way_walk(uint pixel, uint m, ViewRay ray, float length_m)
 {
     uint way = way_of(pixel, m);
     float t0_m = 0.0, t1_m = length_m;
     if (!clip_medium(m, ray.origin_m, ray.direction, t0_m, t1_m))
-        return 0.0; // nobody looks for a collision there
+        return 0.0; // there are no collisions to search
     ways[way].t0_m = t0_m;
     ways[way].t1_m = t1_m;
     Sum sum = sum_zero();
@@ -69,7 +69,7 @@ float way_free_path_m(uint pixel, uint m, ViewRay ray, float depth)
                             target_m - ways[way].integral_m[low]);
 }
 
-// layer_free_path_m() (media.glsl) of a pixel's ray.
+// layer_free_path_m() (media.glsl) for a pixel's ray.
 float view_free_path_m(uint pixel, uint m, uint l, ViewRay ray, float t0_m, float t1_m,
                        float depth)
 {

@@ -7,21 +7,21 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
-/* Above so many scale heights, e^-14 = 8e-7 of a layer is left. */
+/* Top of an exponential layer; e^-14 = 8e-7 of its density is left there. */
 static const double top_scale_heights = 14.0;
 
-/* --- what a scene has ------------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------- */
 
 static bool same_point(struct neph_vec3 a, struct neph_vec3 b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* NULL: nothing is. */
+/* NULL: none. */
 static const char *obstacle_of_medium(const struct neph_medium *medium,
                                       const struct neph_solid *ground)
 {
@@ -39,7 +39,7 @@ static const char *obstacle_of_medium(const struct neph_medium *medium,
     return NULL;
 }
 
-/* Whether bounds take more of a layer than its engine-independent container would. */
+/* Whether bounds cut off more of a layer than the container of the medium would. */
 static bool is_cut(const struct neph_medium *medium)
 {
     struct neph_medium whole = *medium;
@@ -128,7 +128,7 @@ bool neph_sky_air_of(const struct neph_scene *scene, struct neph_sky_air *air, c
     return true;
 }
 
-/* --- what is where ---------------------------------------------------------------------------- */
+/* --- densities -------------------------------------------------------------------------------- */
 
 static double density_at(const struct neph_sky_layer *layer, double altitude_m)
 {
@@ -151,7 +151,7 @@ struct neph_sky_mix neph_sky_mix_at(const struct neph_sky_air *air, double altit
     return mix;
 }
 
-/* As a medium around the origin, of extinction 1 where the density is 1. */
+/* The layer as a medium around the origin, with extinction 1 at density 1. */
 static struct neph_medium medium_of(const struct neph_sky_layer *layer, double radius_m)
 {
     struct neph_medium medium = {

@@ -23,7 +23,7 @@ struct neph_sky_pictures {
     struct neph_sky_stats flights[NEPH_IN_FLIGHT_FRAMES];
 };
 
-/* --- what can be rendered --------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------- */
 
 bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_params *params,
                          char *reason, size_t reason_size)
@@ -74,7 +74,7 @@ static void take_part(const struct neph_gpu_sky_pixel *pixels, size_t first, siz
     }
 }
 
-/* --- making ----------------------------------------------------------------------------------- */
+/* --- creation --------------------------------------------------------------------------------- */
 
 static size_t pixel_count(const struct neph_sky_pictures *pictures)
 {
@@ -141,7 +141,7 @@ void neph_sky_pictures_destroy(struct neph_sky_pictures *pictures)
     free(pictures);
 }
 
-/* --- a picture -------------------------------------------------------------------------------- */
+/* --- a frame ---------------------------------------------------------------------------------- */
 
 static enum neph_status send_part(struct neph_sky_pictures *pictures, struct neph_gpu_sky_part part,
                                   double *gpu_s, struct neph_diag *diag)
@@ -155,7 +155,7 @@ static enum neph_status send_part(struct neph_sky_pictures *pictures, struct nep
                               diag);
 }
 
-/* All parts, and into the layers of an image where there is one. */
+/* Submit all parts, and copy them into the layers of an image if there is one. */
 static enum neph_status show(struct neph_sky_pictures *pictures, const struct layers *layers,
                              double *gpu_s, struct neph_diag *diag)
 {

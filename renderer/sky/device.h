@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sky on a Vulkan device: the tables of renderer/sky/ made by kernels, and pictures from them,
- * in float32. The tables of the air are made in 1 + 2 `orders` dispatches, that of views in one, a
- * picture in one for each million pixels.
+ * The sky on a Vulkan device: the tables of renderer/sky/, filled by kernels, and frames rendered
+ * from them, in float32. Dispatches: 1 + 2 `orders` for the tables of the air, one for the table of
+ * views, one per million pixels of a frame.
  */
 #ifndef NEPH_RENDERER_SKY_DEVICE_H
 #define NEPH_RENDERER_SKY_DEVICE_H
@@ -14,16 +14,16 @@
 
 struct neph_sky_stats {
     struct neph_sky_times tables;
-    double picture_s; /* device time of the picture behind them; NaN: it has no clock */
+    double picture_s; /* device time of the frame after the tables; NaN: no clock */
 };
 
-/* False, with the reason in words: what neph_sky_air_of() refuses, an orthographic camera, the
- * closure, more loop turns than a dispatch may hold. */
+/* False, with the reason as text: scenes that neph_sky_air_of() refuses, an orthographic camera,
+ * the closure, more loop iterations than a dispatch may have. */
 bool neph_sky_device_can(const struct neph_scene *scene, const struct neph_sky_params *params,
                          char *reason, size_t reason_size);
 
-/* Pictures of one scene and size: tables of its air stay on the device. For _destroy, of which NULL
- * is fine. NEPH_ERR_UNSUPPORTED: neph_sky_device_can() says no. */
+/* Frames of one scene and size; the tables of its air stay on the device. Free with _destroy; NULL
+ * is fine there. NEPH_ERR_UNSUPPORTED: neph_sky_device_can() is false. */
 struct neph_sky_pictures;
 enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
                                           const struct neph_scene *scene,
@@ -32,17 +32,17 @@ enum neph_status neph_sky_pictures_create(struct neph_vulkan *vulkan,
                                           struct neph_diag *diag);
 void neph_sky_pictures_destroy(struct neph_sky_pictures *pictures);
 
-/* One picture of the scene, which may have another sun since: R G B, volume.*, transmittance.* and
- * Z of base/image.h, no attributes.
+/* Render a frame of the scene, which may have another sun: R G B, volume.*, transmittance.* and Z
+ * of base/image.h, no attributes.
  *
- * `image` NULL: the picture is on its way when this returns, nothing comes back of it and `stats`
- * is left alone; up to NEPH_IN_FLIGHT_FRAMES of them are in flight. */
+ * With `image` NULL the frame is only submitted: no image is returned and `stats` is unchanged. Up
+ * to NEPH_IN_FLIGHT_FRAMES frames are in flight. */
 enum neph_status neph_sky_pictures_frame(struct neph_sky_pictures *pictures,
                                          const struct neph_scene *scene, double frame,
                                          struct neph_image **image, struct neph_sky_stats *stats,
                                          struct neph_diag *diag);
 
-/* What the oldest picture in flight took, waited for. NEPH_ERR_USAGE: none is. */
+/* Wait for the oldest frame in flight and return its times. NEPH_ERR_USAGE: none is in flight. */
 enum neph_status neph_sky_pictures_home(struct neph_sky_pictures *pictures,
                                         struct neph_sky_stats *stats, struct neph_diag *diag);
 

@@ -5,11 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- axes ------------------------------------------------------------------------------------- */
+/* --- axes and interpolation ------------------------------------------------------------------- */
 
-/* Nodes are close together at the ground, and where the sun is near the horizon: even in the square
- * root of the altitude, and in that of the sun's elevation, with its sign. The sun is followed to
- * so far below the horizon. */
+/* Nodes are dense near the ground and for a sun near the horizon: uniform in the square root of the
+ * altitude, and in the signed square root of the sun's elevation, down to deepest_sun_deg. */
 static const double deepest_sun_deg = -20.0;
 
 double neph_sky_deepest_root(void)

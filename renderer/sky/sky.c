@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 struct neph_sky {
@@ -17,7 +17,7 @@ struct neph_sky {
     struct neph_sky_field field;
     struct neph_sky_sources sources;
     struct neph_sky_view_params view;
-    struct neph_sky_view_table views; /* of a place, where there is one */
+    struct neph_sky_view_table views; /* of one position, if filled */
     struct neph_vec3 sun_direction;
     double irradiance[3];
     int steps;
@@ -102,15 +102,16 @@ static bool is_ground(const struct neph_sky *sky, const struct neph_hit *hit)
     return hit->solid == &sky->scene->solids[0];
 }
 
-/* What a solid reflects, through the air before it: of the sun, where no solid hides it, and of the
- * sky and the ground around, which it does not hide from itself. */
+/* Add the light that a solid reflects, attenuated by the air in front of it: sunlight, with shadows
+ * of solids, and light of sky and ground, without occlusion by the solid itself. */
 static void add_solid(const struct neph_sky *sky, const struct neph_hit *hit,
                       struct neph_vec3 point_m, struct neph_sky_light *light)
 {
     const struct neph_vec3 sun = sky->sun_direction, up = vertical_at(sky, point_m);
     const double sun_cosine = neph_vec3_dot(sun, up);
     const struct neph_vec3 over = neph_vec3_along(sun, up, -sun_cosine);
-    const double across = neph_vec3_length(over); /* 0: the sun is straight above, all are alike */
+    const double across = neph_vec3_length(over); /* 0: the sun is at the zenith, so the direction
+                                                     is arbitrary */
     const struct neph_vec3 ahead = neph_vec3_scale(over, 1.0 / fmax(across, 1e-12));
     const struct neph_vec3 normal = {neph_vec3_dot(hit->normal, ahead), 0.0,
                                      neph_vec3_dot(hit->normal, up)};
@@ -123,7 +124,7 @@ static void add_solid(const struct neph_sky *sky, const struct neph_hit *hit,
         light->radiance[c] += light->transmittance[c] * albedo[c] / M_PI * irradiance[c];
 }
 
-/* The table of views knows of no solids, and of no shadows of theirs. */
+/* The table of views contains no solids and none of their shadows. */
 static struct neph_sky_light see_past_solids(const struct neph_sky *sky, struct neph_sky_ray *ray,
                                              struct neph_vec3 origin_m, struct neph_vec3 direction)
 {

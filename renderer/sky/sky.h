@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sky of a scene: its tables, and what is seen along a ray. The tables are of the atmosphere
- * alone; they serve every place and every sun.
+ * The sky of a scene: its tables, and the radiance along a ray. The tables depend only on the
+ * atmosphere and are valid for every position and sun.
  */
 #ifndef NEPH_RENDERER_SKY_SKY_H
 #define NEPH_RENDERER_SKY_SKY_H
@@ -9,16 +9,16 @@
 #include "renderer/sky/solve.h"
 #include "renderer/sky/view_table.h"
 
-/* The air before a camera, by columns, rows and distances, on a device alone
- * (shaders/sky_aerial.glsl). */
+/* The table of air between the camera and the scene, by columns, rows and distances; only on a
+ * device (shaders/sky_aerial.glsl). */
 struct neph_sky_aerial_params {
-    int columns, rows; /* nodes from edge to edge of the picture, 2 or more */
-    int slices;        /* nodes beyond the camera; 0: there is none */
-    double far_m;      /* where the last one is */
+    int columns, rows; /* nodes from edge to edge of the frame, 2 or more */
+    int slices;        /* nodes after the camera; 0: no table */
+    double far_m;      /* distance of the last one */
 };
 
-/* Which tables are filled for a picture, on a device: what is stale, or, to know what that costs,
- * also what is of a camera and a sun, or all. */
+/* Which tables are filled for a frame on a device: stale ones; or, to measure the cost, also those
+ * that depend on camera and sun, or all. */
 enum neph_sky_refill {
     NEPH_SKY_REFILL_STALE,
     NEPH_SKY_REFILL_VIEWS,
@@ -28,7 +28,7 @@ enum neph_sky_refill {
 
 struct neph_sky_params {
     int steps;                      /* along a view ray */
-    int sun_altitudes, sun_cosines; /* nodes of the table of transmittance to the sun */
+    int sun_altitudes, sun_cosines; /* nodes of the table of transmittance towards the sun */
     struct neph_sky_solve_params field;
     struct neph_sky_view_params view;
     struct neph_sky_aerial_params aerial;
@@ -37,8 +37,8 @@ struct neph_sky_params {
 
 struct neph_sky;
 
-/* The scene must outlive it. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() says no.
- */
+/* The scene must outlive the sky. Free with _destroy. NEPH_ERR_UNSUPPORTED: neph_sky_air_of() is
+ * false. */
 enum neph_status neph_sky_create(const struct neph_scene *scene,
                                  const struct neph_sky_params *params, struct neph_sky **sky,
                                  struct neph_diag *diag);
@@ -46,15 +46,15 @@ enum neph_status neph_sky_create(const struct neph_scene *scene,
 /* NULL is fine. */
 void neph_sky_destroy(struct neph_sky *sky);
 
-/* Make the table of views of a place, from which neph_sky_see() then takes what rays from there
- * see; nothing where the parameters have none. */
+/* Fill the table of views for a position; neph_sky_see() then uses it for rays from there. Does
+ * nothing when the parameters have no such table. */
 enum neph_status neph_sky_stand(struct neph_sky *sky, struct neph_vec3 eye_m,
                                 struct neph_diag *diag);
 
-/* Along a ray of the scene, in its orders of scattering and under its sun; the direction is unit.
- * Solids beside the ground hide what is behind them and the sun from each other and from the
- * ground, and are lit by the sky around; that they shadow the air and hide the sky from each other
- * is left out. */
+/* Radiance along a ray of the scene, with its orders of scattering and its sun; the direction is
+ * unit. Solids other than the ground occlude what is behind them, cast shadows on each other and on
+ * the ground, and are lit by the sky. Not included: their shadows on the air, and their occlusion
+ * of the sky for each other. */
 struct neph_sky_light neph_sky_see(const struct neph_sky *sky, struct neph_vec3 origin_m,
                                    struct neph_vec3 direction);
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a device took for tables of the sky.
+ * Device times of the sky's tables.
  */
 #ifndef NEPH_RENDERER_SKY_SKY_TIMES_H
 #define NEPH_RENDERER_SKY_SKY_TIMES_H
 
-/* Device time [s]; NaN: it has no clock; 0: nothing had to be filled. Of the tables of the air,
- * made once, of what is seen from places, of shadows on the air before the camera, and of that air.
- */
+/* Device time [s]; NaN: no clock; 0: not filled. Of the tables of the air (filled once), of views
+ * from positions, of shadows on the air in front of the camera, and of that air. */
 struct neph_sky_times {
     double air_s, view_s, shade_s, aerial_s;
 };

@@ -8,7 +8,7 @@
 
 /* --- directions ------------------------------------------------------------------------------- */
 
-/* By Newton's method from Tricomi's guess. */
+/* Gauss-Legendre nodes by Newton's method from Tricomi's approximation. */
 void neph_sky_gauss(int count, double nodes[NEPH_SKY_DIRECTIONS_MAX],
                     double weights[NEPH_SKY_DIRECTIONS_MAX])
 {
@@ -35,13 +35,13 @@ struct pass {
     const struct neph_sky_air *air;
     const struct neph_sky_solve_params *params;
     struct neph_sky_sources sources;
-    bool isotropic; /* as if every phase function were */
+    bool isotropic; /* all phase functions are replaced by the isotropic one */
     struct neph_sky_field *made;
 };
 
 struct node {
     double altitude_m, sun_cosine, sun_sine;
-    double (*moments)[3], *ground; /* ground: NULL above it */
+    double (*moments)[3], *ground; /* ground: NULL above the ground */
 };
 
 static void find_phases(const struct pass *pass, struct neph_sky_ray *ray)
@@ -51,7 +51,7 @@ static void find_phases(const struct pass *pass, struct neph_sky_ray *ray)
         ray->phases[i] = 0.25 / M_PI;
 }
 
-/* Light from all azimuths at one cosine, of so much solid angle. */
+/* Add the light from all azimuths at one cosine, of the given solid angle. */
 static void gather_ring(const struct pass *pass, const struct node *node, double cosine,
                         double solid_angle_sr)
 {
@@ -78,7 +78,7 @@ static void gather_ring(const struct pass *pass, const struct node *node, double
     }
 }
 
-/* Between two cosines. */
+/* Add the light from all directions between two cosines. */
 static void gather_cap(const struct pass *pass, const struct node *node, double low, double high,
                        int count)
 {
@@ -132,7 +132,7 @@ static void swap(struct neph_sky_field *a, struct neph_sky_field *b)
     *b = held;
 }
 
-/* Order by order: what a pass makes is what the next one starts from. */
+/* Add orders one by one: the result of a pass is the input of the next. */
 static enum neph_status add_orders(struct pass *pass, struct neph_sky_field *field,
                                    struct neph_diag *diag)
 {
@@ -146,9 +146,9 @@ static enum neph_status add_orders(struct pass *pass, struct neph_sky_field *fie
     return status;
 }
 
-/* Two orders, as if light were isotropic; of each further one there is so much as a node gets back
- * of radiance 1 from everywhere (Hillaire 2020, equations 5 to 10). The ground is lit by all of
- * them. */
+/* The closure: two isotropic orders, and a geometric series for the others. Its ratio is the light
+ * that a node receives back for a radiance of 1 from everywhere (Hillaire 2020, equations 5 to 10).
+ * All orders light the ground. */
 static enum neph_status close_series(struct pass *pass, struct neph_sky_field *field,
                                      struct neph_diag *diag)
 {

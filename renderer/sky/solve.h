@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fills the table of moments. Each pass over it adds an order: the light that arrives at a node
- * from all directions is that of the sun, of the table so far, and of the ground, scattered once
- * more.
+ * Fills the table of moments. Each pass adds an order of scattering: light that arrives at a node
+ * from all directions consists of sunlight, the field so far and light of the ground, scattered
+ * once more.
  */
 #ifndef NEPH_RENDERER_SKY_SOLVE_H
 #define NEPH_RENDERER_SKY_SOLVE_H
 
 #include "renderer/sky/walk.h"
 
-enum { NEPH_SKY_DIRECTIONS_MAX = 64 }; /* of each kind */
+enum { NEPH_SKY_DIRECTIONS_MAX = 64 }; /* limit of each of the counts below */
 
 struct neph_sky_solve_params {
     int altitudes, suns, degree; /* of the field */
-    int orders;                  /* passes: orders of scattering that the field has, 1 or more */
-    bool closure; /* isotropic, with Hillaire's series in place of orders; the degree is then 0 */
-    int above, below, around; /* directions of a node: above its horizon, below it, and about the
-                                 vertical over half a turn */
-    int steps;                /* along each */
+    int orders;                  /* passes: orders of scattering in the field, 1 or more */
+    bool closure; /* isotropic, with Hillaire's series instead of orders; the degree is then 0 */
+    int above, below, around; /* directions of a node: above its horizon, below it, and azimuths
+                                 over half a turn */
+    int steps;                /* along each direction */
 };
 
 /* Nodes and weights of Gauss-Legendre on [-1, 1]. */

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SOLID_KIND_COUNT == 2, "a new kind");
 
@@ -13,7 +13,7 @@ static bool is_around(const struct neph_solid *ground, struct neph_vec3 center_m
            center_m.z == ground->center_m.z && radius_m == ground->radius_m;
 }
 
-/* A layer around something else is a cloud. */
+/* Whether a medium is a layer around the ground; a layer around anything else counts as a cloud. */
 static bool is_air(const struct neph_medium *medium, const struct neph_solid *ground)
 {
     if (medium->kind == NEPH_MEDIUM_SHELL)

@@ -6,16 +6,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* r^2 - radius^2, without its cancellation. */
+/* r^2 - radius^2 without cancellation. */
 static double growth_m2(const struct neph_sky_air *air, double altitude_m)
 {
     return altitude_m * (2.0 * air->radius_m + altitude_m);
 }
 
-/* Lengths of rays from an altitude to the top. */
+/* Lengths of rays from an altitude to the top of the atmosphere. */
 struct reach {
-    double horizon_m; /* from the ground's horizon to the altitude, */
-    double most_m;    /* and from there to the top */
+    double horizon_m; /* from the altitude to its geometric horizon, */
+    double most_m;    /* and from the horizon to the top */
     double shortest_m, longest_m;
 };
 
@@ -90,7 +90,7 @@ void neph_sky_sun_table_destroy(struct neph_sky_sun_table *table)
     *table = (struct neph_sky_sun_table){0};
 }
 
-/* --- looking up ------------------------------------------------------------------------------- */
+/* --- interpolation ---------------------------------------------------------------------------- */
 
 static double place_among(double part, int nodes, int *low)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Transmittance from a place of the atmosphere to the sun, as a table over altitude and the sun's
- * cosine. Its axes are lengths: to the horizon at the place's altitude, and along the ray to the
- * top of the atmosphere between the shortest and the longest that there is from there (E. Bruneton,
+ * Transmittance from a point of the atmosphere to the sun, as a table over altitude and the sun's
+ * cosine. Its coordinates are distances: to the horizon at the point's altitude, and along the ray
+ * to the top of the atmosphere between the minimum and the maximum at that altitude (E. Bruneton,
  * F. Neyret, "Precomputed Atmospheric Scattering", EGSR 2008, section 4, for rays that miss the
  * ground).
  */
@@ -13,7 +13,7 @@
 
 struct neph_sky_sun_table {
     int altitudes, cosines; /* nodes, 2 or more */
-    float (*nodes)[3];      /* owned; the cosine runs fastest */
+    float (*nodes)[3];      /* owned; cosine fastest */
 };
 
 /* Free with _destroy, also after an error. */
@@ -21,10 +21,10 @@ enum neph_status neph_sky_sun_table_create(const struct neph_sky_air *air, int a
                                            int cosines, struct neph_sky_sun_table *table,
                                            struct neph_diag *diag);
 
-/* A zero one is fine. */
+/* A zero-initialised table is fine. */
 void neph_sky_sun_table_destroy(struct neph_sky_sun_table *table);
 
-/* Linear between nodes; 0 where the ground hides the sun. */
+/* Linear interpolation between nodes; 0 where the ground occludes the sun. */
 void neph_sky_sun_transmittance(const struct neph_sky_air *air,
                                 const struct neph_sky_sun_table *table, double altitude_m,
                                 double sun_cosine, double transmittance[3]);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Does not compile with a new kind: this file then needs a change. */
 _Static_assert(NEPH_SKY_REFILL_COUNT == 3, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
@@ -28,7 +28,7 @@ static const uint32_t aerial_code[] = {
 #include "shaders/sky_aerial.comp.inc"
 };
 
-/* Parts of a node of air before the camera, of shaders/sky_aerial.glsl. */
+/* VEIL_PARTS: values of a node of air in front of the camera, in shaders/sky_aerial.glsl. */
 enum { local_size = 64, VEIL_PARTS = 3 };
 
 enum kernel { SUN, GATHER, SUM, VIEW, AERIAL };
@@ -37,7 +37,7 @@ static const struct {
     const char *name;
     const uint32_t *code;
     size_t bytes;
-    int buffers; /* told, nodes, directions, what arrives from them */
+    int buffers; /* parameters, nodes, directions, light from these */
     size_t push_bytes;
 } kernels[NEPH_SKY_KERNELS] = {
     [SUN] = {"sky_sun", sun_code, sizeof(sun_code), 2, 0},
@@ -48,7 +48,7 @@ static const struct {
     [AERIAL] = {"sky_aerial", aerial_code, sizeof(aerial_code), 2, 0},
 };
 
-/* As shaders find it at the first binding. */
+/* The uniform buffer of the shaders. */
 struct told {
     struct neph_gpu_sky_air air;
     struct neph_gpu_sky_eye eye;
@@ -110,9 +110,9 @@ static size_t node_count(const struct neph_sky_air *air, const struct neph_sky_p
            VEIL_PARTS * column_count(params) * (size_t)params->aerial.slices;
 }
 
-/* --- what can be filled ----------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------- */
 
-/* Loop turns of a step, following sky_step() loop by loop. */
+/* Loop iterations of a step, loop by loop of sky_step(). */
 static uint64_t turns_of_step(int layers, int degree)
 {
     const uint64_t degrees = (uint64_t)degree + 2;
@@ -141,7 +141,7 @@ const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struc
     return NULL;
 }
 
-/* --- what shaders are told -------------------------------------------------------------------- */
+/* --- parameters of the shaders ---------------------------------------------------------------- */
 
 static void copy_rgb(float to[3], const double from[3])
 {
@@ -188,7 +188,7 @@ static struct neph_gpu_sky_air air_of(const struct neph_sky_tables *tables)
     return air;
 }
 
-/* The ground is where the scene has it now: its world may have been shifted. */
+/* Relative to the current position of the ground: the world may have been shifted. */
 static struct neph_gpu_sky_place place_of(const struct neph_sky_tables *tables,
                                           const struct neph_sky_look *look,
                                           struct neph_vec3 place_m, size_t index)
@@ -256,7 +256,7 @@ static void write_caps(const struct neph_sky_solve_params *field, float (*caps)[
     }
 }
 
-/* --- making ----------------------------------------------------------------------------------- */
+/* --- creation --------------------------------------------------------------------------------- */
 
 static enum neph_status create_buffers(struct neph_sky_tables *tables, struct neph_diag *diag)
 {
@@ -342,7 +342,7 @@ static void add(const struct neph_sky_tables *tables, struct neph_batch *batch, 
     neph_batch_barrier(batch);
 }
 
-/* A table by itself. */
+/* Fill one table in a batch of its own. */
 static enum neph_status fill(const struct neph_sky_tables *tables, enum kernel kernel,
                              size_t threads, double *gpu_s, struct neph_diag *diag)
 {
@@ -355,7 +355,7 @@ static enum neph_status fill(const struct neph_sky_tables *tables, enum kernel k
     return neph_batch_send(&batch, "the sky", diag);
 }
 
-/* One order of scattering more. */
+/* Add an order of scattering. */
 static enum neph_status add_order(const struct neph_sky_tables *tables, bool is_first,
                                   double *gpu_s, struct neph_diag *diag)
 {
@@ -387,7 +387,7 @@ static enum neph_status fill_air(struct neph_sky_tables *tables, double *gpu_s,
     return status;
 }
 
-/* What was made for another eye is stale. */
+/* Mark tables as stale that were filled for another camera or sun. */
 static void take_eye(struct neph_sky_tables *tables, const struct neph_gpu_sky_eye *eye)
 {
     tables->has_air = tables->has_air && tables->params.refill != NEPH_SKY_REFILL_ALL;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables of the sky on a Vulkan device, in float32: what renderer/sky/ computes in double,
- * filled by kernels. Those of the air are made once; of what is seen from a place under a sun, and
- * of the air before a camera, for each picture that sees something else than the one before. Not
- * for other folders.
+ * The tables of the sky on a Vulkan device, in float32: those that renderer/sky/ computes in
+ * double, filled by kernels. Tables of the air are filled once. Tables of views (for a position and
+ * a sun) and of the air in front of a camera are filled when their inputs change from frame to
+ * frame. Not for other folders.
  */
 #ifndef NEPH_RENDERER_SKY_TABLES_H
 #define NEPH_RENDERER_SKY_TABLES_H
@@ -11,65 +11,66 @@
 #include "renderer/in_flight.h"
 #include "renderer/sky/sky.h"
 #include "renderer/sky/sky_times.h"
-#include "shaders/structs.h" /* struct neph_gpu_sky_air, .._eye, from the shaders */
+#include "shaders/structs.h" /* struct neph_gpu_sky_air, .._eye, shared with the shaders */
 
-/* What shaders are told, and the nodes of all tables: SKY_BINDING of shaders/sky.glsl and the
- * binding after it. */
+/* The uniform buffer and the nodes of all tables: SKY_BINDING of shaders/sky.glsl and the next
+ * binding. */
 enum { NEPH_SKY_BUFFERS = 2 };
 
 enum { NEPH_SKY_KERNELS = 5 };
 
 struct neph_sky_tables {
-    struct neph_vulkan *vulkan; /* borrowed; NULL: there are none */
+    struct neph_vulkan *vulkan; /* borrowed; NULL: no tables */
     struct neph_sky_params params;
     struct neph_sky_air air;
     bool media_scatter, has_field;
     const struct neph_kernel *kernels[NEPH_SKY_KERNELS]; /* owned by the device */
     struct neph_buffer told, nodes, caps, arrivals;
-    struct neph_turns turns;             /* of what shaders are told */
-    bool has_air, has_views, has_aerial; /* the tables that are filled */
-    struct neph_gpu_sky_eye eye;         /* what the latter two are for */
+    struct neph_turns turns;             /* of the uniform buffer */
+    bool has_air, has_views, has_aerial; /* whether each table is filled */
+    struct neph_gpu_sky_eye eye;         /* inputs of the last two */
 };
 
-/* Who looks, from where, and at what. */
+/* The view for which tables are filled. */
 struct neph_sky_look {
-    const struct neph_scene *scene; /* its sun and camera, not orthographic */
+    const struct neph_scene *scene; /* with its sun and camera, which must not be orthographic */
     double frame;
     int width_px, height_px;
-    bool lights;              /* there is a second place, .. */
-    struct neph_vec3 place_m; /* .. of what the sky lights */
-    bool is_shaded; /* shadows on the air are in its table before that is filled (sky_shade.h) */
+    bool lights;              /* the sky lights media: a second position .. */
+    struct neph_vec3 place_m; /* .. is the one of these media */
+    bool is_shaded; /* the aerial table already has its shadows when it is filled (sky_shade.h) */
 };
 
-/* Loop turns (compute.h) of one look into all tables, at most, by layers of the air and the degree
- * of its moments. */
+/* Upper bound of loop iterations (compute.h) of one sample of all tables, for a number of layers
+ * and a degree of moments. */
 uint64_t neph_sky_look_turns(int layers, int degree);
 
-/* NULL: they can be filled; else what they have not, in words. */
+/* NULL: the tables support the scene; else the reason as text. */
 const char *neph_sky_tables_obstacle(const struct neph_scene *scene, const struct neph_sky_air *air,
                                      const struct neph_sky_params *params);
 
-/* Tables of an atmosphere in a scene's orders of scattering. Zero-initialise `tables`; free
- * with _destroy, also after an error. */
+/* Create the tables of an atmosphere for a scattering setting. Zero-initialise `tables`; free with
+ * _destroy, also after an error. */
 enum neph_status neph_sky_tables_create(struct neph_vulkan *vulkan, const struct neph_sky_air *air,
                                         enum neph_scattering scattering,
                                         const struct neph_sky_params *params,
                                         struct neph_sky_tables *tables, struct neph_diag *diag);
 
-/* What kernels of tables are made for (SKY_IS_KNOWN of shaders/sky.glsl). */
+/* Set the specialization constants of kernels that use the tables (SKY_IS_KNOWN of
+ * shaders/sky.glsl). */
 void neph_sky_constants(const struct neph_sky_tables *tables, struct neph_kernel_params *kernel);
 
-/* A zero one is fine. */
+/* A zero-initialised struct is fine. */
 void neph_sky_tables_destroy(struct neph_sky_tables *tables);
 
-/* Tell shaders who looks, and fill what is not filled of that but for the air before the camera: on
- * its way when this returns, its times added when it is home (borrowed until then). Once a frame,
- * after neph_in_flight_begin(). */
+/* Set the view and submit the filling of stale tables, except the air in front of the camera.
+ * Device times are added to `times` when the frame is collected (borrowed until then). Once a
+ * frame, after neph_in_flight_begin(). */
 enum neph_status neph_sky_tables_look(struct neph_sky_tables *tables,
                                       const struct neph_sky_look *look,
                                       struct neph_sky_times *times, struct neph_diag *diag);
 
-/* And then the air before the camera. */
+/* Then submit the filling of the air in front of the camera. */
 enum neph_status neph_sky_tables_veil(struct neph_sky_tables *tables, struct neph_sky_times *times,
                                       struct neph_diag *diag);
 

@@ -7,14 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Directions of a half stay so far from the horizon, for a ray that touches it is of both [rad]. */
+/* Distance of the outermost directions from the horizon [rad]: a grazing ray would belong to both
+ * halves. */
 static const double horizon_gap_rad = 1e-5;
 
-/* Near the ground the way to it changes more between nodes than anything else: below the horizon
- * nodes hold what the air scatters per metre of that way. */
+/* Length by which values below the horizon are divided. Near the ground the distance to it varies
+ * most between nodes, so nodes store the light scattered per metre of that distance. */
 static double way_m(double length_m)
 {
-    static const double least_m = 1e-3; /* for a place on the ground */
+    static const double least_m = 1e-3; /* for a position on the ground */
     return isfinite(length_m) ? fmax(length_m, least_m) : 1.0;
 }
 
@@ -24,7 +25,7 @@ static double horizon_rad(const struct neph_sky_air *air, double altitude_m)
     return -asin(sqrt(growth_m2) / (air->radius_m + altitude_m));
 }
 
-/* How far the half goes from the horizon, up or down. */
+/* Angular range of a half, from the horizon up or down. */
 static double range_rad(double horizon, bool is_below)
 {
     return (is_below ? M_PI / 2.0 + horizon : M_PI / 2.0 - horizon) - horizon_gap_rad;
@@ -39,7 +40,7 @@ struct filling {
     int steps;
 };
 
-/* Each layer's part is what the ray has with a phase function of 1 for it and 0 for all others. */
+/* The share of a layer is computed with a phase function of 1 for it and 0 for the others. */
 static void fill_node(const struct filling *filling, struct neph_sky_ray ray, double (*slices)[3])
 {
     const int layers = filling->air->layer_count;
@@ -112,7 +113,7 @@ void neph_sky_view_table_destroy(struct neph_sky_view_table *table)
     *table = (struct neph_sky_view_table){0};
 }
 
-/* --- looking up ------------------------------------------------------------------------------- */
+/* --- interpolation ---------------------------------------------------------------------------- */
 
 static double among(double part, int nodes, int *low)
 {
@@ -130,7 +131,7 @@ static double among_azimuths(const struct neph_sky_view_table *table,
     return among(sqrt(acos(fmin(1.0, fmax(-1.0, x))) / M_PI), table->azimuths, low);
 }
 
-/* The light of a node's slices, mixed of four. */
+/* Add the light of a node with its interpolation weight. */
 static void gather(const struct neph_sky_view_table *table, const struct neph_sky_ray *ray,
                    int node, double weight, struct neph_sky_light *light)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * All that is seen from one place under one sun, as a table over directions, so that a picture is a
- * few look-ups a pixel in place of a walk. One half is above the horizon and one below it, and
- * nothing is interpolated across it; nodes are close together at the horizon and towards the sun.
+ * A table over directions of all light visible from one position under one sun, so that a pixel
+ * needs a few samples instead of a walk along its ray. One half is above and one below the horizon,
+ * without interpolation between them; nodes are dense near the horizon and towards the sun.
  *
- * The angle between a ray and the sun is the same all along the ray. So light that is scattered
- * once by a layer is a phase function times what is smooth, and the table has the latter alone.
- * (After S. Hillaire 2020, whose table has the light itself, and E. Bruneton, F. Neyret 2008, who
- * keep the phase function of haze apart.)
+ * The angle between a ray and the sun is constant along the ray. Singly scattered light of a layer
+ * is therefore a phase function times a smooth function, and only the latter is stored. (After S.
+ * Hillaire 2020, whose table stores the light itself, and E. Bruneton, F. Neyret 2008, who separate
+ * the phase function of haze.)
  */
 #ifndef NEPH_RENDERER_SKY_VIEW_TABLE_H
 #define NEPH_RENDERER_SKY_VIEW_TABLE_H
@@ -15,19 +15,20 @@
 #include "renderer/sky/walk.h"
 
 struct neph_sky_view_params {
-    bool is_table;            /* else a ray is walked */
-    int elevations, azimuths; /* nodes: of each half; from the sun over half a turn */
+    bool is_table;            /* false: rays are walked */
+    int elevations, azimuths; /* nodes: of each half; over half a turn from the sun */
 };
 
 struct neph_sky_view_table {
     int elevations, azimuths;
-    int slices; /* of a node: of each layer; then as below */
+    int slices; /* values of a node: one per layer, then enum neph_sky_slice */
     double altitude_m, sun_cosine;
     double (*nodes)[3]; /* owned; [half][elevation][azimuth][slice] */
 };
 
-/* Behind a slice for each layer, light that it scatters once over its phase function. Below the
- * horizon that and what is of higher orders are per metre of the way to the ground. */
+/* Values after the slices of the layers (singly scattered light of a layer divided by its phase
+ * function). Below the horizon these and the higher orders are per metre of the distance to the
+ * ground. */
 enum neph_sky_slice { NEPH_SKY_HIGHER, NEPH_SKY_GROUND, NEPH_SKY_THROUGH, NEPH_SKY_SLICES };
 
 /* Free with _destroy, also after an error. */
@@ -38,10 +39,10 @@ enum neph_status neph_sky_view_table_create(const struct neph_sky_air *air,
                                             struct neph_sky_view_table *table,
                                             struct neph_diag *diag);
 
-/* A zero one is fine. */
+/* A zero-initialised table is fine. */
 void neph_sky_view_table_destroy(struct neph_sky_view_table *table);
 
-/* Along a ray from the table's place, with its phases. */
+/* Light along a ray from the table's position, with the ray's phase values. */
 struct neph_sky_light neph_sky_view(const struct neph_sky_air *air,
                                     const struct neph_sky_view_table *table,
                                     const struct neph_sky_ray *ray);

@@ -6,22 +6,23 @@
 #include <math.h>
 #include <string.h>
 
-/* --- where the ray goes ----------------------------------------------------------------------- */
+/* --- the path of a ray ------------------------------------------------------------------------ */
 
-/* A part of a ray on which it rises or falls all the way, seen from its lower end. */
+/* A monotonic part of a ray, described from its lower end. */
 struct leg {
     bool falls;
-    double low_m, climb_m; /* altitude of the lower end, and how much higher the other one is */
+    double low_m, climb_m; /* altitude of the lower end, and the height difference to the upper end
+                            */
     double radius_m;       /* of the lower end */
     double rise_m;         /* radius times |cosine| there */
-    double low_t_m;        /* where on the ray the lower end is */
+    double low_t_m;        /* ray parameter of the lower end */
 };
 
 struct path {
     int leg_count;
     struct leg legs[2];
     bool grounded;
-    double length_m; /* to the ground */
+    double length_m; /* to the ground; +inf: none */
 };
 
 static void add_leg(struct path *path, const struct neph_sky_air *air, struct leg leg,
@@ -33,13 +34,13 @@ static void add_leg(struct path *path, const struct neph_sky_air *air, struct le
         path->legs[path->leg_count++] = leg;
 }
 
-/* The path of a ray that falls from the start: to the ground, or past its lowest point. */
+/* The path of a ray that starts downwards: to the ground, or past its lowest point. */
 static struct path falling_path(const struct neph_sky_air *air, const struct neph_sky_ray *ray,
                                 double rise_m)
 {
     const double r_m = air->radius_m + ray->altitude_m;
     const double above_m2 = ray->altitude_m * (2.0 * air->radius_m + ray->altitude_m);
-    const double slant_m2 = rise_m * rise_m - above_m2; /* of the ground, where it is hit */
+    const double slant_m2 = rise_m * rise_m - above_m2; /* of the intersection with the ground */
     const double high_m = fmin(ray->altitude_m, air->top_m);
     struct path path = {.length_m = INFINITY};
     if (slant_m2 >= 0.0) {
@@ -62,7 +63,8 @@ static struct path falling_path(const struct neph_sky_air *air, const struct nep
     return path;
 }
 
-/* End a path where something is: in its fall, whose lower end that is then, or in its rise. */
+/* End a path at a solid, in its falling part (the solid is then the lower end) or in its rising
+ * part. */
 static void stop_path(struct path *path, const struct neph_sky_air *air,
                       const struct neph_sky_ray *ray, double rise_m)
 {
@@ -101,7 +103,7 @@ static struct path path_of(const struct neph_sky_air *air, const struct neph_sky
     return path;
 }
 
-/* Distance from the lower end of a leg to where it has climbed. */
+/* Distance from the lower end of a leg at which the ray has climbed by `climb_m`. */
 static double distance_m(const struct leg *leg, double climb_m)
 {
     const double growth_m2 = climb_m * (2.0 * leg->radius_m + climb_m);
@@ -109,10 +111,10 @@ static double distance_m(const struct leg *leg, double climb_m)
     return growth_m2 > 0.0 ? growth_m2 / (rise_m + sqrt(rise_m * rise_m + growth_m2)) : 0.0;
 }
 
-/* --- what is scattered ------------------------------------------------------------------------ */
+/* --- scattering ------------------------------------------------------------------------------- */
 
 struct place {
-    double altitude_m, cosine, sun_cosine; /* of the ray and the sun to the vertical */
+    double altitude_m, cosine, sun_cosine; /* of the ray and of the sun to the vertical */
 };
 
 void neph_sky_find_phases(const struct neph_sky_air *air, struct neph_sky_ray *ray)
@@ -121,7 +123,7 @@ void neph_sky_find_phases(const struct neph_sky_air *air, struct neph_sky_ray *r
         ray->phases[i] = neph_phase_per_sr(&air->layers[i].phase, ray->toward_sun);
 }
 
-/* Radiance scattered into the ray per length, by sunlight. */
+/* Radiance scattered into the ray per metre, from sunlight. */
 static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                         const struct neph_sky_ray *ray, const struct place *place,
                         const struct neph_sky_mix *mix, double source[3])
@@ -133,7 +135,7 @@ static void scatter_sun(const struct neph_sky_air *air, const struct neph_sky_so
             source[c] += mix->scattering_per_m[i][c] * ray->phases[i] * sun[c];
 }
 
-/* A phase function scatters its coefficient of degree l of a moment back as such a moment. */
+/* A phase function multiplies moments of degree l by its Legendre coefficient of degree l. */
 static void scatter_field(const struct neph_sky_air *air, const struct neph_sky_field *field,
                           const struct neph_sky_ray *ray, const struct place *place,
                           const struct neph_sky_mix *mix, double source[3])
@@ -170,9 +172,9 @@ static void source_at(const struct neph_sky_air *air, const struct neph_sky_sour
         scatter_field(air, sources->field, ray, place, mix, source);
 }
 
-/* --- along the ray ---------------------------------------------------------------------------- */
+/* --- integration along the ray ---------------------------------------------------------------- */
 
-/* The light of one step, the source being the same all along it. */
+/* Add the light of one step with a constant source. */
 static void add_step(struct neph_sky_light *light, const double source[3],
                      const double extinction_per_m[3], double length_m)
 {
@@ -207,7 +209,7 @@ static void walk_leg(const struct neph_sky_air *air, const struct neph_sky_sourc
     }
 }
 
-/* What the ground reflects, through all that is before it. */
+/* Add the light reflected by the ground, attenuated by the air before it. */
 static void add_ground(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                        const struct neph_sky_ray *ray, struct neph_sky_light *light)
 {
@@ -223,7 +225,8 @@ static void add_ground(const struct neph_sky_air *air, const struct neph_sky_sou
                               (lit * sun[c] + sky[c]);
 }
 
-/* The cosine's harmonics are pi, 2 pi / 3, pi / 4, 0, -pi / 24. What follows is below 1 %. */
+/* The clamped cosine has the coefficients pi, 2 pi / 3, pi / 4, 0, -pi / 24; higher ones are below
+ * 1 %. */
 void neph_sky_irradiance(const struct neph_sky_air *air, const struct neph_sky_sources *sources,
                          double altitude_m, double sun_cosine, struct neph_vec3 normal,
                          bool sees_sun, double irradiance[3])
