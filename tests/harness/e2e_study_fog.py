@@ -35,7 +35,7 @@ class StudyFog(StudyCase):
         self.check_refusals(
             (64, "'unity'", ("study", "fog", "fog_look_ridge", "--model", "unity")),
             (2, "second layer", ("study", "fog", "fog_look_evening", "--model", "filament")),
-            (2, "without a look", ("study", "fog", "height_fog_up")),
+            (2, "without the key fog_look", ("study", "fog", "height_fog_up")),
             (66, "nowhere", ("study", "fog", "nowhere")))
 
     def test_a_control_alone_is_what_it_says(self):

@@ -340,7 +340,7 @@ static void test_says_what_it_cannot(void **state)
     refuses(&test.scene, 1, NEPH_MARCH_HORIZON, "Horizon");
     struct neph_scene other = test.scene;
     other.fog_look.present = false;
-    refuses(&other, 1, NEPH_MARCH_SINGLE, "without a look");
+    refuses(&other, 1, NEPH_MARCH_SINGLE, "without the key fog_look");
     other = test.scene;
     other.orthographic_height_m = 100.0;
     refuses(&other, 1, NEPH_MARCH_SINGLE, "orthographic");

@@ -88,11 +88,11 @@ static void test_refusals(void **state)
     assert_refused(fog,
                    "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1], start_distance_m: 9,\n"
                    "  end_distance_m: 5}",
-                   "not beyond 9");
+                   "the start of the fog, 9");
     assert_refused(fog,
                    "fog_look: {inscattering_w_per_m2_sr: [1, 1, 1], volumetric_fog_distance_m: 7,\n"
                    "  end_distance_m: 7}",
-                   "not beyond 7");
+                   "the start of the fog, 7");
 }
 
 /* Isotropic scattering is E albedo / (4 pi); a lobe has the mean cosine and the energy of the phase
@@ -134,7 +134,7 @@ static void test_what_a_look_does_not_know(void **state)
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_FILAMENT, reason, sizeof(reason)));
     scene->medium_count = 1;
     scene->light_count = 1;
-    assert_cannot(scene, NEPH_FOG_UNREAL, "the sun alone");
+    assert_cannot(scene, NEPH_FOG_UNREAL, "only the sun");
     scene->light_count = 0;
     medium->layers[medium->layer_count++] = medium->layers[0];
     assert_true(neph_fog_look_is_of(scene, NEPH_FOG_UNREAL, reason, sizeof(reason)));
@@ -147,7 +147,7 @@ static void test_what_a_look_does_not_know(void **state)
     assert_cannot(scene, NEPH_FOG_UNREAL, "beside");
     scene->medium_count--;
     scene->fog_look.present = false;
-    assert_cannot(scene, NEPH_FOG_UNREAL, "without a look");
+    assert_cannot(scene, NEPH_FOG_UNREAL, "without the key fog_look");
     neph_scene_destroy(scene);
 }
 

@@ -464,7 +464,7 @@ static void test_bad_sizes_and_places_are_refused(void **state)
     assert_refused(5, 5, 5, zero, (struct neph_vec3){1e308, 1, 1}, "finite");
     assert_refused(5, 5, 5, (struct neph_vec3){0, NAN, 0}, one, "finite");
     assert_refused(5, 5, 5, (struct neph_vec3){0, 0, -INFINITY}, one, "finite");
-    assert_refused(5, 5, 5, (struct neph_vec3){1e20, 0, 0}, one, "lost beside the origin");
+    assert_refused(5, 5, 5, (struct neph_vec3){1e20, 0, 0}, one, "lost to rounding");
     neph_grid_destroy(NULL);
 }
 

@@ -119,7 +119,7 @@ static void test_what_cannot_be_is_refused(void **state)
         {"inject: {origin: [{frame: 2, by_m: [1, 0, 0]}]}\n"
          "media: [{horizon: {extinction_per_m: 0.1, albedo: [1, 1, 1],\n"
          "         bounds: {min_m: [-9, 0, -9], max_m: [9, 9, 9]}}}]\n",
-         "bound to its place"},
+         "has a fixed place"},
         {"frames: {advance: [1], pauses: [{frame: 1, count: 1}]}\n", "either advance"},
         {"solids: [{box: {min_m: [0, 0, 0], max_m: [1, 1, 1], albedo: [0, 0, 0],\n"
          "         motion: {axis: w, keys: [{frame: 0}]}}}]\n",

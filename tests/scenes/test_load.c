@@ -79,7 +79,7 @@ static const struct bad {
     {"vertical_fov_deg: 40", "vertical_fov_deg: 40, orthographic_height_m: 2", 4, "either"},
     {", vertical_fov_deg: 40", "", 4, "orthographic_height_m"},
     {VIEW ", vertical_fov_deg: 40",
-     "orthographic_height_m: 2, keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]", 4, "still"},
+     "orthographic_height_m: 2, keys: [{frame: 0, " VIEW "}, {frame: 1, " VIEW "}]", 4, "static"},
     {"scattering: single", "scattering: double", 6, "multiple"},
     {"direction: [0, 2, 0]", "direction: [0, 0, 0]", 5, "direction"},
     {"look_at_m: [0, 1, 0]", "look_at_m: [0, 1, 5]", 4, "look_at_m"},
@@ -108,7 +108,7 @@ static const struct bad {
     {LIGHT,
      "keys: [{frame: 3, " LIGHT "},\n"
      "  {frame: 7, direction: [1e-7, -1, 0], irradiance_w_per_m2: [1, 1, 1]}]",
-     6, "at frame 7 the sun is opposite to where it is at frame 3 (sun.keys[0])"},
+     6, "at frame 7 the sun is opposite to its place at frame 3 (sun.keys[0])"},
     {MODE, MODE "wind: {velocity_m_per_s: [1, 0, 0]}\n", 7, "no medium of the scene drifts"},
     {MODE, MODE "wind: {}\n", 7, "exactly one"},
     {MODE, MODE "lights: [{position_m: [0, 1, 0]}]\n", 7, "intensity_w_per_sr"},

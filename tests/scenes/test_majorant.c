@@ -331,7 +331,7 @@ static void test_what_has_no_majorants(void **state)
     assert_refused(&everywhere, 8, "a Gaussian blob without finite bounds");
     assert_refused(&open, 8, "without finite bounds");
     assert_refused(&nowhere, 8, "without finite bounds");
-    assert_refused(&flat, 8, "leave nothing");
+    assert_refused(&flat, 8, "exclude all of it");
     assert_refused(&good, 0, "0 cells");
     neph_majorants_destroy(NULL);
 }

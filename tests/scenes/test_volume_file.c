@@ -225,7 +225,7 @@ static void test_refused_samples(void **state)
         {"empty.vdb", NULL, "no active voxel"},
         {"vectors.vdb", NULL, "vec3s"},
         {"level_set.vdb", NULL, "is a Level Set"},
-        {"instance.vdb", "again", "repeats grid 'density'"},
+        {"instance.vdb", "again", "an instance of grid 'density'"},
         {"nan.vdb", NULL, "nan"},
         {"infinite.vdb", NULL, "inf"},
         {"negative.vdb", NULL, "-0.5"},
@@ -388,8 +388,8 @@ static void test_files_that_are_none(void **state)
         assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "not a regular file");
         unlink(path);
     }
-    assert_refused("cloud.raw", NULL, LIMIT, NEPH_ERR_INPUT, "no volume file");
-    assert_refused("folder.vdb/cloud", NULL, LIMIT, NEPH_ERR_INPUT, "no volume file");
+    assert_refused("cloud.raw", NULL, LIMIT, NEPH_ERR_INPUT, "not a volume file");
+    assert_refused("folder.vdb/cloud", NULL, LIMIT, NEPH_ERR_INPUT, "not a volume file");
     assert_true(neph_volume_has_known_extension("a.b/Cloud.VDB"));
     assert_false(neph_volume_has_known_extension("vdb"));
 }
@@ -546,7 +546,7 @@ static void test_df3_that_lies(void **state)
     write_df3(path, size, 3, 5);
     assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "neither 1, 2 nor 4");
     write_df3(path, none, 1, 5);
-    assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "which is none");
+    assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "an empty block");
     neph_assert_ok(neph_file_write(path, (const char *)giant, sizeof(giant), NULL), NULL);
     assert_refused(path, NULL, LIMIT, NEPH_ERR_INPUT, "65535 x 65535 x 65535");
     write_df3(path, size, 4, 5);
