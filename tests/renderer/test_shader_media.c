@@ -11,10 +11,10 @@
 #include "scenes/horizon.h"
 #include "scenes/media.h"
 
+#include <float.h>
+
 static const uint32_t probe_code[] = {
 #include "shaders/probe_media.comp.inc"
-
-#include <float.h>
 };
 
 /* layout of shaders/probe_media.comp */
