@@ -56,9 +56,9 @@ static double eye_reach(const struct neph_medium *medium, struct neph_vec3 camer
     return *extinction_per_m * neph_box_distance_m(&support, camera_m);
 }
 
-/* The same for any camera. Rays of an orthographic camera start up to half a diagonal beside it,
- * which for 16:9 is about the image height. That height is therefore a lower limit of the distance,
- * even with the camera inside the medium. */
+/* eye_reach() of a medium for perspective and orthographic cameras. Rays of an orthographic camera
+ * start up to half a diagonal beside it, which for 16:9 is about the image height. That height is
+ * therefore a lower limit of the distance, even with the camera inside the medium. */
 static double medium_reach(const struct neph_scene *scene, int m, struct neph_vec3 camera_m,
                            double *extinction_per_m)
 {

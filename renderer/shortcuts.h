@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Real-time methods of the ray marcher (struct neph_shortcuts): their values for the shaders, and
- * the checks of their settings. All are off by default; docs/shortcuts.md has their errors.
+ * the checks of their settings. All are off by default; docs/realtime.md has their errors.
  */
 #ifndef NEPH_RENDERER_SHORTCUTS_H
 #define NEPH_RENDERER_SHORTCUTS_H

@@ -17,7 +17,8 @@ bool neph_bounds_are_empty(const struct neph_bounds *bounds);
 bool neph_bounds_clip(const struct neph_bounds *bounds, struct neph_vec3 origin_m,
                       struct neph_vec3 direction, double *t0_m, double *t1_m);
 
-/* The same for one axis: narrows [*t0, *t1] to minimum <= origin + t direction <= maximum. */
+/* Narrows [*t0, *t1] to minimum <= origin + t direction <= maximum on one axis; false when nothing
+ * remains. */
 bool neph_clip_axis(double minimum, double maximum, double origin, double direction, double *t0,
                     double *t1);
 

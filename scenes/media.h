@@ -108,11 +108,12 @@ struct neph_unreal_fog neph_fog_layer_to_unreal(const struct neph_fog_layer *lay
 
 /* A finite box in place of the bounds of `medium`, for an engine without unbounded media, chosen
  * for the cameras of all frames. `*cut_error` is the absolute error in transmittance that the box
- * causes, at most 1; 0 when the bounds are the box, because they are finite and small, and for a
- * grid, whose box is its support. Fog: the largest error found over slopes and heights of view
- * rays, times 1.1. Level rays through thin fog may need more than the 1000 km that the box may
- * reach; the error is then near 1. Gaussian, shell: no line from anywhere loses more; below 1e-8
- * for a shell's whole planet. */
+ * causes, at most 1:
+ * - finite and small bounds, which are the box, and grids, whose box is their support: 0.
+ * - Fog: the largest error found over slopes and heights of view rays, times 1.1. Level rays
+ *   through thin fog may need more than the 1000 km that the box may reach; the error is then near
+ *   1.
+ * - Gaussian, shell: no line from anywhere loses more; below 1e-8 for a shell's whole planet. */
 struct neph_bounds neph_medium_container(const struct neph_scene *scene,
                                          const struct neph_medium *medium, double *cut_error);
 

@@ -176,16 +176,15 @@ static enum neph_status check_kinds(const struct work *work, struct neph_diag *d
         return status;
     if (work->second && is_picture(work->second) != is_picture(work->reference))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "of the two references one is a picture for a display, one linear data");
+                         "one of the two references is a display image, the other is linear data");
     if (is_picture(work->reference) != is_picture(work->test))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "%s is a picture for a display, %s is linear data: they have no common "
-                         "scale",
+                         "%s is a display image, %s is linear data: they have no common scale",
                          is_picture(work->test) ? "the test" : "the reference",
                          is_picture(work->test) ? "the reference" : "the test");
     if (is_picture(work->test) && work->viewing.exposure_ev != 0.0)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "an exposure of %g EV for pictures that have one already",
+                         "an exposure of %g EV for display images, which have one already",
                          work->viewing.exposure_ev);
     return NEPH_OK;
 }
@@ -228,8 +227,8 @@ static enum neph_status check_channels(const struct neph_image *reference,
     neph_fail(diag, NEPH_ERR_INPUT, "%s: the channels of the reference are%s, of the test%s",
               both_or_none ? "nothing can be compared" : "only one of the two has radiance",
               in_reference, in_test);
-    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
-                    "takes NAME.R NAME.G NAME.B for it");
+    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
+                    "NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
@@ -362,7 +361,7 @@ static enum neph_status check_mask(const struct work *work, struct neph_diag *di
               "nothing to measure over the mask '%s': the reference has no such pixels, or nothing "
               "else, or lacks the layer that it is made from",
               work->asked->mask);
-    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` says what each needs",
+    neph_hint(diag, "masks of this reference:%s; `neph metrics --masks` lists the needs of each",
               names);
     return NEPH_ERR_UNSUPPORTED;
 }
@@ -449,7 +448,7 @@ static const struct overlooked {
     const char *channel, *attribute; /* one of the two */
     const char *what, *because;
 } overlooked[OVERLOOKED_COUNT] = {
-    {"A", NULL, "alpha", "R G B are compared as they are, and no metric looks at A"},
+    {"A", NULL, "alpha", "R G B are compared as they are, and no metric reads A"},
     {"vector.Z", NULL, "channel Z", "beside X and Y it is no depth"},
     {NULL, "pixel_aspect", "the pixel aspect ratio", "pixels are taken for square"},
 };
@@ -610,8 +609,7 @@ static void add_overlooked(const struct work *work)
     if (work->strangers[0])
         pass_over(work->made, "everything",
                   neph_arena_format(&work->made->arena, "channels%s", work->strangers),
-                  "they have no meaning here; --layer NAME takes NAME.R, NAME.Z, ... for R, Z, "
-                  "...");
+                  "they have no meaning here; --layer NAME reads NAME.R, NAME.Z, ... as R, Z, ...");
 }
 
 static enum neph_status list_not_taken(const struct work *work, struct neph_diag *diag)

@@ -35,9 +35,9 @@ struct neph_comparison {
     const struct neph_meter_number *wanted; /* the numbers to take; only their masks and "all" are
                                                made. Ends with a NULL metric; borrowed. NULL: all */
     const char *mask;                       /* a mask that must exist; NULL: none */
-    const char *layer;     /* prefix of the channels R G B Z ...; NULL: no prefix */
-    const char *mask_file; /* image of a user's mask, inside above 0.5; or NULL */
-    bool detail_masks;     /* include the rings at depth edges */
+    const char *layer;          /* prefix of the channels R G B Z ...; NULL: no prefix */
+    const char *mask_file;      /* image of a user's mask, inside above 0.5; or NULL */
+    bool detail_masks;          /* include the rings at depth edges */
     const char *maps_directory; /* output folder for the extractors' maps; or NULL */
     neph_map_taker *take_map;   /* callback for the maps; or NULL */
     void *map_context;

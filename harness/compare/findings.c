@@ -212,15 +212,14 @@ static void add_edge_ratio(struct teller *teller)
     const bool floored = other->value <= 0.0 || ratio < edge->value / other->value;
     struct neph_finding *item = tell(
         teller, "edge_ratio", ratio > 1.0 ? "edges" : "even",
-        edge->value <= 0.0
-            ? "four-frame flicker at depth edges is not above the noise of the frequencies "
-              "beside it, which is taken off (p95 %.3g, %.3g times that of elsewhere, %.3g); "
-              "other periods stand under 'cycle'"
-        : floored ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
-                    "of a step of an 8-bit display; elsewhere it is below "
-                    "that (p95 %.3g)"
-                  : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
-                    "as elsewhere (p95 %.3g)",
+        edge->value <= 0.0 ? "four-frame flicker at depth edges is not above the noise of the "
+                             "adjacent frequencies, which is subtracted (p95 %.3g, %.3g times the "
+                             "value elsewhere, %.3g); for other periods see 'cycle'"
+        : floored          ? "four-frame flicker at depth edges (p95 %.3g) is %.3g times a quarter "
+                             "of a step of an 8-bit display; elsewhere it is below "
+                             "that (p95 %.3g)"
+                           : "four-frame flicker at depth edges (p95 %.3g) is %.3g times as strong "
+                             "as elsewhere (p95 %.3g)",
         edge->value, ratio, other->value);
     stand_on(item, "value", ratio);
     const bool bounded = neph_interval_is_bounded(edge->interval) &&
@@ -236,7 +235,7 @@ static void add_reference_limited(struct teller *teller)
     if (value_of(teller, "a4_p95", &test) && value_of(teller, "reference_a4_p95", &reference) &&
         neph_flicker_reference_limited(test, reference))
         tell(teller, "reference_limited", "reference-limited",
-             "a4_p95 is %.3g, that of the reference alone %.3g: the number says more about the "
+             "a4_p95 is %.3g, and %.3g for the reference itself: the number says more about the "
              "reference",
              test, reference);
 }
@@ -278,7 +277,7 @@ static void add_clipped(struct teller *teller, enum neph_display_bound bound)
         return;
     tell(teller, "clipped", "clipped",
          "%.3g %% of the pixels of the reference and %.3g %% of the test's are above %s: metrics "
-         "that end there, such as %s, do not see what differs in them; a lower --exposure shows it",
+         "that end there, such as %s, miss the differences in them; a lower --exposure shows them",
          100.0 * number->clipped.reference, 100.0 * number->clipped.test, neph_bound_name(bound),
          number->metric->name)
         ->clipped = number->clipped;
@@ -306,15 +305,15 @@ static bool add_follow(struct teller *teller, int which)
         snprintf(lost, sizeof(lost), "; %.3g %% of that does not swing above its noise",
                  100.0 * values[LOST]);
     struct neph_finding *item =
-        known[LAG] ? tell(teller, "follow", follows ? "follows" : "late",
-                          "follows the light with a lag of %.3g frames at a period of %.3g, "
-                          "and %.3g of its swing (medians of the %.3g %% of the picture "
-                          "that the light moves%s)",
-                          values[LAG], values[PERIOD], values[GAIN], 100.0 * values[SHARE], lost)
-                   : tell(teller, "follow", "lost",
-                          "does not follow the light at a period of %.3g frames: no pixel "
-                          "swings above its noise",
-                          values[PERIOD]);
+        known[LAG]
+            ? tell(teller, "follow", follows ? "follows" : "late",
+                   "follows the light with a lag of %.3g frames at a period of %.3g, and %.3g of "
+                   "its swing (medians of the %.3g %% of the frame that the light changes%s)",
+                   values[LAG], values[PERIOD], values[GAIN], 100.0 * values[SHARE], lost)
+            : tell(teller, "follow", "lost",
+                   "does not follow the light at a period of %.3g frames: no pixel "
+                   "swings above its noise",
+                   values[PERIOD]);
     stand_on(item, "period", values[PERIOD]);
     stand_on(item, "gain", values[GAIN]);
     stand_on(item, "lag", known[LAG] ? values[LAG] : NAN);
@@ -331,9 +330,8 @@ static void add_unsettled(struct teller *teller)
         return;
     struct neph_finding *item = tell(
         teller, "unsettled", never > 0.0 ? "unsettled" : "settles",
-        "%.3g %% of the picture never settles to within a tenth of the step; "
-        "there is more left in %.3g %% of it after 4 frames, in %.3g %% "
-        "after 16, in %.3g %% at the end",
+        "%.3g %% of the frame never settles to within a tenth of the step; more is left in %.3g %% "
+        "of the frame after 4 frames, in %.3g %% after 16, in %.3g %% at the end",
         100.0 * never, 100.0 * after_4, 100.0 * after_16, 100.0 * end);
     stand_on(item, "share", never);
 }
@@ -344,11 +342,10 @@ static void add_edge_ghost(struct teller *teller)
     if (!value_of(teller, "edge_ghost_residual_4", &left) ||
         !value_of(teller, "edge_ghost_frames", &frames))
         return;
-    struct neph_finding *item = tell(
-        teller, "edge_ghost", fabs(left) > 0.1 ? "ghosts" : "clean",
-        "behind moving edges %.3g %% of what was in front is left after 4 "
-        "frames, and more than a tenth for %.3g frames (mean)",
-        100.0 * left, frames);
+    struct neph_finding *item = tell(teller, "edge_ghost", fabs(left) > 0.1 ? "ghosts" : "clean",
+                                     "behind moving edges %.3g %% of the old foreground is left "
+                                     "after 4 frames, and more than a tenth for %.3g frames (mean)",
+                                     100.0 * left, frames);
     stand_on(item, "residual", left);
     stand_on(item, "frames", frames);
 }

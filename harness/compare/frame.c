@@ -130,8 +130,7 @@ static enum neph_status check_primaries(const char *path, const struct neph_imag
         return NEPH_OK;
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' is not in Rec.709: its chromaticities are %s", path,
               primaries);
-    neph_hint(diag,
-              "convert it to linear Rec.709, white D65: luminance and all pictures are of it");
+    neph_hint(diag, "convert it to linear Rec.709, white D65: luminance and all images assume it");
     return NEPH_ERR_INPUT;
 }
 

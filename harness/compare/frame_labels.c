@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLACE_HINT                                                                                 \
-    "write data windows that are equal to the display window, with what lies outside them, which " \
-    "is 0"
+#define PLACE_HINT "write data windows equal to the display window; the pixels outside are 0"
 #define SPACE_HINT                                                                                 \
     "convert one to the other's space; if both are in one space, write both with the same "        \
     "colorInteropID and oiio:ColorSpace, or with neither"
@@ -20,14 +18,13 @@ static const struct label {
     const char *same;   /* word for the message about a pair; NULL: pairs are checked elsewhere */
     bool is_of_colours; /* irrelevant without colours */
 } labels[NEPH_FRAME_LABELS] = {
-    {"crop", "the data window", "the whole picture", PLACE_HINT, "place", false},
+    {"crop", "the data window", "the whole image", PLACE_HINT, "place", false},
     {"pixel_aspect", "the pixel aspect ratio", "1", "render both with the same pixels", "place",
      false},
     {"colour_space", "the colour space", NEPH_COLOUR_SPACE_DEFAULT, SPACE_HINT, "light", true},
     {"white_luminance", "the luminance of white (whiteLuminance)", "not said",
      "write both with the same whiteLuminance, or with none", "light", true},
-    {"encoding", "the encoding", "linear", "give pictures for a display, or linear data", NULL,
-     false},
+    {"encoding", "the encoding", "linear", "give display images, or linear data", NULL, false},
 };
 
 static const char *value_of(const struct label *label, const struct neph_image *image)
@@ -47,8 +44,7 @@ enum neph_status neph_frame_check_pair(const struct neph_image *reference,
         if (!label->same || strcmp(first, second) == 0)
             continue;
         neph_fail(diag, NEPH_ERR_INPUT,
-                  "the images are not of the same %s: %s of the reference is %s, that of the other "
-                  "image %s",
+                  "the images differ in the %s: %s of the reference is %s, of the other image %s",
                   label->same, label->what, first, second);
         neph_hint(diag, "%s", label->hint);
         return NEPH_ERR_INPUT;

@@ -23,8 +23,7 @@ struct neph_frame_form {
     const char *path;        /* of the first frame; NULL: none yet */
     int width_px, height_px;
     const char *labels[NEPH_FRAME_LABELS];
-    const char
-        *channels; /* names of the known channels except masks; NULL: not recorded */
+    const char *channels; /* names of the known channels except masks; NULL: not recorded */
 };
 
 /* The first call records the properties of a frame; later calls compare frames with them.

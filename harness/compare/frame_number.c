@@ -390,7 +390,7 @@ static enum neph_status fail_ambiguous(char *const *paths, int count, const int 
     find_run(paths[0], one, reading, &first);
     find_run(paths[0], other, reading, &second);
     neph_fail(diag, NEPH_ERR_INPUT,
-              "which number of '%s' is that of the frame, '%.*s' or '%.*s'? Both change: '%s'",
+              "which number of '%s' counts the frames, '%.*s' or '%.*s'? Both change: '%s'",
               paths[0], (int)(first.tail - first.head), paths[0] + first.head,
               (int)(second.tail - second.head), paths[0] + second.head, paths[unlike]);
     neph_hint(diag, "name one sequence by a pattern that has %%d in place of its frame number");
@@ -482,7 +482,7 @@ static enum neph_status fail_missing(const char *path, long long number, long lo
                   "frame '%.*s%s%0*lld%s' is missing (%lld from %lld to %lld)", (int)run.head, path,
                   missing < 0 ? "-" : "", (int)(run.tail - run.digits), llabs(missing),
                   path + run.tail, count, missing, next - 1);
-    neph_hint(diag, "a sequence has no gaps: render what is missing, or number the files anew; "
+    neph_hint(diag, "a sequence has no gaps: render the missing frames, or renumber the files; "
                     "`neph compare`, `flicker` and `view` take it as it is with --by-position");
     return NEPH_ERR_INPUT;
 }

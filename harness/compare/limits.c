@@ -141,8 +141,8 @@ enum neph_status neph_limit_check(const struct neph_measurements *list,
     }
     if (held.beyond_count == 0 && held.worst && !limit->below && is_lower_bound(list, limit))
         return neph_fail(diag, NEPH_ERR_GATE,
-                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to hold "
-                         "it to the limit %g",
+                         "%s of %s over '%s' is at least %.6g: the sequence ends too early to "
+                         "check the limit %g",
                          limit->metric, limit->quantity, limit->mask, held.worst->value,
                          limit->value);
     if (held.beyond_count == 0)

@@ -125,7 +125,7 @@ static enum neph_status expand_folder(const char *word, struct neph_sequence *li
         status = list_folder(word, has_extension, ".png", list, diag);
     if (!status && list->count == before)
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
-                           "the folder '%s' holds neither .exr nor .png files", word);
+                           "the folder '%s' has no .exr and no .png files", word);
     return status;
 }
 
@@ -315,7 +315,7 @@ static enum neph_status check_one_series(const char *word, char *const *paths, i
     }
     if (!has_series || other == count)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds more than one sequence: '%s' and '%s'", word,
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has more than one sequence: '%s' and '%s'", word,
               paths[0], paths[other]);
     neph_hint(diag, "name one of them by a pattern such as frame.%%04d.exr, or by a glob");
     return NEPH_ERR_INPUT;
@@ -450,8 +450,8 @@ enum neph_status neph_sequence_check_numbers(const struct neph_sequence *one, co
               "together",
               what, one->numbers[0], one->numbers[one->count - 1], other_what, other->numbers[0],
               other->numbers[other->count - 1]);
-    neph_hint(diag, "give those of the same numbers; if they were counted from different starts, "
-                    "say --by-position");
+    neph_hint(diag, "give frames of the same numbers; if they were counted from different starts, "
+                    "use --by-position");
     return NEPH_ERR_INPUT;
 }
 
@@ -562,8 +562,8 @@ enum neph_status neph_sequence_split(int reference_count, const char *const *ref
         neph_fail(diag, NEPH_ERR_USAGE, "no frames to be tested are named");
     else
         neph_fail(diag, NEPH_ERR_USAGE,
-                  "no frames are left to be tested: '%s' and all behind it look like frames of "
-                  "the reference",
+                  "no frames are left to be tested: '%s' and all after it look like frames of the "
+                  "reference",
                   operands[0]);
     return fail_split(diag);
 }

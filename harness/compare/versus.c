@@ -115,8 +115,8 @@ static struct neph_difference of_single(const struct neph_measurement *first,
     made.second = second->value;
     if (!first->draws || !second->draws) {
         snprintf(made.because, sizeof(made.because),
-                 "the number itself has no interval: it is a maximum or of the picture as a whole, "
-                 "or fewer than %d tiles have a value",
+                 "the number itself has no interval: it is a maximum or a number of the whole "
+                 "frame, or fewer than %d tiles have a value",
                  NEPH_BOOTSTRAP_TILES_MIN);
         return made;
     }

@@ -562,7 +562,7 @@ const struct neph_engine neph_engine_povray = {
             "1/intervals at the edges of shadows); 16-bit output in brackets: 1e-4 of the value or "
             "1e-6 of the brightest, transmittance to 1e-8; media without a formula in POV-Ray are "
             "baked to voxels; radiosity interpolates between sample points: error 0.01 to 1 %, "
-            "docs/surfaces.md",
+            "docs/screen.md",
     .options = options,
     .version = 4,
     /* POV-Ray aborts above 256 intervals. */

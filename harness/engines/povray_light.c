@@ -16,8 +16,8 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 /* Accuracy of radiance: 1e-4 of the value, or 1e-6 of the brightest pixel. */
 static const double radiance_relative = 1e-4;
 static const double radiance_of_peak = 1e-6;
-/* The same with point lights, whose pixels may be 1e6 times brighter than others: this part of the
- * median. */
+/* Accuracy of radiance with point lights, whose pixels may be 1e6 times brighter than others: this
+ * part of the median. */
 static const double radiance_of_median = 1e-4;
 /* An image counts as black below this part of the largest light that the scene could scatter. */
 static const double radiance_black = 1e-13;

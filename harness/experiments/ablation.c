@@ -32,13 +32,13 @@ static const struct neph_cli_option options[] = {
     {"preset", 0, NULL, "Preset whose parts are measured; PRESET+KEY=VALUE changes it",
      NEPH_CLI_ONE, AT(preset), "ours"},
     {"suite", 0, "NAME",
-     "tuning: the scenes that presets were chosen by; test, test2: others, for what is to be "
-     "reported; air: near fog, lamps, shafts, cirrus and shadows of clouds (default, without a "
+     "tuning: the scenes of the choice of presets; test, test2: other scenes, for reported "
+     "results; air: near fog, lamps, shafts, cirrus and shadows of clouds (default without a "
      "SCENE: tuning)",
      NEPH_CLI_WORD, AT(flicker.suite)},
     {"only", 0, NULL, "Only these parts, in place of all that the preset has", NEPH_CLI_NAMES,
      AT(only), .maximum = NEPH_ABLATION_PARTS_MAX},
-    {"list", 0, NULL, "What the parts are, who claims them, and their settings; renders nothing",
+    {"list", 0, NULL, "List the parts, their sources and their settings; renders nothing",
      NEPH_CLI_FLAG, AT(list)},
     {"seed", 0, NULL, "The first seed of the dithers", NEPH_CLI_INTEGER, AT(flicker.first_seed),
      "1", 1, 1000000},
@@ -52,7 +52,7 @@ static const struct neph_cli_option options[] = {
     {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "8", 1, 65536},
     {"takes", 0, NULL,
-     "What is rendered of a scene: flicker (as it is: error, flicker, cost), step (of the sun: "
+     "Sequences of a scene: flicker (the scene as it is: error, flicker, cost), step (of the sun: "
      "half-life)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
@@ -74,8 +74,8 @@ static void check(const void *request_, const struct argp_state *state)
     neph_flicker_check_scenes(request, state);
     if (request->frame_count % 4 != 0)
         argp_error(state,
-                   "%d frames are no multiple of 4: pictures repeat after four frames, and "
-                   "16, 20, 24 .. are whole cycles",
+                   "%d frames are not a multiple of 4: frames repeat after four, and 16, 20, 24 .. "
+                   "are whole cycles",
                    request->frame_count);
 }
 
@@ -83,24 +83,27 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Switch off each part of the real-time renderer in a preset, and switch it on by "
-           "itself in a pipeline without any parts; print how error, flicker, half-life and cost "
-           "change, with 95 % intervals over scenes.\vA change compares the number with the part "
-           "to the number without it: -12 % means that the part lowers the number. `in the "
-           "preset` is the change with all other parts; `alone` is the change with only the "
-           "parts that it needs. Where the two differ, other parts do the same work. Seeds of a "
-           "scene are averaged; scenes are the sample of the statistics, and p is corrected for "
-           "all numbers that are judged (S. Holm).\n\nEvery configuration is compared with one "
-           "reference, the ray marcher at the same time with 16 rays a pixel (neph study flicker "
-           "--help). Evaluations and bytes are counted and exact. Milliseconds are measured on "
-           "NEPH_VULKAN_DEVICE while the machine renders. Small frames have more edges than "
-           "large ones. Finished frames stay in DIR/store, and the same command continues from "
-           "there. Runs may share DIR. Use --jobs on a machine with many cores.\n\n"
-           "Examples:\n"
-           "  neph ablate --list\n"
-           "  neph ablate fence_backlit foliage --only override,box,gradients\n"
-           "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
-           "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
+    .doc =
+        "Switch off each part of the real-time renderer in a preset, and switch it on by itself in "
+        "a pipeline without any parts; print how error, flicker, half-life and cost change, with "
+        "95 % intervals over scenes.\vA change compares the number with the part to the number "
+        "without it: -12 % means that the part lowers the number. `in the preset` is the change "
+        "with all other parts; `alone` is the change with no other parts but those that it needs. "
+        "Where the two differ, other parts do the same work. Seeds of a scene are averaged; scenes "
+        "are the sample of the statistics, and p is corrected for all numbers that are judged (S. "
+        "Holm).\n"
+        "\n"
+        "Every configuration is compared with one reference, the ray marcher at the same time with "
+        "16 rays a pixel (neph study flicker --help). Evaluations and bytes are counted and exact. "
+        "Milliseconds are measured on NEPH_VULKAN_DEVICE while the machine renders. Small frames "
+        "have more edges than large ones. Finished frames stay in DIR/store, and the same command "
+        "continues from there. Runs may share DIR. Use --jobs on a machine with many cores.\n"
+        "\n"
+        "Examples:\n"
+        "  neph ablate --list\n"
+        "  neph ablate fence_backlit foliage --only override,box,gradients\n"
+        "  neph ablate --suite tuning --size 96x54    # an hour on two cores\n"
+        "  neph ablate --suite test --preset fixed --size 320x180 --frames 64 --seeds 3",
 };
 
 static bool has_part(const struct neph_ablation *ablation, int part)
@@ -186,7 +189,7 @@ static const char *sentence(const struct neph_ablation *ablation,
     } words[NEPH_ABLATION_ADVICES] = {
         [NEPH_ABLATION_KEEP] = {NULL, "; most in"},
         [NEPH_ABLATION_PERHAPS] = {NULL, "; most in"},
-        [NEPH_ABLATION_UNTOLD] = {"what it buys cannot be told from nothing: could be left out",
+        [NEPH_ABLATION_UNTOLD] = {"its effect is within the noise: could be left out",
                                   ", but for scenes like"},
         [NEPH_ABLATION_LEAVE_OUT] = {"buys nothing: leave it out", ", but for scenes like"},
         [NEPH_ABLATION_LITTLE] = {"changes nothing by 5 %: could be left out",
@@ -238,11 +241,12 @@ static void print_head(const struct neph_ablation *ablation, FILE *out)
             params->steps);
     print_scenes(ablation, out);
     fprintf(out,
-            "\nA change is with the part over without it, below 0 the part buys. Means and 95 %% "
-            "intervals over scenes, seeds of a scene averaged; %d numbers were judged together "
-            "(S. Holm, 5 %%): **certain**, plain: its own interval alone says so, (undecided), ~ "
-            "within 5 %% either way, = the same in every scene. Milliseconds are of the device "
-            "above and decide nothing.\n",
+            "\n"
+            "A change is with the part over without it, below 0 the part buys. Means and 95 %% "
+            "intervals over scenes, seeds of a scene averaged; %d numbers were judged together (S. "
+            "Holm, 5 %%): **certain**, plain: only its own interval says so, (undecided), ~ within "
+            "5 %% either way, = the same in every scene. Milliseconds are of the device above and "
+            "decide nothing.\n",
             ablation->judged_count);
 }
 
@@ -479,9 +483,15 @@ static void print_text(const struct neph_ablation *ablation, struct neph_publica
 {
     FILE *out = publication->text;
     print_head(ablation, out);
-    fprintf(out, "\n**What each part does in %s**\n\n", ablation->preset);
+    fprintf(out,
+            "\n"
+            "**Effect of each part in %s**\n"
+            "\n",
+            ablation->preset);
     print_place(ablation, NEPH_ABLATION_IN_PRESET, publication);
-    fprintf(out, "\n**What each part does alone, in the plain pipeline**\n\n");
+    fprintf(out, "\n"
+                 "**Effect of each part by itself, in the plain pipeline**\n"
+                 "\n");
     print_place(ablation, NEPH_ABLATION_ALONE, publication);
     print_verdicts(ablation, publication);
     for (int i = 0; neph_ablation_parts[i].name; i++)
@@ -606,7 +616,7 @@ enum neph_status neph_ablation_publish(const struct neph_ablation *ablation,
 {
     enum neph_status status = NEPH_OK;
     publication->broken_count = ablation->study.failed_count;
-    publication->broken_words = "takes broke; their scenes have no number";
+    publication->broken_words = "sequences failed; their scenes have no number";
     publication->json = ablation_json(ablation, &publication->arena);
     if (publication->text)
         print_text(ablation, publication);

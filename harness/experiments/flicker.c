@@ -28,8 +28,8 @@ static const struct neph_cli_option options[] = {
      NEPH_CLI_LIST, AT(presets), .presets = neph_rt_presets, .uses = NEPH_RT_FLICKER,
      .maximum = NEPH_STUDY_PRESETS_MAX},
     {"suite", 0, NULL,
-     "tuning: the scenes that presets were chosen by; test, test2: others; air: near fog, lamps, "
-     "shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
+     "tuning: the scenes of the choice of presets; test, test2: other scenes; air: near fog, "
+     "lamps, shafts, cirrus and shadows of clouds (default, without a SCENE: test)",
      NEPH_CLI_WORD, AT(flicker.suite)},
     {"seed", 0, NULL, "The first seed of the dithers", NEPH_CLI_INTEGER, AT(flicker.first_seed),
      "1", 1, 1000000},
@@ -43,8 +43,8 @@ static const struct neph_cli_option options[] = {
     {"steps", 0, NULL, "Steps of every ray, of the reference's too", NEPH_CLI_INTEGER,
      AT(flicker.steps), "32", 1, 65536},
     {"takes", 0, NULL,
-     "What is rendered of a scene: flicker (as it is), step (of the sun), sine (of the sun), cut "
-     "(of the camera)",
+     "Sequences of a scene: flicker (the scene as it is), step (of the sun), sine (of the sun), "
+     "cut (of the camera)",
      NEPH_CLI_LIST, AT(flicker.takes), "flicker,step,sine,cut", .maximum = NEPH_STUDY_TAKES},
     {.name = "jobs", .otherwise = "1"},
     {.name = "output",
@@ -76,12 +76,13 @@ static const struct neph_cli_syntax syntax = {
     .doc = "Render scenes with presets of the real-time renderer, measure flicker, lag and error "
            "of each against one reference, and print which presets differ, with 95 % intervals "
            "over scenes.\vThe reference is the ray marcher at the same time with the same steps "
-           "and lighting, 16 rays a pixel, without dither and without history. Each number "
-           "against a reference with one centre ray a pixel follows in brackets. Seeds of a "
-           "scene are averaged; scenes are the sample of the statistics. A ranking holds when it "
-           "is the same at 24, 30 and 60 Hz and at 30 and 60 pixels a degree. NEPH_VULKAN_DEVICE "
-           "names the device. Finished frames stay in DIR/store, and the same command continues "
-           "from there. Use --jobs on a machine with many cores. Runs may share DIR.\n\n"
+           "and lighting, 16 rays a pixel, without dither and without history. Each number against "
+           "a reference with one centre ray a pixel follows in brackets. Seeds of a scene are "
+           "averaged; scenes are the sample of the statistics. A ranking is valid if it is the "
+           "same at 24, 30 and 60 Hz and at 30 and 60 pixels a degree. NEPH_VULKAN_DEVICE names "
+           "the device. Finished frames stay in DIR/store, and the same command continues from "
+           "there. Use --jobs on a machine with many cores. Runs may share DIR.\n"
+           "\n"
            "Examples:\n"
            "  neph study flicker --suite test --markdown study.md\n"
            "  neph study flicker fence_pitch4 foliage --preset fixed,ours --seeds 1 --frames 64\n"
@@ -103,11 +104,12 @@ static enum neph_status check_takes(const struct neph_cli_list *takes, int take_
 {
     for (int i = 0; i < takes->count; i++)
         if (neph_study_take_find(takes->words[i]) >= take_count)
-            return neph_fail(diag, NEPH_ERR_USAGE,
-                             take_count == NEPH_STUDY_TAKES
-                                 ? "there is no take '%s': takes are flicker, step, sine and cut"
-                                 : "no measure is taken of '%s': takes are flicker and step",
-                             takes->words[i]);
+            return neph_fail(
+                diag, NEPH_ERR_USAGE,
+                take_count == NEPH_STUDY_TAKES
+                    ? "there is no sequence '%s': the sequences are flicker, step, sine and cut"
+                    : "'%s' has no measure here: use flicker or step",
+                takes->words[i]);
     return NEPH_OK;
 }
 
@@ -181,7 +183,7 @@ static void print_head(const struct neph_flicker_study *study, FILE *out)
     fprintf(out,
             "neph %s, %s: %dx%d, %d steps, %d frame%s, %d seed%s a scene.\n"
             "Display: %g Hz, %g pixels a degree, white at 100 cd/m2.\n"
-            "%d frames tell periods of 2 to %d frames apart; longer ones run into each other.\n",
+            "%d frames resolve periods of 2 to %d frames; longer periods are not separated.\n",
             NEPH_VERSION, study->device, params->width_px, params->height_px, params->steps,
             params->frame_count, params->frame_count == 1 ? "" : "s", params->seed_count,
             params->seed_count == 1 ? "" : "s", display->frame_rate_hz, display->pixels_per_degree,
@@ -244,7 +246,8 @@ static void print_scenes(const struct neph_flicker_study *study,
         const struct neph_study_scene *scene = &study->scenes[i];
         if (!scene->left_out && scene->frame_count < study->params->frame_count)
             fprintf(out,
-                    "\n%s has %d frames of motion: they tell periods of 2 to %d frames apart.\n",
+                    "\n"
+                    "%s has %d frames of motion: they resolve periods of 2 to %d frames.\n",
                     scene->name, scene->frame_count, longest_period(scene->frame_count));
     }
 }
@@ -454,10 +457,15 @@ static void print_ranking(const struct neph_flicker_study *study,
         fprintf(out, "%s\n", is_same ? "" : " (another order)");
     }
     if (agreeing == NEPH_STUDY_DISPLAYS)
-        fprintf(out, "\nThe order holds at all %d displays.\n", NEPH_STUDY_DISPLAYS);
-    else
-        fprintf(out, "\nThe order holds at %d of %d displays: it is no ranking.\n", agreeing,
+        fprintf(out,
+                "\n"
+                "The order is the same at all %d displays.\n",
                 NEPH_STUDY_DISPLAYS);
+    else
+        fprintf(out,
+                "\n"
+                "The order is the same at %d of %d displays: it is not a ranking.\n",
+                agreeing, NEPH_STUDY_DISPLAYS);
 }
 
 static void print_text(const struct neph_flicker_study *study, struct neph_publication *publication)
@@ -465,11 +473,12 @@ static void print_text(const struct neph_flicker_study *study, struct neph_publi
     const bool has_pairs = study->params->preset_count > 1;
     print_head(study, publication->text);
     print_scenes(study, publication);
-    fprintf(publication->text,
-            "\nIn brackets: the same number against centre rays. *: takes no part in pairs and "
-            "ranking, for the reason below its table. <: cannot be told from the rest of what "
-            "changes, all of which stands for it as a bound; in a pair what lies below the bound "
-            "is alike.\n");
+    fprintf(
+        publication->text,
+        "\n"
+        "In brackets: the same number against centre rays. *: left out of pairs and ranking, for "
+        "the reason below its table. <: not separated from the other changes; the number is the "
+        "sum of all changes, an upper bound; in a pair, numbers below the bound count as equal.\n");
     for (int metric = 0; neph_study_metrics[metric].title; metric++) {
         if (!was_asked_for(study, metric))
             continue;
@@ -609,7 +618,7 @@ enum neph_status neph_flicker_publish(const struct neph_flicker_study *study,
     }
     neph_publication_csv(publication, "\r\n", &results);
     publication->broken_count = study->failed_count;
-    publication->broken_words = "takes broke; their cells say why";
+    publication->broken_words = "sequences failed; their cells give the reason";
     return status;
 }
 

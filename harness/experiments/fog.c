@@ -99,7 +99,7 @@ static const struct neph_field numbers[] = {
     {{"fog_light", "fog's light over the sphere, %", .format = "%+.1f", .scale = 100.0},
      AT(fog_light)},
     {{.key = "all_light"}, AT(all_light)},
-    {{"fog_light_alone", "by the control alone", .format = "%+.1f", .scale = 100.0},
+    {{"fog_light_alone", "by only this control", .format = "%+.1f", .scale = 100.0},
      AT(fog_light_alone)},
     {{"all_light_alone", "all light by it", .format = "%+.1f", .scale = 100.0},
      AT(all_light_alone)},
@@ -152,10 +152,12 @@ static void print_head(const struct neph_fog_study *study, FILE *out)
 {
     const struct neph_fog_study_params *params = study->params;
     fprintf(out,
-            "neph %s, %s: the controls of its fog_look, each alone, against engine exact; %dx%d "
-            "pixels and %d\ndirections over the sphere around the camera. Exact has a mean "
-            "radiance of %.4g W/m2/sr in the picture; over the\nsphere %.4g, of which the fog's "
-            "own light is %.4g.\n\n",
+            "neph %s, %s: the controls of its fog_look, each by itself, against engine exact; "
+            "%dx%d pixels and %d\n"
+            "directions over the sphere around the camera. Exact has a mean radiance of %.4g "
+            "W/m2/sr in the frame; over the\n"
+            "sphere %.4g, of which the fog's own light is %.4g.\n"
+            "\n",
             NEPH_VERSION, params->scene->name, params->width_px, params->height_px,
             params->directions, study->exact_radiance, study->exact_all_light,
             study->exact_fog_light);

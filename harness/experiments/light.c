@@ -21,8 +21,8 @@ static const struct neph_cli_option options[] = {
      "and ENGINE+preset=NAME has a preset's values (default: all that engines offer)",
      NEPH_CLI_LIST, AT(models), .maximum = NEPH_LIGHT_MODELS_MAX},
     {"suite", 0, NULL,
-     "tuning: what models were fitted on; test: others (default, without a SCENE: test); test2: "
-     "others again",
+     "tuning: the clouds that models were fitted to; test, test2: other clouds (default without a "
+     "SCENE: test)",
      NEPH_CLI_WORD, AT(suite)},
     {"suns", 0, "E:A,E:A",
      "Elevations and azimuths of the sun in degrees; azimuth 0 is ahead of the camera, against the "
@@ -35,14 +35,14 @@ static const struct neph_cli_option options[] = {
     {"density", 0, "A,B", "Factors of the extinction", NEPH_CLI_NUMBERS, AT(density), .group = 1,
      .maximum = NEPH_LIGHT_SWEEP_MAX},
     {"sun-speed", 0, "DEG",
-     "What remembers pictures sees the sun sink to its place by so many degrees a second, in 32 "
-     "pictures, 60 a second",
+     "For models with a history: the sun sinks to its place at so many degrees per second, in 32 "
+     "frames at 60 Hz",
      NEPH_CLI_REAL, AT(sun_speed_deg_per_s), "0", 0, 50},
     {.name = "size", .otherwise = "48x27"},
     {"steps", 0, NULL, "Steps of every view ray", NEPH_CLI_INTEGER, AT(steps), "128", 1, 65536},
     {"noise-limit", 0, "X",
-     "The tracer stops at this rms standard error over rms radiance; its noise is taken out of "
-     "what is reported",
+     "The tracer stops at this rms standard error over rms radiance; its noise is removed from the "
+     "results",
      NEPH_CLI_REAL, AT(noise), "0.2", 1e-6, 10},
     {"samples", 0, NULL, "Or at so many samples a pixel", NEPH_CLI_INTEGER, AT(samples), "1024", 2,
      1 << 28},
@@ -53,12 +53,12 @@ static const struct neph_cli_option options[] = {
     {.name = "csv", .help = "A line for each cell and model"},
     {.name = "markdown"},
     {"laws", 0, NULL,
-     "Also test the models by laws that hold in every cloud: a white furnace, the balance of "
-     "energy and reciprocity, against closed forms",
+     "Also test the models by laws of every cloud: a white furnace, the balance of energy and "
+     "reciprocity, against closed forms",
      NEPH_CLI_FLAG, AT(laws)},
     {"fit", 0, "FILE",
-     "Also fit octaves to what the tracer found, and write their coefficients as the file that "
-     "renderer/octaves_fitted.c includes; not on the suite that they are judged by",
+     "Also fit octaves to the tracer's results, and write their coefficients as the file that "
+     "renderer/octaves_fitted.c includes; not with the suite of the evaluation",
      NEPH_CLI_FILE, AT(fit)},
     {.name = "quiet"},
     {.name = NULL},
@@ -74,8 +74,7 @@ static void check(const void *request_, const struct argp_state *state)
                            request->density.count;
     const char *suite = request->suite ? request->suite : "test";
     if (request->fit && request->shared.operand_count == 0 && strncmp(suite, "test", 4) == 0)
-        argp_error(state, "the suite %s is what a fit is judged by: --fit has --suite tuning",
-                   suite);
+        argp_error(state, "the suite %s evaluates fits: use --fit with --suite tuning", suite);
     if (request->suite && request->shared.operand_count > 0)
         argp_error(state, "a suite or scenes by name, not both");
     if (has_sweep && request->shared.operand_count == 0)
@@ -89,14 +88,14 @@ static const struct neph_cli_syntax syntax = {
     .check = check,
     .doc = "Render clouds with the lighting models of the ray marcher and with the tracer, and "
            "print how far each model is from all orders of scattering: by optical depth towards "
-           "the camera and the sun, by the angle to the sun, and in the dense parts of every "
-           "cell. A cell is a cloud with a sun, g and albedo.\vThe only light is a sun of 1 "
-           "W/m2: solids are black, and the sky is dark. The optical depth towards the sun is "
-           "measured at the first place before which the medium takes half of what it takes from "
-           "the whole ray. Dense parts are pixels with a transmittance below a tenth. The tracer "
-           "renders twice, with two seeds, so that its noise can be removed. NEPH_VULKAN_DEVICE "
-           "names the device. Finished frames stay in DIR/store, and the same command continues "
-           "from there.\n\n"
+           "the camera and the sun, by the angle to the sun, and in the dense parts of every cell. "
+           "A cell is a cloud with a sun, g and albedo.\vThe only light is a sun of 1 W/m2: solids "
+           "are black, and the sky is dark. The optical depth towards the sun is measured at the "
+           "first place before which the medium takes half of the extinction of the whole ray. "
+           "Dense parts are pixels with a transmittance below a tenth. The tracer renders twice, "
+           "with two seeds, so that its noise can be removed. NEPH_VULKAN_DEVICE names the device. "
+           "Finished frames stay in DIR/store, and the same command continues from there.\n"
+           "\n"
            "Examples:\n"
            "  neph study light --suite test --markdown light.md\n"
            "  neph study light cloud_below --suns 50:180,15:0 --g 0,0.85 --albedo 1,0.9\n"

@@ -67,7 +67,7 @@ static enum neph_status measure_model(struct neph_light_study *study,
 {
     float *volume[3];
     if (!neph_image_rgb(frame, "volume", volume))
-        return neph_fail(diag, NEPH_ERR_ENGINE, "its picture has no light of media");
+        return neph_fail(diag, NEPH_ERR_ENGINE, "its frame has no radiance of media");
     for (int p = 0; p < cell->pixel_count; p++)
         add_pixel(study, model, &cell->pixels[p], radiance_of(volume, p), gap);
     return NEPH_OK;
@@ -166,7 +166,7 @@ static enum neph_status trace_cell(const struct neph_light_study *study,
     }
     if (!status && !(neph_image_rgb(frames[0], "volume", first) &&
                      neph_image_rgb(frames[1], "volume", second)))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's picture has no light of media");
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "the tracer's frame has no radiance of media");
     if (!status && study->request->only_cell < 0) {
         cell->noise = neph_noise_of_two(frames[0], frames[1]);
         status = find_pixels(study, scene, first, second, cell, diag);
@@ -330,7 +330,7 @@ enum neph_status neph_light_measure(struct neph_light_study *study, struct neph_
     }
     neph_progress_end(&study->progress);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }
 

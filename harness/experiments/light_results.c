@@ -47,8 +47,8 @@ static void print_head(const struct neph_light_study *study, FILE *out)
             request->shared.size.height_px, request->steps, request->noise, request->samples);
     if (request->sun_speed_deg_per_s > 0.0)
         fprintf(out,
-                "What remembers pictures has seen the sun sink by %g degrees a second, 60 "
-                "pictures a second, to its place.\n",
+                "Models with a history have rendered the sun sinking to its place by %g degrees a "
+                "second, at 60 frames a second.\n",
                 request->sun_speed_deg_per_s);
 }
 
@@ -302,11 +302,12 @@ static void print_text(const struct neph_light_study *study, struct neph_publica
             print_key(study, (enum key)key, (enum neph_light_part)part, publication);
     for (int axis = 0; axis < NEPH_LIGHT_AXES; axis++)
         print_axis(study, (enum neph_light_axis)axis, publication);
-    fprintf(publication->text,
-            "\nIn the next tables the sun's elevation and azimuth are in degrees, and azimuth "
-            "0 is where the camera looks, 180 behind it; a tenth of a cell's pixels with media "
-            "have more than its optical depth; noise is what the tracer's leaves of its mean, "
-            "in %%.\n");
+    fprintf(
+        publication->text,
+        "\n"
+        "In the next tables the sun's elevation and azimuth are in degrees, and azimuth 0 is the "
+        "direction of the camera, 180 behind it; a tenth of a cell's pixels with media have more "
+        "than its optical depth; noise is the standard error of the tracer's mean, in %%.\n");
     for (int part = 0; part < NEPH_LIGHT_PARTS; part++)
         print_cells(study, (enum neph_light_part)part, publication);
 }

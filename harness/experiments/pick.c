@@ -56,7 +56,7 @@ static const struct neph_cli_option options[] = {
      .help = "Processes that render at the same time; no result but the ms of --preset depends on "
              "it",
      .otherwise = "1"},
-    {.name = "all", .help = "All numbers, and what each part that is left out would bring"},
+    {.name = "all", .help = "All numbers, and the effect of each part that is left out"},
     {.name = "json"},
     {.name = "quiet"},
     {"preset", 0, NULL,
@@ -66,8 +66,8 @@ static const struct neph_cli_option options[] = {
     {"suite", 0, NULL, "With --preset: the scenes of a suite (default, without a SCENE: tuning)",
      NEPH_CLI_WORD, AT(suite), .group = 1},
     {"least", 0, "NUMBER",
-     "With --preset: what the choice has the least of, within what is given: flicker, half-life, "
-     "lag, error, evaluations or ms (default: evaluations)",
+     "With --preset: the number that the choice minimizes within the given limits: flicker, "
+     "half-life, lag, error, evaluations or ms (default: evaluations)",
      NEPH_CLI_WORD, AT(least), .group = 1},
     {"half-life", 0, "N", "With --preset: the most frames to half of a step of the sun",
      NEPH_CLI_REAL, BUDGET(HALF_LIFE), .minimum = 1e-6, .maximum = 1e6, .group = 1},
@@ -122,13 +122,13 @@ static void check(const void *request_, const struct argp_state *state)
         if (request->suite && scenes > 0)
             argp_error(state, "a suite or scenes by name, not both");
         if (request->suite && strcmp(request->suite, "test") == 0)
-            argp_error(state, "the suite test is for what is reported of a choice, not for making "
-                              "it: neph study flicker --suite test");
+            argp_error(state, "the suite test evaluates a choice and does not make it: neph study "
+                              "flicker --suite test");
         if (request->frames >= 0 && request->frames % 4 != 0)
             argp_error(state, "%d frames are no multiple of 4", request->frames);
         if (request->shared.jobs > 1 && (!isnan(budget[NEPH_CHOICE_TIME]) ||
                                          (request->least && strcmp(request->least, "ms") == 0)))
-            argp_error(state, "--jobs: what frames take is measured one process at a time");
+            argp_error(state, "--jobs: frame times are measured with one process at a time");
         return;
     }
     if (misplaced(request))
@@ -138,7 +138,7 @@ static void check(const void *request_, const struct argp_state *state)
     if (scenes > 1)
         argp_error(state, "one scene, or --preset over several");
     if (isnan(budget[NEPH_CHOICE_ERROR]) && isnan(budget[NEPH_CHOICE_FLICKER]))
-        argp_error(state, "give --error, --flicker, or both: what is good enough?");
+        argp_error(state, "give --error, --flicker, or both");
 }
 
 static const struct neph_cli_syntax syntax = {
@@ -268,13 +268,15 @@ static void print_pick(const struct neph_pick_params *params, const struct neph_
     fprintf(out, pick->found ? "%s: " : "none is good enough; best is %s: ", pick->chosen.name);
     print_numbers(&pick->chosen, out);
     fprintf(out, "\n");
-    print_variants(pick, false, "left out, and what comes of it with each", out);
-    print_variants(pick, true, "kept, and what would come of it without", out);
-    fprintf(out, "\n%d configurations looked at, %d pictures or sequences of them measured; %s\n",
+    print_variants(pick, false, "left out, with the effect of adding each", out);
+    print_variants(pick, true, "kept, with the effect of removing each", out);
+    fprintf(out,
+            "\n"
+            "%d configurations considered, %d frames or sequences of them measured; %s\n",
             pick->looked_at, pick->measured, pick->device);
     if (!isnan(params->error) && pick->floor > 0.5 * params->error)
-        fprintf(out, "the truth's noise is more than half of the error that was asked for: what "
-                     "is said of errors is not certain\n");
+        fprintf(out, "the truth's noise is more than half of the wanted error: statements about "
+                     "errors are not certain\n");
 }
 
 static json_t *point_json(const struct neph_pick_point *point)
@@ -351,7 +353,7 @@ static enum neph_status pick_configuration(const struct request *request,
                          &publication->answer);
         if (!pick.found)
             publication->verdict = neph_fail(&publication->reason, NEPH_ERR_GATE,
-                                             "nothing is good enough for what was asked");
+                                             "no configuration is within the limits");
     }
     neph_times_close(&times);
     return status;
@@ -366,8 +368,7 @@ static enum neph_status judge(const struct neph_choice *choice, struct neph_diag
                          "there is no scene in which all presets have a number of '%s'",
                          neph_choice_measures[choice->least].name);
     return choice->chosen >= 0 ? NEPH_OK
-                               : neph_fail(reason, NEPH_ERR_GATE,
-                                           "none of the presets is within what was asked for");
+                               : neph_fail(reason, NEPH_ERR_GATE, "no preset is within the limits");
 }
 
 static enum neph_status publish(const struct neph_flicker_study *study,
@@ -383,7 +384,7 @@ static enum neph_status publish(const struct neph_flicker_study *study,
         status = neph_choice_answer(choice, study, config, &publication->answer, diag);
     publication->json = neph_choice_json(choice, study);
     publication->broken_count = study->failed_count;
-    publication->broken_words = "takes broke; their scenes have no number";
+    publication->broken_words = "sequences failed; their scenes have no number";
     publication->verdict = judge(choice, &publication->reason);
     return status ? status : neph_json_check(publication->json, diag);
 }

@@ -76,14 +76,14 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc = "Put frames of the real-time renderer and their reference through the same picture "
-           "chains, each stage by itself and each removed from the whole chain, and print how "
-           "error and flicker change: before the tone curve, and as a display shows the "
-           "frames.\vThe reference is the ray marcher with the same lighting, averaged over 16 "
-           "rays a pixel. The reference gets no grain, which is noise and counts as noise. "
-           "Chains without automatic exposure have the exposure that automatic exposure would "
-           "find for the reference. Finished frames stay in DIR/store; DIR/post.svg is the "
-           "chart.\n\n"
+    .doc = "Put frames of the real-time renderer and their reference through the same "
+           "post-processing chains, each stage by itself and each removed from the whole chain, "
+           "and print how error and flicker change: before the tone curve, and as a display shows "
+           "the frames.\vThe reference is the ray marcher with the same lighting, averaged over 16 "
+           "rays a pixel. The reference gets no grain, which is noise and counts as noise. Chains "
+           "without automatic exposure have the exposure that automatic exposure would find for "
+           "the reference. Finished frames stay in DIR/store; DIR/post.svg is the chart.\n"
+           "\n"
            "Examples:\n"
            "  neph study post fence_backlit voxel_grid --markdown post.md\n"
            "  neph study post ridge_far --preset seed --frames 64 --csv post.csv\n"
@@ -235,7 +235,7 @@ static enum neph_status look(const struct neph_take *take, const struct neph_tak
     for (int i = 0; i < take->frame_count && !status; i++)
         if (!frames->images[i])
             status = neph_fail(diag, NEPH_ERR_INPUT,
-                               "so many frames of that size are not held in memory");
+                               "so many frames of that size do not fit in memory");
     if (!status)
         status = read_references(study, files, diag);
     const struct neph_post_film film = {
@@ -398,7 +398,7 @@ static void begin_table(const char *title, struct neph_table *table)
 static void print_table(const struct study *study, int scene, enum part part, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
-    begin_table(part == OF_WHOLE ? "out of the whole" : "alone, on the curve", &table);
+    begin_table(part == OF_WHOLE ? "out of the whole" : "each stage with the tone curve", &table);
     add_rows(study, scene, part, &table);
     if (table.cell_count > 0)
         fputc('\n', out);
@@ -492,19 +492,19 @@ static void answer(const struct study *study, int base, struct neph_answer *answ
     struct factors list[ROWS_MAX];
     const int count = sort_chains(study, base, list);
     if (count == 0) {
-        neph_answer_add(answer, "not measured: no chain but the curve alone has a flicker");
+        neph_answer_add(answer, "not measured: no chain except the tone curve has a flicker");
         return;
     }
     const struct factors *most = &list[0], *least = &list[count - 1];
     neph_answer_add(answer,
-                    "most flicker: %s, %.3g times that of the curve alone; least: %s, %.3g "
+                    "most flicker: %s, %.3g times the flicker of the tone curve; least: %s, %.3g "
                     "times; %d chains over %d scene%s and 1 seed, no interval",
                     study->rows[most->row].name, most->seen, study->rows[least->row].name,
                     least->seen, count, scenes, scenes == 1 ? "" : "s");
     for (int i = 0; i < count; i++)
         if (i < EACH || i >= count - EACH)
             neph_answer_add(answer,
-                            "%s: flicker %.3g times, FLIP %.3g times that of the curve alone",
+                            "%s: flicker %.3g times, FLIP %.3g times the value of the tone curve",
                             study->rows[list[i].row].name, list[i].seen, list[i].flip);
 }
 
@@ -513,7 +513,7 @@ static enum neph_status write_results(const struct study *study,
 {
     struct neph_numbers_plot plot = {
         .rows = study->rows,
-        .over = "the curve alone",
+        .over = "the tone curve",
         .scene_count = study->request->shared.operand_count,
         .scenes = (const char *const *)study->names,
         .numbers = study->numbers[0],
@@ -542,10 +542,10 @@ static enum neph_status prepare(void *request, struct neph_diag *diag)
     const struct neph_cli_shared *shared = &post->shared;
     const struct neph_cli_size *size = &shared->size;
     if (!neph_take_fits(size->width_px, size->height_px, post->warm_up + post->frames)) {
-        neph_fail(diag, NEPH_ERR_USAGE,
-                  "%d frames of %d x %d pixels are more than 1 GiB, which is "
-                  "what is kept in memory",
-                  post->warm_up + post->frames, size->width_px, size->height_px);
+        neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "%d frames of %d x %d pixels need more than 1 GiB, the limit for frames in memory",
+            post->warm_up + post->frames, size->width_px, size->height_px);
         neph_hint(diag, "give fewer --frames, a shorter --warm-up, or a smaller --size");
         return NEPH_ERR_USAGE;
     }

@@ -25,15 +25,15 @@ struct request {
 static const struct neph_cli_option options[] = {
     {"preset", 0, NULL, "Preset of realtime, beside the march; PRESET+KEY=VALUE changes it",
      NEPH_CLI_ONE, AT(params.preset), "ours"},
-    {"other-device", 0, "FILE", "scaling.json of another device: times of the same pictures there",
+    {"other-device", 0, "FILE", "scaling.json of another device: times of the same frames there",
      NEPH_CLI_WORD, AT(against)},
-    {"untimed", 0, NULL, "No times: evaluations of density alone", NEPH_CLI_FLAG,
+    {"untimed", 0, NULL, "No times: only evaluations of density", NEPH_CLI_FLAG,
      AT(params.untimed)},
-    {"retime", 0, NULL, "Time again what DIR/times.json has times of", NEPH_CLI_FLAG,
+    {"retime", 0, NULL, "Repeat the timings that DIR/times.json has", NEPH_CLI_FLAG,
      AT(params.retimes)},
     {"seed", 0, NULL, "Seed of all that is random", NEPH_CLI_INTEGER, AT(params.seed), "1", 1,
      1000000},
-    {.name = "size", .help = "Of the largest picture", .otherwise = "192x108"},
+    {.name = "size", .help = "Of the largest frame", .otherwise = "192x108"},
     {.name = "output",
      .help = "Folder of the store and of scaling.json",
      .otherwise = "out/scaling"},
@@ -143,8 +143,8 @@ static void print_lines(const struct neph_scaling *scaling, FILE *out)
         fprintf(out, "All media have closed forms: engine exact marches no ray, and evaluates no "
                      "density, whatever there is of them.\n");
     fprintf(out,
-            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": "
-            "within %.2g of what is wanted.\n",
+            "Intervals: 95 %%, Student's t, of the scatter about the line; \"as expected\": within "
+            "%.2g of the expected exponent.\n",
             NEPH_EXPONENT_SAME);
 }
 

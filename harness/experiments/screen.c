@@ -22,7 +22,7 @@ static const struct neph_cli_option options[] = {
     {"model", 0, NULL, "Screens to compare with the truth; screen+KEY=VALUE+... changes one",
      NEPH_CLI_LIST, AT(models), "screen", .between = ",screen+preset=",
      .presets = neph_screen_presets, .uses = NEPH_SCREEN_STUDY, .maximum = NEPH_LIGHT_MODELS_MAX},
-    {"radius", 0, "M", "Ambient occlusion: what is farther hides nothing [m]", NEPH_CLI_REAL,
+    {"radius", 0, "M", "Ambient occlusion: largest distance of an occluder [m]", NEPH_CLI_REAL,
      AT(radius_m), "1", 1e-3, 1e6},
     {.name = "size", .otherwise = "192x108"},
     {"samples", 0, NULL, "Samples a pixel of the truth", NEPH_CLI_INTEGER, AT(samples), "256", 2,
@@ -124,7 +124,7 @@ static bool part(void *request_, int index)
 static const struct neph_field gap_fields[] = {
     {{"error", "error", "%.2f", 100.0, .none = ""}, AT(error)},
     {{"bias", "bias", "%.2f", 100.0, .none = ""}, AT(bias)},
-    {{"own", "against what the screen shows", "%.2f", 100.0, .none = ""}, AT(own)},
+    {{"own", "against the visible part", "%.2f", 100.0, .none = ""}, AT(own)},
     {{"known", "known pixels", "%.2f", 100.0, .none = ""}, AT(known_error)},
     {{"lost", "lost pixels", "%.2f", 100.0, .none = ""}, AT(lost_error)},
 };
@@ -192,8 +192,8 @@ static void print_losses(const struct neph_screen_study *study,
     static const struct neph_column columns[] = {
         {.title = "scene"},
         {.title = "as far as", .format = "%s"},
-        {.title = "meets what is off the picture", .format = "%.2f", .scale = 100.0},
-        {.title = "meets what is behind", .format = "%.2f", .scale = 100.0},
+        {.title = "meets surfaces outside the frame", .format = "%.2f", .scale = 100.0},
+        {.title = "meets hidden surfaces", .format = "%.2f", .scale = 100.0},
         {.title = "passes behind something thin", .format = "%.2f", .scale = 100.0},
     };
     char radius[32];
@@ -206,7 +206,9 @@ static void print_losses(const struct neph_screen_study *study,
             add_names(&table, study->request->scenes[s]->name, far ? "all the way" : radius);
             neph_table_numbers(&table, NEPH_SCREEN_LOSSES, far ? scene->far : scene->near);
         }
-    fprintf(publication->text, "\n**Why** [%% of the hemisphere over surfaces in the picture]\n\n");
+    fprintf(publication->text, "\n"
+                               "**Why** [%% of the hemisphere over surfaces in the frame]\n"
+                               "\n");
     neph_publication_table(publication, &table);
 }
 
@@ -268,10 +270,12 @@ static void print_flicker(const struct neph_screen_study *study,
             neph_table_field_cells(&table, flicker_fields + 1, FLICKER_FIELDS - 1, numbers);
             neph_table_field_cells(&table, flicker_fields, 1, numbers);
         }
-    fprintf(publication->text,
-            "\n**Over frames**, the picture against surfaces: light over its mean [%%]; on a "
-            "display by Unreal's curve FLIP,\nflicker seen over threshold, share of pixels "
-            "where it is seen; milliseconds of the passes\n\n");
+    fprintf(publication->text, "\n"
+                               "**Over frames**, the frame against engine surfaces: light over its "
+                               "mean [%%]; on a display by Unreal's curve FLIP,\n"
+                               "flicker seen over threshold, share of pixels where it is seen; "
+                               "milliseconds of the passes\n"
+                               "\n");
     neph_publication_table(publication, &table);
 }
 
@@ -281,8 +285,8 @@ static void print_text(const struct neph_screen_study *study, struct neph_public
     fprintf(publication->text,
             "neph %s, against surfaces with %d samples, %dx%d, ambient occlusion within %g m.\n"
             "Errors are mean and absolute, light times the colour of its surface. A pixel is lost "
-            "where what the picture shows of\nits truth is off by more than %g %% of it (of the "
-            "hemisphere, %g %%).\n",
+            "where the visible part of\n"
+            "its truth differs by more than %g %% (of the hemisphere, %g %%).\n",
             NEPH_VERSION, request->samples, request->shared.size.width_px,
             request->shared.size.height_px, request->radius_m, 100.0 * NEPH_SCREEN_LOST,
             50.0 * NEPH_SCREEN_LOST);

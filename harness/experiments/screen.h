@@ -27,8 +27,8 @@
 
 enum { NEPH_SCREEN_SCENES_MAX = 16 };
 
-#define NEPH_SCREEN_LOST 0.1 /* share of a pixel's light; for occlusion half of it, as a share of
-                                the hemisphere */
+/* Share of a pixel's light; for occlusion half of it, as a share of the hemisphere. */
+#define NEPH_SCREEN_LOST 0.1
 
 enum neph_screen_part {
     NEPH_SCREEN_AO,

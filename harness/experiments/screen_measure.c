@@ -548,6 +548,6 @@ enum neph_status neph_screen_measure(struct neph_screen_study *study, struct nep
     neph_progress_end(&study->progress);
     neph_device_release(study->device);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }

@@ -25,11 +25,14 @@ static const struct {
     uint8_t rgb[3];
     const char *css, *name, *why;
 } reasons[NEPH_SCREEN_REASONS] = {
-    [NEPH_LOST_OFF] = {{240, 228, 66}, "#f0e442", "off", "most rays meet what is off the picture"},
+    [NEPH_LOST_OFF] = {{240, 228, 66},
+                       "#f0e442",
+                       "off",
+                       "most rays meet surfaces outside the frame"},
     [NEPH_LOST_BEHIND] = {{0, 114, 178},
                           "#0072b2",
                           "behind",
-                          "they meet what something in the picture hides"},
+                          "they meet surfaces hidden by others in the frame"},
     [NEPH_LOST_THIN] = {{213, 94, 0},
                         "#d55e00",
                         "thin",
@@ -37,7 +40,7 @@ static const struct {
     [NEPH_SCREEN_LOSSES] = {{60, 60, 60},
                             "#3c3c3c",
                             "else",
-                            "neither: noise, or on rough metal another ray than that of a mirror"},
+                            "neither: noise, or on rough metal another ray than the mirror's"},
 };
 
 static const char *const part_files[NEPH_SCREEN_PARTS] = {
@@ -126,19 +129,26 @@ static void draw_chart(const void *what, FILE *out)
 /* ---- the page -------------------------------------------------------------------------------- */
 
 static const char head[] =
-    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+    "<!DOCTYPE html>\n"
+    "<html lang=\"en\">\n"
+    "<head>\n"
+    "<meta charset=\"utf-8\">\n"
     "<!-- Opened from disk: nothing may come from a network, and no text is run as code. -->\n"
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-    "style-src 'unsafe-inline'; img-src 'self' file: data:\">\n"
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+    "'unsafe-inline'; img-src 'self' file: data:\">\n"
     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
     "<meta name=\"color-scheme\" content=\"light dark\">\n"
-    "<title>What a screen cannot know</title>\n<link rel=\"icon\" href=\"data:,\">\n"
-    "<style>body{font:16px/1.5 sans-serif;max-width:80rem;margin:1rem auto;padding:0 1rem}"
-    ".row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 20rem;max-width:30rem}"
-    "img{width:100%;height:auto;image-rendering:pixelated;display:block}.chart{max-width:430px}"
-    "figcaption{font-size:.9rem}i{display:inline-block;width:1em;height:1em;margin-right:.4em;"
-    "vertical-align:-.15em;border:1px solid #888}li{list-style:none}ul{padding:0}</style>\n"
-    "</head>\n<body>\n<h1>What a screen cannot know</h1>\n";
+    "<title>Limits of screen-space methods</title>\n"
+    "<link rel=\"icon\" href=\"data:,\">\n"
+    "<style>body{font:16px/1.5 sans-serif;max-width:80rem;margin:1rem auto;padding:0 "
+    "1rem}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 "
+    "20rem;max-width:30rem}img{width:100%;height:auto;image-rendering:pixelated;display:block}."
+    "chart{max-width:430px}figcaption{font-size:.9rem}i{display:inline-block;width:1em;height:1em;"
+    "margin-right:.4em;vertical-align:-.15em;border:1px solid "
+    "#888}li{list-style:none}ul{padding:0}</style>\n"
+    "</head>\n"
+    "<body>\n"
+    "<h1>Limits of screen-space methods</h1>\n";
 
 static void print_key(FILE *out)
 {
@@ -155,8 +165,7 @@ static void print_caption(const char *part, const struct neph_screen_truth *trut
     for (int i = 0; i < NEPH_SCREEN_REASONS; i++)
         if (truth->lost_by[i] > 0)
             fprintf(out, ", %d %s", truth->lost_by[i], reasons[i].name);
-    fprintf(out, "; what the picture shows of it is off by %.2g %%</figcaption>",
-            100.0 * truth->beyond);
+    fprintf(out, "; its visible part differs by %.2g %%</figcaption>", 100.0 * truth->beyond);
 }
 
 static void print_scene(const struct neph_scene *scene, const struct neph_screen_scene *found,
@@ -183,11 +192,10 @@ static void print_page(const void *what, FILE *out)
     const struct neph_screen_study *study = what;
     const struct neph_screen_request *request = study->request;
     fprintf(out,
-            "%s<p>Coloured pixels are lost to every method that looks at this picture alone: what "
-            "the picture shows of their truth is off by more than %g %% of it (ambient occlusion "
-            "within %g m: of the hemisphere, %g %%). The colour says by what most of their rays "
-            "are lost; those of reflections are the ray that a mirror would send. Engine surfaces, "
-            "%d samples a pixel, neph %s.</p>\n",
+            "%s<p>Coloured pixels are lost to every method with only this frame as input: the "
+            "visible part of their truth differs by more than %g %% (ambient occlusion within %g "
+            "m: of the hemisphere, %g %%). The colour gives the reason for most of their rays; for "
+            "reflections, of the mirror ray. Engine surfaces, %d samples a pixel, neph %s.</p>\n",
             head, 100.0 * NEPH_SCREEN_LOST, request->radius_m, 50.0 * NEPH_SCREEN_LOST,
             request->samples, NEPH_VERSION);
     print_key(out);
@@ -195,7 +203,8 @@ static void print_page(const void *what, FILE *out)
         print_scene(request->scenes[s], &study->scenes[s], out);
     if (request->frame_count > 0)
         fprintf(out,
-                "<h2>Over frames</h2>\n<p>What is switched, over the first; a mark a scene.</p>\n"
+                "<h2>Over frames</h2>\n"
+                "<p>Each changed model over the first; a mark a scene.</p>\n"
                 "<img class=\"chart\" src=\"screen.svg\" alt=\"error, flicker, milliseconds\">\n");
     fprintf(out, "</body>\n</html>\n");
 }

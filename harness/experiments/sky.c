@@ -49,8 +49,8 @@ static const struct neph_cli_option options[] = {
     {"model", 0, NULL, "Models to compare with the truth; ENGINE+KEY=VALUE changes one",
      NEPH_CLI_LIST, AT(models), "sky,sky+multiple=closure", .maximum = NEPH_LIGHT_MODELS_MAX},
     {"truth", 0, "ENGINE",
-     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for what its "
-     "tables leave, without noise",
+     "tracer or oracle; or a model with finer settings, ENGINE+KEY=VALUE+..., for the error of its "
+     "tables, without noise",
      NEPH_CLI_WORD, AT(truth), "tracer"},
     {"elevations", 0, "A,B", "Elevations of the sun [degrees]", NEPH_CLI_NUMBERS, AT(suns),
      "90,60,30,15,10,5,2,0,-1,-2", .maximum = LIST_MAX},
@@ -351,10 +351,10 @@ static enum neph_status parse_truth(struct study *study, struct neph_diag *diag)
     const struct neph_engine *engine = neph_engine_find(strsep(&rest, "+"));
     enum neph_status status = NEPH_OK;
     if (!engine || (engine->rung > NEPH_RUNG_TRACER && !rest))
-        status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "'%s' is no truth: exact, oracle and tracer are, or a model with finer "
-                           "settings",
-                           study->request->truth);
+        status = neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "'%s' is not a truth: use exact, oracle, tracer, or a model with finer settings",
+            study->request->truth);
     else
         *truth = neph_light_model_of(engine, study->run->device);
     if (!status && neph_engine_samples(engine) >= 0)
@@ -401,7 +401,7 @@ static enum neph_status run_cells(struct study *study, struct neph_diag *diag)
     }
     neph_progress_end(&study->progress);
     if (status == NEPH_ERR_INTERRUPTED)
-        neph_hint(diag, "what is finished is in the store: the same command goes on from there");
+        neph_hint(diag, "finished frames are in the store: the same command continues from there");
     return status;
 }
 
@@ -461,7 +461,9 @@ static void print_model(const struct study *study, int model, struct neph_public
     fprintf(out, "\n**%s**\n\n`%s`\n\n", study->request->models.words[model],
             study->settings[model]);
     neph_publication_table(publication, &table);
-    fprintf(out, "\n%.3g s a picture, tables included.\n",
+    fprintf(out,
+            "\n"
+            "%.3g s a frame, tables included.\n",
             seconds / (2.0 * fmax(1.0, study->cell_count)));
 }
 
@@ -471,9 +473,10 @@ static void print_text(const struct study *study, struct neph_publication *publi
     const struct neph_cli_size *size = &request->shared.size;
     fprintf(publication->text,
             "neph %s, %s of %s on %s: %d samples, %dx%d, directions of %dx%d pixels.\n"
-            "A direction is off by the sum over channels of abs(model - truth) over the sum of the "
-            "truth; means over directions by\ntheir solid angles; noise is what the truth is off "
-            "by itself. Wanted from %g degrees on: mean <= %g %%, worst <= %g %%.\n",
+            "The error of a direction is the sum over channels of abs(model - truth) over the sum "
+            "of the truth; means over directions by\n"
+            "their solid angles; noise is the error between two truths. Wanted from %g degrees on: "
+            "mean <= %g %%, worst <= %g %%.\n",
             NEPH_VERSION, request->scene->name, request->truth, study->truth.info.device,
             request->samples, size->width_px, size->height_px, request->tile_px, request->tile_px,
             lowest_sun_deg, 100.0 * mean_wanted, 100.0 * worst_wanted);
@@ -529,7 +532,7 @@ static void answer_models(const struct study *study, double noise, struct neph_a
                             study->cells[0].gaps[order[i]].because);
         else
             neph_answer_add(answer,
-                            "%s%s: off by %.2f %% in the mean, %.1f %% at most, over %d cells; "
+                            "%s%s: error %.2f %% in the mean, %.1f %% at most, over %d cells; "
                             "within the limits in %d of %d%s",
                             is_best ? "nearest: " : "", name, 100.0 * of->mean, 100.0 * of->worst,
                             of->cells, of->good, of->limited,

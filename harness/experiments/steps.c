@@ -31,7 +31,7 @@ static const struct neph_cli_option options[] = {
     {.name = "time-limit", .otherwise = "3600"},
     {"renew", 0, NULL,
      "Make the studies that come with neph (scenes/studies) where they are missing or of another "
-     "version; of the whole catalogue, or of the scene given alone",
+     "version; of the whole catalogue, or of only the given scene",
      NEPH_CLI_FLAG, .at = offsetof(struct request, renew)},
     {.name = "blender"},
     {.name = "jobs", .otherwise = "1"},
@@ -91,11 +91,11 @@ static void print_study(const struct neph_study *study, const struct neph_cli_sh
         fprintf(out, "; observed order %.2f", study->observed_order);
     static const char *const sentences[] = {
         [NEPH_STUDY_WITHIN] = "the chosen setting is within 0.1 % of the limit, noise included",
-        [NEPH_STUDY_NOISE] = "noise hides whether any setting is within 0.1 %: the coarsest whose "
-                             "bias cannot be told from 0 is chosen",
-        [NEPH_STUDY_OFF] = "even the finest setting is off by more than 0.1 %, or its error does "
-                           "not shrink by the order that the limit assumes: take the bias as a "
-                           "guess, and smaller steps by hand",
+        [NEPH_STUDY_NOISE] = "noise hides whether any setting is within 0.1 %: the coarsest "
+                             "setting with a bias within the noise is chosen",
+        [NEPH_STUDY_OFF] = "even the finest setting has a bias of more than 0.1 %, or its error "
+                           "does not shrink by the order that the limit assumes: take the bias as "
+                           "a guess, and smaller steps by hand",
     };
     fprintf(out, "\n%s\n", sentences[study->verdict]);
 }
@@ -151,7 +151,7 @@ static enum neph_status make_job(struct request *request, struct neph_diag *diag
     }
     if (!neph_study_applies(engine, request->scene))
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "scene %s holds homogeneous media alone: %s needs no steps there",
+                         "scene %s has only homogeneous media: %s needs no steps there",
                          request->scene->name, engine->name);
     request->job = (struct neph_job){.engine = engine,
                                      .shot = {.scene = request->scene,

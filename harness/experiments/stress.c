@@ -55,11 +55,11 @@ static enum neph_status judge(const struct neph_stress_suite *suite, struct neph
         return NEPH_OK;
     if (suite->counts.compared == 0)
         return neph_fail(reason, NEPH_ERR_GATE, "nothing was compared: that is no verdict");
-    neph_fail(reason, NEPH_ERR_GATE, "%d of %d results are not what is expected of them",
+    neph_fail(reason, NEPH_ERR_GATE, "%d of %d results differ from their expectations",
               suite->counts.news, suite->counts.compared);
     neph_hint(reason, "a failure with a cause that is known is an entry of "
-                      "scenes/studies/stress_expectations.json, with its reason; what no longer "
-                      "fails has none");
+                      "scenes/studies/stress_expectations.json, with its reason; a result that "
+                      "passes has no entry");
     return NEPH_ERR_GATE;
 }
 

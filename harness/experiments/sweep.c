@@ -80,21 +80,21 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &neph_cli_one_scene,
     .check = check,
-    .doc =
-        "Render one scene with several engines and settings, and say which is the cheapest at an "
-        "error and how many steps are enough.\v"
-        "Errors are against the truth: engine exact where it can render the scene, else the "
-        "tracer, whose noise is printed. The error of a real-time method against the ray marcher "
-        "with the same lighting, its flicker and its half-life after a step of the sun are "
-        "separate numbers. Times are measured in rounds over all points: keep the machine quiet. "
-        "Frames are kept in DIR/store and not rendered twice, times in DIR/times.json. "
-        "NEPH_VULKAN_DEVICE names the device.\n\n"
-        "DIR/sweep/index.html has the charts, DIR/sweep.json all numbers.\n\n"
-        "Examples:\n"
-        "  neph sweep voxel_grid\n"
-        "  neph sweep cloud_below --error 0.05 --only march,ours\n"
-        "  neph sweep voxel_grid --plan sweep --only march,seed --csv -\n"
-        "  neph sweep voxel_grid --untimed --seeds 3 -o out/fronts",
+    .doc = "Render one scene with several engines and settings, and say which is the cheapest at "
+           "an error and how many steps are enough.\vErrors are against the truth: engine exact "
+           "where it can render the scene, else the tracer, with its noise printed. The error of a "
+           "real-time method against the ray marcher with the same lighting, its flicker and its "
+           "half-life after a step of the sun are separate numbers. Times are measured in rounds "
+           "over all points: keep the machine quiet. Frames are kept in DIR/store and not rendered "
+           "twice, times in DIR/times.json. NEPH_VULKAN_DEVICE names the device.\n"
+           "\n"
+           "DIR/sweep/index.html has the charts, DIR/sweep.json all numbers.\n"
+           "\n"
+           "Examples:\n"
+           "  neph sweep voxel_grid\n"
+           "  neph sweep cloud_below --error 0.05 --only march,ours\n"
+           "  neph sweep voxel_grid --plan sweep --only march,seed --csv -\n"
+           "  neph sweep voxel_grid --untimed --seeds 3 -o out/fronts",
 };
 
 static enum neph_status prepare(void *request_, struct neph_diag *diag)
@@ -249,13 +249,16 @@ static void print_sweep(const struct neph_sweep *sweep, FILE *out)
     for (int n = 0; n < NEPH_SWEEP_NUMBERS; n++)
         print_front(sweep, (enum neph_sweep_number)n, out);
     fprintf(out,
-            "\n*: on the front of its column: nothing cheaper is as good.\n"
-            "error: relative RMSE against the truth, the model's gap included; shortcut: "
-            "against the march of\nits own model; flicker: contrast seen over threshold; "
-            "four: what repeats every four frames, of\nwhite; half-life [frames] after a step "
-            "of the sun.\n%d of %d points measured",
+            "\n"
+            "*: on the front of its column: nothing cheaper is as good.\n"
+            "error: relative RMSE against the truth, the model's gap included; shortcut: against "
+            "the march of\n"
+            "its own model; flicker: contrast seen over threshold; four: flicker that repeats "
+            "every four frames, of\n"
+            "white; half-life [frames] after a step of the sun.\n"
+            "%d of %d points measured",
             neph_sweep_measured_count(sweep), sweep->point_count);
-    fprintf(out, "; truth %.0f s, the rest %.0f s", sweep->truth_s, sweep->measure_s);
+    fprintf(out, "; truth %.0f s, all others %.0f s", sweep->truth_s, sweep->measure_s);
     if (sweep->load > 1.5 * neph_processor_count())
         fprintf(out, "; the machine was busy (load %.1f): times are those of a busy machine",
                 sweep->load);

@@ -103,7 +103,7 @@ static const struct neph_cli_option options[] = {
      .presets = neph_rt_presets, .uses = NEPH_RT_STRESS_QUICK},
     {"on-device", 0, NULL,
      "Of the stress tests: only count bad values, in all images of every frame, on the device "
-     "(preset off, which has none: in its pictures); nothing is kept",
+     "(preset off, which has none: in its frames); nothing is kept",
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, on_device)},
     {.name = "jobs",
      .help = "Processes that render at the same time: scenes, checks of the physics suite, or "
@@ -112,12 +112,10 @@ static const struct neph_cli_option options[] = {
      .minimum = 1,
      .maximum = NEPH_STRESS_JOBS_MAX},
     {"pictures", 0, "WHICH",
-     "Of the stress tests: results that the page has pictures of: failed (default), changed, all, "
-     "none",
+     "Of the stress tests: results with images on the page: failed (default), changed, all, none",
      NEPH_CLI_WORD, .at = offsetof(struct neph_validate_request, pictures)},
     {"page-limit", 0, NULL,
-     "Of the stress tests: the most that the page may take; the worst results have their pictures "
-     "first "
+     "Of the stress tests: the most that the page may take; the worst results get images first "
      "(default: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, page_limit_mb), .minimum = 1,
      .maximum = 1000000},
@@ -141,8 +139,8 @@ static const struct neph_cli_option options[] = {
      "Leave out the speed-against-accuracy charts and the sequence; so do named scenes and engines",
      NEPH_CLI_FLAG, .at = offsetof(struct neph_validate_request, no_charts)},
     {"budget", 0, "S",
-     "Seconds that Blender or POV-Ray may take for one picture; what needs more gets fewer "
-     "samples, or is reported as not fitting (default: 300; quick: 60)",
+     "Seconds that Blender or POV-Ray may take for one frame; a longer render gets fewer samples, "
+     "or is reported as not fitting (default: 300; quick: 60)",
      NEPH_CLI_INTEGER, .at = offsetof(struct neph_validate_request, budget_s), .minimum = 1,
      .maximum = 1000000},
     {.name = "blender"},
@@ -207,7 +205,7 @@ static void check_stress(const struct neph_validate_request *request,
                           "NAME+KEY=VALUE");
     if (request->pictures &&
         neph_stress_pictures_of(request->pictures) == NEPH_STRESS_PICTURES_COUNT)
-        argp_error(state, "there are no pictures '%s'; there are failed, changed, all and none",
+        argp_error(state, "--pictures has no value '%s'; it has failed, changed, all and none",
                    request->pictures);
 }
 
@@ -250,27 +248,27 @@ static const struct neph_cli_syntax syntax = {
     .options = options,
     .operands = &operands,
     .check = check,
-    .doc =
-        "Run scenes (default: those of the quick tier) over engines, measure each against the "
-        "highest rung of truth, check the gates, and write DIR/report/index.html: from the first "
-        "scene on, so that it can be watched.\v"
-        "Finished frames are kept in DIR/store and used again; an interrupted or killed run "
-        "goes on where it stopped. Both folders are neph's own: one of that name that neph did "
-        "not make is refused. Runs at the same time may share DIR: each frame is stored once, "
-        "and the report is that of the run that wrote it last. A missing engine is reported as "
-        "missing and the others go on. Exit code 1: a gate failed, an engine broke, or nothing "
-        "could be compared. Exit code 0 is about the frames that were compared: an engine that is "
-        "missing or did not fit its budget does not change it, and the verdict names it.\n\n"
-        "Examples:\n"
-        "  neph validate\n"
-        "  neph validate --tier full --budget 120\n"
-        "  neph validate fence_backlit --size 320x180\n"
-        "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
-        "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
-        "  neph validate --suite physics --jobs 4 -o out/physics\n"
-        "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
-        "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
-        "  neph validate --suite stress --only fog_seam -e povray --pictures all",
+    .doc = "Run scenes (default: those of the quick tier) over engines, measure each against the "
+           "highest level of truth, check the gates, and write DIR/report/index.html: from the "
+           "first scene on, so that it can be watched.\vFinished frames are kept in DIR/store and "
+           "used again; an interrupted or killed run goes on where it stopped. Both folders are "
+           "neph's own: one of that name that neph did not make is refused. Runs at the same time "
+           "may share DIR: each frame is stored once, and the report is that of the run that wrote "
+           "it last. A missing engine is reported as missing and the others go on. Exit code 1: a "
+           "gate failed, an engine broke, or nothing could be compared. Exit code 0 is about the "
+           "frames that were compared: an engine that is missing or did not fit its budget does "
+           "not change it, and the verdict names it.\n"
+           "\n"
+           "Examples:\n"
+           "  neph validate\n"
+           "  neph validate --tier full --budget 120\n"
+           "  neph validate fence_backlit --size 320x180\n"
+           "  neph validate my_fog.yaml -e command --only-engine --junit out/junit.xml\n"
+           "  neph validate my_fog.yaml -e exact,march -s march:steps=256 -o /tmp/fog\n"
+           "  neph validate --suite physics --jobs 4 -o out/physics\n"
+           "  neph validate --suite physics --only slab -e oracle,tracer --samples 4096\n"
+           "  neph validate --suite stress --only fence_tiles --preset fixed+override=parallel\n"
+           "  neph validate --suite stress --only fog_seam -e povray --pictures all",
 };
 
 const struct neph_experiment neph_experiment_validate = {
@@ -324,11 +322,10 @@ static void tell(const struct neph_validation *validation, const char *folder, F
             validation->physics ? "rows" : "frames", counts->reported, counts->expected,
             counts->compared);
     if (counts->ungated > 0)
-        fprintf(
-            out,
-            "gates: of %d no gate limits the radiance: its mean is to be within a factor of two "
-            "of the truth's\n",
-            counts->ungated);
+        fprintf(out,
+                "gates: of %d no gate limits the radiance: its mean must be within a factor of two "
+                "of the truth\n",
+                counts->ungated);
     fputs("verdict: ", out);
     neph_validation_print_verdict(validation, out);
     fprintf(out, "\nreport: %s/index.html\n", folder);
@@ -343,16 +340,15 @@ static enum neph_status judge(const struct neph_validation *validation, struct n
         return neph_fail(reason, NEPH_ERR_INTERNAL, "%d of %d results are not in the report",
                          counts->expected - counts->reported, counts->expected);
     if (counts->compared == 0) {
-        neph_fail(reason, NEPH_ERR_GATE, "nothing was compared with a truth: that is no verdict");
+        neph_fail(reason, NEPH_ERR_GATE, "nothing was compared with a truth: there is no verdict");
         neph_hint(reason, "a run needs an engine that is the truth of its scenes (exact, oracle, "
                           "tracer) and another; the report says why frames are missing");
         return NEPH_ERR_GATE;
     }
     return neph_fail(reason, NEPH_ERR_GATE,
-                     validation->physics
-                         ? "an engine that claims to be the truth is off, or an engine broke; the "
-                           "report names it"
-                         : "a gate failed or an engine broke; the report names it");
+                     validation->physics ? "an engine that claims to be the truth deviates, or an "
+                                           "engine failed; the report names it"
+                                         : "a gate failed or an engine broke; the report names it");
 }
 
 static enum neph_status write_junit(const struct neph_validation *validation, const char *path,

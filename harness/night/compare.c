@@ -214,7 +214,7 @@ static enum neph_status check_against(struct work *work, struct neph_diag *diag)
         status = neph_history_has(work->index, work->against, &has, diag);
     return status || has
                ? status
-               : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no night %lld that is over",
+               : neph_fail(diag, NEPH_ERR_NOT_FOUND, "there is no finished nightly run %lld",
                            (long long)work->against);
 }
 
@@ -258,17 +258,17 @@ static const char *words_of_loss(struct neph_arena *arena, const struct neph_los
     case NEPH_LOSS_STEP:
         return lost->other
                    ? neph_arena_format(arena,
-                                       "the accepted night has measured it, and tonight's plan has "
-                                       "no step '%s'; tonight measures the same scene as '%s'",
+                                       "the accepted run measured it, but this run's plan has no "
+                                       "step '%s'; step '%s' measures the same scene",
                                        lost->step, lost->other)
                    : neph_arena_format(arena,
                                        "the accepted night has measured it, and tonight's plan has "
                                        "no step '%s'",
                                        lost->step);
     case NEPH_LOSS_SERIES:
-        return "the accepted night has measured it, and tonight has not";
+        return "the accepted run measured it, and this run did not";
     case NEPH_LOSS_OVERDUE:
-        return neph_arena_format(arena, "it was not measured for %lld nights",
+        return neph_arena_format(arena, "the last %lld runs did not measure it",
                                  (long long)lost->nights);
     case NEPH_LOSS_EDITED:
         break; /* reported once for the scene, by find_edits() */
@@ -320,7 +320,7 @@ static enum neph_status find_edits(struct work *work, struct neph_diag *diag)
                                                     work->against, arena, &edits, &count, diag);
     for (int i = 0; i < count && !status; i++)
         find_by(work, NEPH_FOUND_EDITED, edits[i].before, edits[i].step,
-                neph_arena_format(arena, "its scene was edited, %d numbers are those of %s: %s",
+                neph_arena_format(arena, "its scene was edited, and %d numbers belong to %s: %s",
                                   edits[i].count, edits[i].after, words_of_edit(work, &edits[i])),
                 "", edits[i].accepted);
     return status;
@@ -364,7 +364,7 @@ static enum neph_status find_terms(struct work *work, struct neph_diag *diag)
         status = are_terms_accepted(work, s->step, version, s->terms, &accepted, diag);
         if (!status && !accepted)
             find_by(work, NEPH_FOUND_EDITED, version, s->step,
-                    "its gates, its exposure or what is measured of it over time were edited", "",
+                    "its gates, its exposure or its measurements over time were edited", "",
                     work->comparison->baseline);
     }
     return status;
@@ -386,13 +386,13 @@ static void find_in_pictures(struct work *work)
         const struct candidate *c = &work->candidates[i];
         if (c->other_size && is_first_of_step(work, i))
             find(work, NEPH_FOUND_SIZE, c->step, c->step,
-                 "its frames are of another size than those of the accepted night");
+                 "its frames differ in size from the frames of the accepted run");
         const double before = c->other_environment ? c->other_value : c->past ? c->past[0] : NAN;
         if (c->is_picture && c->series.past_count > 0 && before > 0.0 && !(c->series.tonight > 0.0))
             find_by(work, NEPH_FOUND_BLANK, c->name, c->step,
                     c->series.tonight < 0.0
-                        ? "it has pixels that are no numbers, and in the accepted night it had none"
-                        : "all its pixels are equal, and in the accepted night they were not",
+                        ? "it has pixels that are not numbers, and had none in the accepted run"
+                        : "all its pixels are equal, and they were not in the accepted run",
                     c->name, c->accepted);
     }
 }
@@ -451,8 +451,8 @@ static void find_overdue(struct work *work, const struct candidate *c)
     if (c->other_environment && nights > neph_lost_after_nights)
         find_by(work, NEPH_FOUND_LOST, c->name, c->step,
                 neph_arena_format(&work->comparison->arena,
-                                  "it was not compared for %d nights: %s, accepted was %s", nights,
-                                  c->environment, c->other_environment),
+                                  "the last %d runs did not compare it: %s, accepted was %s",
+                                  nights, c->environment, c->other_environment),
                 c->name, c->accepted);
 }
 
@@ -474,7 +474,7 @@ static const char *why_not(struct neph_night_comparison *comparison, const struc
 {
     if (c->accepted == 0 || !c->was_measured) {
         comparison->fresh++;
-        return "new: no accepted night has it";
+        return "new: not in an accepted run";
     }
     if (c->other_size)
         return "another size";
@@ -499,7 +499,7 @@ static void take_judgement(struct work *work, const struct candidate *c,
     row->judgement = *j;
     if (j->judged == NEPH_JUDGED_NOT) {
         comparison->young++;
-        row->why = neph_arena_format(&comparison->arena, "%d of %d nights", j->nights,
+        row->why = neph_arena_format(&comparison->arena, "%d of %d runs", j->nights,
                                      neph_series_rule(c->series.kind)->nights);
     }
     if (found_of[j->judged] != NEPH_FOUND_COUNT)
@@ -554,8 +554,7 @@ static void take_pools(struct work *work, const struct neph_series *series, int 
         find(work, NEPH_FOUND_STALE, stale->truth, "",
              neph_arena_format(
                  arena,
-                 "%d of %d series against %s moved, of %d renderers that share no program: "
-                 "look at %s before these",
+                 "%d of %d series against %s moved, of %d independent renderers: check %s first",
                  stale->moved, stale->all, stale->truth, stale->families, stale->truth));
     }
 }

@@ -22,7 +22,7 @@ enum neph_found {
     NEPH_FOUND_STALE,   /* many series of a reference moved: the reference is suspected */
     NEPH_FOUND_BLANK,   /* a frame became blank, or has NaN or infinite pixels */
     NEPH_FOUND_MISSING, /* the step is done, without this series */
-    NEPH_FOUND_LOST, /* the step is not planned, or too many runs have not compared it */
+    NEPH_FOUND_LOST,    /* the step is not planned, or too many runs have not compared it */
     NEPH_FOUND_SIZE,
     NEPH_FOUND_WORSE,
     NEPH_FOUND_WORSE_ELSEWHERE, /* worse than in another environment */
@@ -70,8 +70,8 @@ struct neph_night_comparison {
     int compared, chances;       /* `compared`: number of comparisons, means over scenes included;
                                     `chances`: those with noise */
     int fresh, elsewhere, young; /* series of the baseline with planned steps that were not run */
-    int not_run; /* baseline series whose steps are planned and were not run */
-    bool passes; /* at least one comparison, and no finding that fails */
+    int not_run;                 /* baseline series whose steps are planned and were not run */
+    bool passes;                 /* at least one comparison, and no finding that fails */
 };
 
 /* Compare a run with the baseline, or with run `against` unless that is 0. `scope` NULL: no step

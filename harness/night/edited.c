@@ -21,8 +21,8 @@
 static const char *words_of(struct neph_night_work *work, const char *copy)
 {
     return neph_arena_format(&work->night->arena,
-                             "tonight's program has rendered the accepted version once more, from "
-                             "'%s', and its numbers are compared with the accepted ones",
+                             "this run's program rendered the accepted version again, from '%s', "
+                             "and its numbers are compared with the accepted numbers",
                              copy);
 }
 

@@ -175,8 +175,7 @@ enum neph_status neph_night_jobs_check(const struct neph_night_jobs *jobs,
     return neph_night_jobs_is_of(jobs, who)
                ? NEPH_OK
                : neph_fail(diag, NEPH_ERR_USAGE,
-                           "no jobs were sent for this night, by this program, from '%s'",
-                           jobs->folder);
+                           "'%s' has no jobs of this nightly run and this program", jobs->folder);
 }
 
 bool neph_night_jobs_find(const struct neph_night_jobs *jobs, const char *step,
@@ -302,7 +301,8 @@ enum neph_status neph_night_jobs_run(const struct neph_night_jobs *jobs,
     struct neph_night_job job;
     bool done = false;
     if (!neph_night_jobs_find(jobs, step->name, &job))
-        return neph_fail(diag, NEPH_ERR_USAGE, "tonight there is no job for step '%s'", step->name);
+        return neph_fail(diag, NEPH_ERR_USAGE, "this nightly run has no job for step '%s'",
+                         step->name);
     enum neph_status status = neph_night_jobs_look(jobs, step, &done, &record, &numbers, diag);
     if (status || done)
         return status;

@@ -115,12 +115,12 @@ static enum neph_status collect_step(struct neph_night_work *work, int index,
                                      struct neph_diag *diag)
 {
     const struct neph_night_step *step = &work->night->plan.steps[index];
-    struct neph_history_step record = {.name = step->name,
-                                       .outcome = "failed",
-                                       .reason = "its job ended and left no result: "
-                                                 "nightly/logs/slurm-* has what Slurm said",
-                                       .size = "",
-                                       .calibration_s = NAN};
+    struct neph_history_step record = {
+        .name = step->name,
+        .outcome = "failed",
+        .reason = "its job ended without a result: see nightly/logs/slurm-*",
+        .size = "",
+        .calibration_s = NAN};
     struct neph_night_numbers numbers = {.count = 0};
     struct neph_night_job job;
     bool found = false;
@@ -290,7 +290,7 @@ static enum neph_status list_frames(struct neph_night_work *work, struct neph_da
 {
     struct tm began = {0};
     if (!strptime(work->night->started_utc, "%Y-%m-%dT%H:%M:%SZ", &began))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a night without a beginning");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a nightly run without a start time");
     const int64_t start_s = timegm(&began);
     json_t *list = json_array();
     struct neph_query *query = neph_query(index, diag, "SELECT key FROM jobs ORDER BY key", "");
@@ -366,7 +366,8 @@ static void find_in_history(const struct neph_history_fault *fault, void *contex
     struct neph_arena *arena = &work->night->comparison.arena;
     const struct neph_finding finding = neph_finding(
         NEPH_FOUND_HISTORY, neph_arena_text(arena, fault->document), "",
-        neph_arena_format(arena, "%s; `neph store check --repair` mends what it can", fault->why));
+        neph_arena_format(arena, "%s; `neph store check --repair` repairs the store where possible",
+                          fault->why));
     neph_night_add_finding(&work->night->comparison, &finding);
 }
 
@@ -456,12 +457,12 @@ static enum neph_status read_jobs(struct neph_night_work *work, struct neph_diag
     if (status || (!found && !reports))
         return status;
     if (!reports) {
-        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "jobs named %s are at work on a night in '%s'",
+        neph_fail(diag, NEPH_ERR_UNAVAILABLE, "jobs named %s are working on a nightly run in '%s'",
                   work->jobs.name, work->params->output);
-        neph_hint(diag,
-                  "--executor slurm goes on with it; to forget it, scancel --name=%s, and "
-                  "remove '%s'",
-                  work->jobs.name, work->jobs.folder);
+        neph_hint(
+            diag,
+            "--executor slurm continues it; to discard it, scancel --name=%s, and remove '%s'",
+            work->jobs.name, work->jobs.folder);
         return NEPH_ERR_UNAVAILABLE;
     }
     return neph_night_jobs_check(&work->jobs, &who, diag);

@@ -59,15 +59,15 @@ static void print_counts(const struct neph_night *night, FILE *out)
     const struct neph_night_comparison *c = &night->comparison;
     fprintf(out, " %d comparisons", c->compared);
     if (c->baseline > 0)
-        fprintf(out, " with night %lld", (long long)c->baseline);
+        fprintf(out, " with run %lld", (long long)c->baseline);
     fprintf(out, ", %d of them with chance in them;", c->chances);
     for (int found = 0; found < NEPH_FOUND_COUNT; found++) {
         const int count = count_found(night, (enum neph_found)found);
         if (count > 0)
             fprintf(out, " %d %s,", count, neph_found_word((enum neph_found)found));
     }
-    fprintf(out, " %d new, %d of another environment, %d with too few nights, %d not run.",
-            c->fresh, c->elsewhere, c->young, c->not_run);
+    fprintf(out, " %d new, %d of another environment, %d with too few runs, %d not run.", c->fresh,
+            c->elsewhere, c->young, c->not_run);
     fprintf(out, " Steps: %d of %d, %d once more, in %.1f min.", night->done_count,
             night->plan.count, night->again_count, night->seconds / 60.0);
 }
@@ -97,7 +97,7 @@ static void print_findings(const struct neph_night *night, FILE *out)
     if (c->finding_count > TOLD)
         fprintf(out, " And %d more, in nightly.json.", c->finding_count - TOLD);
     if (c->baseline == 0)
-        fprintf(out, " No night was accepted yet: look at this one, and then `neph baseline accept "
+        fprintf(out, " No run was accepted yet: check this one, and then `neph baseline accept "
                      "--why TEXT`.");
 }
 

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct neph_page_parts parts = {.title = "Nephelometer night",
+static const struct neph_page_parts parts = {.title = "Nephelometer nightly run",
                                              .files = {"night.html", "night.js"}};
 
 enum {

@@ -44,7 +44,7 @@ struct neph_night_plan_params {
     int only_count;
     const char *const *engines; /* additional engines for the scenes of the catalogue */
     int engine_count;
-    bool only_engines; /* only catalogue scenes, with these engines and the reference */
+    bool only_engines;           /* only catalogue scenes, with these engines and the reference */
     const char *const *settings; /* "ENGINE:KEY=VALUE", for the scenes of the catalogue */
     int setting_count;
     int seed;                /* for the catalogue, `neph validate --seed`; 0: 1 */

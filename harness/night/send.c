@@ -46,17 +46,17 @@ static enum neph_status check(const struct neph_slurm_settings *settings, struct
 {
     const char *index = getenv("NEPH_STORE_INDEX");
     if (neph_index_place() != NEPH_INDEX_OF_HOST || index[0] != '/') {
-        neph_fail(diag, NEPH_ERR_USAGE,
-                  "the database of a store that several hosts work in would be that of all of "
-                  "them, which SQLite cannot do");
+        neph_fail(
+            diag, NEPH_ERR_USAGE,
+            "several hosts would share one database of the store, which SQLite does not support");
         neph_hint(diag, "export NEPH_STORE_INDEX=/var/tmp/neph: a folder on each host's own disk, "
                         "where it makes its database from the store's files");
         return NEPH_ERR_USAGE;
     }
     if (wants_gpu() && !settings->gpu) {
         neph_fail(diag, NEPH_ERR_USAGE,
-                  "NEPH_VULKAN_DEVICE names a GPU, and nobody has said which "
-                  "hosts have one");
+                  "NEPH_VULKAN_DEVICE names a GPU, and the Slurm feature of hosts with that GPU is "
+                  "not given");
         neph_hint(diag, "--slurm gpu=FEATURE, as in `sinfo -o '%%n %%f'`");
         return NEPH_ERR_USAGE;
     }
@@ -104,8 +104,8 @@ static enum neph_status find_night(struct sending *sending, struct neph_diag *di
         return NEPH_OK;
     if (left == 0)
         return forget(sending, diag);
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%d jobs of another night are at work in '%s'", left,
-              work->params->output);
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "%d jobs of another nightly run are working in '%s'",
+              left, work->params->output);
     neph_hint(diag, "wait for them, or scancel --name=%s", work->jobs.name);
     return NEPH_ERR_UNAVAILABLE;
 }
@@ -245,7 +245,7 @@ static bool has_jobs(struct sending *sending, bool *told)
     const enum neph_status status = neph_slurm_count(sending->work->jobs.name, sending->work->logs,
                                                      &left, &why);
     if (status && status != NEPH_ERR_INTERRUPTED && !*told) {
-        neph_progress_warn("Slurm does not answer, and is asked again: %s", why.message);
+        neph_progress_warn("Slurm does not answer; neph tries again: %s", why.message);
         *told = true;
     }
     return status || left > 0;
@@ -270,9 +270,9 @@ static enum neph_status check_report(struct sending *sending, struct neph_diag *
     const struct neph_night_work *work = sending->work;
     if (is_over(sending))
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_ENGINE, "the jobs of night %lld have ended without a report",
+    neph_fail(diag, NEPH_ERR_ENGINE, "the jobs of nightly run %lld ended without a report",
               (long long)work->jobs.night);
-    neph_hint(diag, "'%s/slurm-*' say why; the same command goes on with what is not done",
+    neph_hint(diag, "see '%s/slurm-*' for the reason; the same command continues the run",
               work->logs);
     return NEPH_ERR_ENGINE;
 }
@@ -286,7 +286,7 @@ static enum neph_status cancel(struct sending *sending, struct neph_diag *diag)
         neph_progress_warn("the jobs could not be cancelled: %s; scancel --name=%s", why.message,
                            work->jobs.name);
     return neph_fail(diag, NEPH_ERR_INTERRUPTED,
-                     "interrupted; the jobs are cancelled, and the same command goes on");
+                     "interrupted; the jobs are cancelled, and the same command continues the run");
 }
 
 /* ---- all ------------------------------------------------------------------------------------- */

@@ -164,7 +164,8 @@ enum neph_status neph_night_lock(const struct neph_night_work *work, bool waits,
     *lock = neph_lock_take_over(path.text);
     if (*lock >= 0)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another night is at work in '%s'", work->params->output);
+    neph_fail(diag, NEPH_ERR_UNAVAILABLE, "another nightly run is working in '%s'",
+              work->params->output);
     neph_hint(diag, "wait for it, or name another folder with -o");
     return NEPH_ERR_UNAVAILABLE;
 }
@@ -175,7 +176,7 @@ static enum neph_status identify(struct neph_night_work *work, struct neph_diag 
     struct neph_night *night = work->night;
     const ssize_t length = readlink("/proc/self/exe", path, sizeof(path) - 1);
     if (length <= 0)
-        return neph_fail(diag, NEPH_ERR_IO, "cannot tell where neph itself lies: %s",
+        return neph_fail(diag, NEPH_ERR_IO, "cannot find the path of the neph program: %s",
                          strerror(errno));
     path[length] = '\0';
     const enum neph_status status = neph_build_id(build, diag);

@@ -33,8 +33,8 @@ enum observable {
 
 enum { FURNACE, SINGLE, MULTIPLE, FOG, HALF_SPACE, CONSERVED, RECIPROCAL, COLUMNS };
 const struct neph_check_rung neph_check_rungs[NEPH_CHECK_RUNGS] = {
-    [FURNACE] = {"furnace",
-                 "furnace: in a uniform surround vanishes what has albedo 1 or emits as it does"},
+    [FURNACE] = {"furnace", "furnace: in a uniform environment, a medium with albedo 1 or with "
+                            "matching emission is invisible"},
     [SINGLE] = {"single", "single scattering against closed forms and quadrature"},
     [MULTIPLE] = {"slab", "slab, all orders, against adding-doubling"},
     [FOG] = {"fog", "height fog over black ground, all orders, against adding-doubling"},

@@ -34,8 +34,8 @@ struct neph_check {
     char what[320];   /* description of medium, light and views */
     struct neph_check_view views[NEPH_CHECK_VIEWS_MAX];
     int view_count;
-    bool uneven; /* the medium is not homogeneous: renderers march through it in steps */
-    bool deep;   /* light scatters a thousand times and more before it leaves */
+    bool uneven;     /* the medium is not homogeneous: renderers march through it in steps */
+    bool deep;       /* light scatters a thousand times and more before it leaves */
     bool truth_only; /* needs many frames: only for built-in path tracers */
 };
 

@@ -226,7 +226,7 @@ static enum neph_status read_sum(const struct neph_stage *stage, const struct ne
     double weighted = 0.0;
     enum neph_status status = neph_exr_read(path, &frame, diag);
     if (!status && !neph_image_rgb(frame, "volume", volume))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "a picture has no light of media");
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "a frame has no radiance of media");
     for (int p = 0; p < view->width_px * view->height_px && !status; p++)
         weighted += neph_check_pixel_weight(view, &camera,
                                             neph_check_ray(view, &camera, p).direction) *
@@ -402,11 +402,14 @@ static void print(const void *laws, FILE *out)
 {
     struct neph_table table = {.cells = NULL};
     fill(laws, &table);
-    fprintf(out, "\n**Laws: what a model comes to, and by how many %% that is off**\n\n"
-                 "The furnace is a white ball with suns all around it: what it scatters to the "
-                 "camera over what it takes from the view, which is also the light that leaves it "
-                 "over what it takes from a sun. Fluxes are over the sun's; A is the true slab's. "
-                 "Reciprocity: with eye and sun exchanged.\n\n");
+    fprintf(out, "\n"
+                 "**Laws: the value of a model, and its error in %%**\n"
+                 "\n"
+                 "The furnace is a white ball with suns all around it: the light scattered to the "
+                 "camera over the light removed from the view, which is also the light leaving the "
+                 "ball over the light removed from a sun. Fluxes are relative to the sun's flux; A "
+                 "is from the reference of the slab. Reciprocity: with camera and sun exchanged.\n"
+                 "\n");
     neph_table_print(&table, out);
     neph_table_finish(&table);
 }

@@ -38,13 +38,14 @@ static const struct {
     const char *cause;
 } causes[] = {
     {"povray", LOWERED,
-     "it has single scattering from light sources only: no light of the surroundings and no higher "
+     "it has single scattering from light sources only: no light of the environment and no higher "
      "orders"},
     {NULL, LOWERED, "it models single scattering only"},
     {"march octaves", ALWAYS,
-     "a sum of octaves is a look: it saturates with optical depth and does not conserve energy"},
+     "a sum of octaves is a non-physical model: it saturates with optical depth and does not "
+     "conserve energy"},
     {"march octaves fitted", ALWAYS,
-     "a sum of octaves is a look, fitted or not: it does not conserve energy"},
+     "a sum of octaves is a non-physical model, fitted or not: it does not conserve energy"},
     {"cycles", DEEP,
      "it ends paths at 1024 bounces, Blender's own limit, and beyond an optical depth of some 30 "
      "light without absorption scatters more often than that"},
@@ -52,7 +53,8 @@ static const struct {
      "it marches through uneven media in steps with one random offset: e^-tau of a noisy optical "
      "depth is too bright on average (Jensen), and less so with smaller steps"},
     {NULL, STEPPED, "its steps are too long: the error shrinks with them as it should"},
-    {NULL, BAKED, "it was given voxels in place of the medium: the bake's own error is in the row"},
+    {NULL, BAKED,
+     "it renders voxels in place of the medium: the row includes the error of the voxel grid"},
 };
 
 const char *neph_participant_cause(const struct neph_participant *participant,

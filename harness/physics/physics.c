@@ -38,7 +38,7 @@ static void judge(struct neph_physics_row *row, double critical_z, struct neph_a
         row->sentence = neph_arena_format(arena, "%s agrees: %+.3g %%, within %.2g %%", who,
                                           percent, 100.0 * width);
     else
-        row->sentence = neph_arena_format(arena, "%s is off by %+.3g %%, %s%s", who, percent,
+        row->sentence = neph_arena_format(arena, "%s deviates by %+.3g %%, %s%s", who, percent,
                                           row->cause ? "because " : "and the cause is not known",
                                           row->cause ? row->cause : "");
 }
@@ -146,7 +146,7 @@ static enum neph_status refuse_check(const char *text, struct neph_diag *diag)
                  neph_check_rungs[i].name);
     }
     neph_fail(diag, NEPH_ERR_USAGE, "no check of the physics suite has '%s' in its name", text);
-    neph_hint(diag, "the rungs are %s; a run without --only shows all names", names);
+    neph_hint(diag, "the groups are %s; a run without --only shows all names", names);
     return NEPH_ERR_USAGE;
 }
 

@@ -131,7 +131,7 @@ int neph_odd_one_out(const char *const *names, int count, const int *verdicts, c
     if (odd_count != 1) {
         snprintf(sentence, 400, "%s",
                  undecided == 0 ? "more than one differs: no odd one out"
-                                : "cannot tell: some differ, and noise hides which stands alone");
+                                : "cannot tell: some differ, and noise hides the odd one out");
         return -1;
     }
     snprintf(sentence, 400, "%s is the odd one out: it differs from all others, and they %s",

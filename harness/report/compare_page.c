@@ -33,7 +33,7 @@ static const struct shown_map {
     {"a4", "Amplitude at the period of four frames [luma]", true},
     {"std", "Standard deviation over time [luma]", true},
     {"relative", "Absolute error over the mean of the reference", false},
-    {"flip", "FLIP: what is seen when the two alternate", false},
+    {"flip", "FLIP: the visible difference when the two alternate", false},
 };
 
 static const struct shown_map *find_shown(const struct neph_map *map, int frame)

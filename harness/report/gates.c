@@ -70,8 +70,7 @@ static void judge(const struct neph_gate *gate, const char *engine,
 static const double least_share = 0.5, largest_share = 2.0;
 
 static const char ungated_reason[] =
-    "no gate of the scene limits this, so its mean is to be within a factor "
-    "of two of the truth's";
+    "no gate of the scene limits this, so its mean must be within a factor of two of the reference";
 
 bool neph_scene_is_gated(const struct neph_scene_result *scene, const char *engine,
                          const char *quantity)

@@ -138,7 +138,7 @@ static const char *where(const struct neph_ranked *ranked, struct neph_arena *ar
 {
     const struct place place = find_place(ranked);
     if (!is_concentrated(&place))
-        return "Where: spread over the picture.";
+        return "Where: spread over the frame.";
     return neph_arena_format(arena, "Where: %s of the squared error lies %s (%s of the pixels).",
                              percent(place.error_share, arena), place.words,
                              percent(place.pixel_share, arena));
@@ -167,7 +167,7 @@ static const char *find_part(const struct neph_ranked *ranked, struct neph_arena
     const double bias = defined_value(ranked, "rel_bias");
     if (is_radiance && parts->offset_share >= least_share && isfinite(bias))
         return neph_arena_format(
-            arena, "one offset of the whole picture, %+.2g\u00a0%%, is %s of the squared error",
+            arena, "one offset of the whole frame, %+.2g\u00a0%%, is %s of the squared error",
             100.0 * bias, percent(parts->offset_share, arena));
     if (shift_share >= least_share)
         return neph_arena_format(arena,
@@ -188,11 +188,11 @@ static const char *compare_with_model(const struct neph_ranked *ranked, struct n
             number->metric != ranked->number->metric)
             continue;
         return neph_arena_format(
-            arena, "%s, which marches the same light for every pixel, is off by %.2g\u00a0%%: %s",
+            arena, "%s, the ray marcher with the same lighting, has an error of %.2g\u00a0%%: %s",
             model, 100.0 * number->value,
             number->value < 0.5 * ranked->number->value
                 ? "the error comes from the reuse of pixels and of earlier frames"
-                : "most of the error comes from the march itself");
+                : "most of the error comes from the ray marching");
     }
     return NULL;
 }
@@ -203,17 +203,14 @@ static const char *find_step(const struct neph_ranked *ranked, struct neph_arena
     const struct neph_study *study = frame->study;
     const double step_bias = study ? study->levels[study->chosen].bias : 0.0;
     if (fabs(step_bias) >= least_share * ranked->number->value)
-        return neph_arena_format(arena, "the step of its march makes %+.2g\u00a0%%",
-                                 100.0 * step_bias);
+        return neph_arena_format(arena, "the step length causes %+.2g\u00a0%%", 100.0 * step_bias);
     if (frame->step_optical_depth > long_step)
         return neph_arena_format(
             arena,
-            "one step spans an optical depth of up to %.2g, and changes within "
-            "a step are not seen",
+            "one step spans an optical depth of up to %.2g, and misses changes within the step",
             frame->step_optical_depth);
     if (frame->bakes && frame->bakes->worst.transmittance_max > 0.0)
-        return neph_arena_format(arena,
-                                 "the grid that it saw is off by up to %.2g of transmittance",
+        return neph_arena_format(arena, "its voxel grid has transmittance errors of up to %.2g",
                                  frame->bakes->worst.transmittance_max);
     return NULL;
 }

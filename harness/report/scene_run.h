@@ -33,8 +33,8 @@ struct neph_validate_params {
     const char *const *settings; /* "ENGINE:KEY=VALUE"; not used by charts and the sequence */
     int setting_count;
     int width_px, height_px;
-    int seed;        /* number of the seed of engines that draw paths, from 1 */
-    double budget_s; /* for each frame of an external renderer: see budget.h */
+    int seed;                          /* number of the seed of engines that draw paths, from 1 */
+    double budget_s;                   /* for each frame of an external renderer: see budget.h */
     struct neph_shared_device *device; /* as neph_shot.device */
     int jobs; /* number of processes that render scenes at the same time; does not change results */
     bool quiet;

@@ -175,7 +175,7 @@ char *neph_step_depth_warning(double depth, const struct neph_engine *engine)
 {
     if (!(depth > NEPH_STEP_DEPTH_MAX))
         return NULL;
-    return neph_format("a step of %s spans an optical depth of up to %.3g, and what happens within "
-                       "a step is lost: raise its %s",
+    return neph_format("a step of %s spans an optical depth of up to %.3g, and changes within a "
+                       "step are lost: raise its %s",
                        engine->name, depth, engine->step.option);
 }

@@ -44,21 +44,21 @@ const char *neph_shown_name(enum neph_shown which);
 struct neph_frame_result {
     const struct neph_engine *engine;
     enum neph_outcome outcome;
-    const char *reason;    /* "" for a rendered frame */
-    const char *note;      /* missing samples or a non-physical part, or "" */
-    bool is_look;          /* a non-physical model, by its engine or its settings */
-    const char *settings;  /* canonical text */
-    bool reused;           /* taken from the store */
-    struct neph_cost cost; /* of the render that made it, start-up included */
+    const char *reason;      /* "" for a rendered frame */
+    const char *note;        /* missing samples or a non-physical part, or "" */
+    bool is_look;            /* a non-physical model, by its engine or its settings */
+    const char *settings;    /* canonical text */
+    bool reused;             /* taken from the store */
+    struct neph_cost cost;   /* of the render that made it, start-up included */
     struct neph_speed speed; /* of warm frames, without start-up; repeats 0: not measured */
     struct neph_job job;     /* the job that rendered it, without the scene */
     double noise;            /* standard error of a pixel over the RMS radiance; NaN: none */
     uint64_t seed;
-    double step_optical_depth;      /* largest of a step; NaN: no fixed steps */
-    const char *path;               /* of the frame in the store; NULL: not rendered */
-    const char *second_path;        /* frame of a second seed; NULL: none */
-    struct neph_cost second_cost;   /* of the second frame */
-    const struct neph_study *study; /* the step study that chose its step; NULL: none */
+    double step_optical_depth;              /* largest of a step; NaN: no fixed steps */
+    const char *path;                       /* of the frame in the store; NULL: not rendered */
+    const char *second_path;                /* frame of a second seed; NULL: none */
+    struct neph_cost second_cost;           /* of the second frame */
+    const struct neph_study *study;         /* the step study that chose its step; NULL: none */
     const struct neph_bakes_summary *bakes; /* of its voxel grids; NULL: none */
     struct neph_measurements measurements;  /* owned */
     struct neph_error_parts error_parts;    /* against the reference; all 0 for the reference */

@@ -38,7 +38,7 @@ static void print_bakes(const struct neph_bakes_summary *bakes, FILE *out)
 {
     fprintf(out, "%38s of %s: ", "", bakes->grid);
     if (bakes->worst.transmittance_max > 0.0)
-        fprintf(out, "off by up to %.1e of transmittance, extinction by %.1e rms\n",
+        fprintf(out, "errors: transmittance up to %.1e, extinction %.1e rms\n",
                 bakes->worst.transmittance_max, bakes->worst.extinction_rms_relative);
     else
         fprintf(out, "nothing is lost\n");

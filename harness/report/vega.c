@@ -22,7 +22,7 @@ enum neph_status neph_vega_template(const char *name, json_t **spec, struct neph
     if (!*spec) {
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND, "cannot read the chart's template '%s'",
                            path ? path : "?");
-        neph_hint(diag, "set NEPH_DATA_DIR to the folder that holds scenes/ and scripts/");
+        neph_hint(diag, "set NEPH_DATA_DIR to the folder with scenes/ and scripts/");
     }
     free(path);
     return status;

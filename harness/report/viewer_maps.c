@@ -205,7 +205,7 @@ enum neph_status neph_viewer_maps(const struct neph_viewer *view, bool is_pictur
     enum neph_status status = find_maps(&maps, diag);
     for (int s = 1; s < view->set_count && maps.count > 0 && !status; s++) {
         if (view->sets[0].frames.count > 1 && view->sets[s].frames.count == 1)
-            add_obstacle(not_taken, s, "all", "a still is not held against a sequence");
+            add_obstacle(not_taken, s, "all", "a single frame is not compared with a sequence");
         else
             status = compare(&maps, s, is_picture, frame_rate_hz, not_taken, diag);
     }

@@ -94,8 +94,8 @@ static enum neph_status check_radiance(const char *path, const struct neph_image
         snprintf(names + strlen(names), sizeof(names) - strlen(names), " %s",
                  image->channels[c].name);
     neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no radiance: its channels are%s", path, names);
-    neph_hint(diag, "radiance is in channels R G B, or in Y alone when it is grey; --layer NAME "
-                    "takes NAME.R NAME.G NAME.B for it");
+    neph_hint(diag, "radiance is in channels R G B, or in Y if it is grey; --layer NAME reads "
+                    "NAME.R NAME.G NAME.B");
     return NEPH_ERR_INPUT;
 }
 
@@ -125,8 +125,7 @@ static enum neph_status check_frame(struct shop *shop, const char *path,
                          shop->made.width_px, shop->made.height_px);
     if (is_picture != shop->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "'%s' is a picture for a display, '%s' is linear data: they have no "
-                         "common scale",
+                         "'%s' is a display image, '%s' is linear data: they have no common scale",
                          is_picture ? path : shop->first_path,
                          is_picture ? shop->first_path : path);
     const enum neph_status status = neph_frame_form_check(&shop->form, path, image, false, diag);
@@ -149,7 +148,7 @@ static enum neph_status write_text(struct shop *shop, const char *key, const cha
     if (!status && (double)shop->made.bytes > shop->view->limit_bytes) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "the page would be larger than %.3g MB",
                            shop->view->limit_bytes / 1e6);
-        neph_hint(diag, "take fewer frames (a pattern, --warm-up), --quantity radiance alone, "
+        neph_hint(diag, "take fewer frames (a pattern, --warm-up), only --quantity radiance, "
                         "--overlay none, or a higher --page-limit");
     }
     if (!status)
@@ -369,7 +368,7 @@ static enum neph_status ship_cube(struct shop *shop, const struct neph_display_c
         return NEPH_OK;
     if (shop->is_picture)
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "these are pictures for a display: --ocio shows linear data");
+                         "these are display images: --ocio shows linear data");
     const size_t node_count = (size_t)NEPH_DISPLAY_CUBE_SIDE * NEPH_DISPLAY_CUBE_SIDE *
                               NEPH_DISPLAY_CUBE_SIDE;
     const enum neph_status status = ship_planes(shop, "cube", (const float *const *)cube->nodes, 3,

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The benchmark of engines with noise: reference, sample levels, statistics, JSON.
+ */
 #include "harness/run/benchmark.h"
 
 #include "base/threads.h"
@@ -18,7 +21,7 @@ bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size
 {
     const char *cannot = NULL;
     if (!engine->stochastic)
-        cannot = "knows no chance: more time does not make it better";
+        cannot = "is deterministic: more time does not improve it";
     else if (neph_engine_samples(engine) < 0)
         cannot = "has no number of samples to vary";
     if (cannot)
@@ -30,7 +33,7 @@ bool neph_benchmark_applies(const struct neph_engine *engine, char *reason, size
 
 struct reference {
     struct neph_noisy_frame frames[SEEDS];
-    double square, mean; /* of the radiance, without the noise's part */
+    double square, mean; /* of the radiance; the noise is removed from the square */
 };
 
 static enum neph_status render_reference(struct neph_benchmark *benchmark, int samples,
@@ -53,13 +56,13 @@ static enum neph_status render_reference(struct neph_benchmark *benchmark, int s
     return NEPH_OK;
 }
 
-/* --- the ladder --------------------------------------------------------------------------- */
+/* --- the sample levels -------------------------------------------------------------------- */
 
 struct climb {
     struct neph_rungs ladder;
     double start_s;
-    double least_s[NEPH_BENCHMARK_RUNGS];       /* that a whole render took */
-    double means[NEPH_BENCHMARK_RUNGS * SEEDS]; /* relative to the reference's */
+    double least_s[NEPH_BENCHMARK_RUNGS];       /* of a whole render */
+    double means[NEPH_BENCHMARK_RUNGS * SEEDS]; /* relative to the reference's mean */
 };
 
 static enum neph_status climb_rung(const struct neph_job *job, int rung,
@@ -75,7 +78,8 @@ static enum neph_status climb_rung(const struct neph_job *job, int rung,
                                    &frames[s], diag);
         if (status)
             break;
-        result->render_s += frames[s].render_s / SEEDS; /* less the start: leave_start_out() */
+        result->render_s += frames[s].render_s / SEEDS; /* minus the start time: leave_start_out()
+                                                           */
         climb->least_s[rung] = fmin(climb->least_s[rung], frames[s].render_s);
         result->error2 += neph_noisy_cross(&frames[s], &reference->frames[0], &frames[s],
                                            &reference->frames[1]) /
@@ -96,7 +100,7 @@ static enum neph_status climb_rung(const struct neph_job *job, int rung,
 
 /* --- the result --------------------------------------------------------------------------- */
 
-/* The mean with Student's interval. */
+/* The mean with the interval of Student's t distribution. */
 static struct neph_benchmark_value mean_of(const double *values, int count, double student)
 {
     double mean = 0.0, square = 0.0;
@@ -118,7 +122,8 @@ static double log_cost(const struct neph_rmse_rung *rung)
     return log(fmax(rung->noise2 * rung->render_s, 1e-300));
 }
 
-/* The start was timed when the machine may have been busy: it is the least that the rungs show. */
+/* Subtracts the start time from the render times. The planned start time may have been measured on
+ * a busy machine, so the smaller of it and the levels' own estimate is taken. */
 static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
 {
     int samples[NEPH_BENCHMARK_RUNGS];
@@ -133,7 +138,8 @@ static void leave_start_out(struct climb *climb, struct neph_rmse_rung *rungs)
         rungs[k].render_s -= climb->start_s;
 }
 
-/* Rungs pair up: what else the machine did at the time, it did to both. */
+/* Engines are compared level by level: both renders of a level ran next to each other, so other
+ * load on the machine slowed both. */
 static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
 {
     const double student_95_of_seeds = 2.365; /* 2 * 4 - 1 degrees of freedom */
@@ -157,13 +163,15 @@ static void conclude(struct neph_benchmark *benchmark, struct climb *climbs)
     }
 }
 
-/* Steps of progress are of kinds that take alike long: the reference, then each engine's rungs. */
+/* Groups of progress steps with similar durations: 0 is the reference, then one for each engine and
+ * level. */
 static int kind_of(int engine, int rung)
 {
     return 1 + engine * NEPH_BENCHMARK_RUNGS + rung;
 }
 
-/* What a rung takes follows from its samples, of which a rung may have told more. */
+/* Updates the expected durations from the samples of each level and the last known time per sample.
+ */
 static void expect_rungs(int engine, int from, const struct neph_rungs *ladder,
                          struct neph_progress *progress)
 {
@@ -194,8 +202,8 @@ static enum neph_status climb_all(struct neph_benchmark *benchmark,
     return NEPH_OK;
 }
 
-/* A reference of four times the samples of the tracer's last rung, so that its noise is small
- * beside any rung's (none of it is left in the means anyway). */
+/* The reference has four times the samples of the tracer's last level, so its noise is small beside
+ * the noise of every level. The product estimators remove the rest of it. */
 static enum neph_status prepare(struct neph_benchmark *benchmark, struct climb *climbs,
                                 struct reference *reference, struct neph_progress *progress,
                                 struct neph_diag *diag)

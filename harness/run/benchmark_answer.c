@@ -1,15 +1,19 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The summary lines of `neph benchmark`.
+ */
 #include "harness/run/benchmark_answer.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables of this file need a row for it. */
 _Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
 
 enum { NAME_SIZE = 96, TEXT_SIZE = 400 };
 
-/* "cycles (Blender 3.4.1)" of an external renderer; our own engines have one version. */
+/* "cycles (Blender 3.4.1)" for an external renderer; the project's engines are named without a
+ * version. */
 static const char *name_of(const struct neph_job *job, char text[NAME_SIZE])
 {
     if (job->engine->rung == NEPH_RUNG_WITNESS)
@@ -72,11 +76,11 @@ static void answer_engine(const struct neph_benchmark_engine *engine, struct nep
                     is_zero ? ", not told apart from 0" : "", engine->start_s, text);
 }
 
-/* One engine has nothing to be compared with. */
+/* One engine: its time to a noise of 1 % instead of a comparison. */
 static void answer_single(const struct neph_benchmark_engine *engine, struct neph_answer *answer)
 {
     char name[NAME_SIZE], interval[NEPH_ANSWER_INTERVAL_SIZE];
-    const double percent = 1e4; /* noise^2 x time is the time to a noise of 1 */
+    const double percent = 1e4; /* (1 / 0.01)^2: noise^2 * time is the time to a noise of 1 */
     neph_answer_add(answer, "%s: 1 %% of noise in %.3g s%s", name_of(&engine->job, name),
                     percent * engine->cost_s.value,
                     neph_answer_interval(percent * engine->cost_s.low,
@@ -101,7 +105,7 @@ void neph_benchmark_answer(const struct neph_benchmark *benchmark, struct neph_a
 
 /* ---- frames in flight ------------------------------------------------------------------------ */
 
-/* On the device where it has a clock. */
+/* The device's own time where it has timestamps, else wall-clock time. */
 static const struct neph_spread *time_of(const struct neph_benchmark_frames_engine *engine)
 {
     return isfinite(engine->gpu_s.median) ? &engine->gpu_s : &engine->frame_s;
@@ -130,7 +134,7 @@ static void answer_frames_engine(const struct neph_benchmark_frames_engine *engi
                     engine->reference->name, rest);
 }
 
-/* The faster of two first; ranges of 10 % to 90 % that overlap are not told apart. */
+/* The faster engine first. Ranges of 10 % to 90 % that overlap count as "not told apart". */
 static void answer_frames_pair(const struct neph_benchmark_frames_engine *a,
                                const struct neph_benchmark_frames_engine *b,
                                struct neph_answer *answer)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The benchmark of engines without noise: timed frames in flight, error, roofline limits, JSON.
+ */
 #include "harness/run/benchmark_frames.h"
 
 #include "base/clock.h"
@@ -18,17 +21,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables of this file need a row for it. */
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_TEXEL_FORMAT_COUNT == 3, "a new kind");
 
 static const double limit_s = 10.0;
 
-/* A GPU's clock takes its time to rise, and lavapipe's has none. */
+/* Seconds for each roofline limit. The clock of a GPU needs time to rise; lavapipe has no clock
+ * that rises. */
 static const double cpu_ceiling_s = 0.25, gpu_ceiling_s = 1.0;
 
 enum {
-    REST_FRAMES = 8, /* looked at together */
+    REST_FRAMES = 8, /* frames of one batch, after which the gradient pass is checked */
     REST_FRAMES_MAX = 512
 };
 
@@ -38,9 +42,9 @@ static bool is_on(const struct neph_job *job, const char *option)
     return !isnan(value) && value != 0.0;
 }
 
-/* --- what they took ----------------------------------------------------------------------- */
+/* --- times of frames and passes ----------------------------------------------------------- */
 
-/* A double that each picture's cost has at an offset. */
+/* Median and range of one double of the frames' costs, given by its offset in the struct. */
 static struct neph_spread spread_at(const struct neph_flown *flown, size_t offset, double *room)
 {
     for (int i = 0; i < flown->count; i++)
@@ -48,7 +52,7 @@ static struct neph_spread spread_at(const struct neph_flown *flown, size_t offse
     return neph_spread_of(room, flown->count);
 }
 
-/* The first picture for which a pass ran; NULL: it never did. */
+/* The first frame in which a pass ran; NULL: it never ran. */
 static const struct neph_flight_cost *first_with(const struct neph_flown *flown, int pass)
 {
     for (int i = 0; i < flown->count; i++)
@@ -71,7 +75,7 @@ static void conclude_pass(const struct neph_flown *flown, int pass, double *room
         };
 }
 
-/* The first of these pictures from which on the gradient need not look; -1: none. */
+/* The first of these frames from which on the gradient pass is skipped; -1: it runs to the end. */
 static int steady_from(const struct neph_job *job, const struct neph_flown *flown)
 {
     int pass = 0, from = flown->count;
@@ -101,7 +105,8 @@ static void conclude(const struct neph_flown *flown, double *room,
         conclude_pass(flown, pass, room, engine);
 }
 
-/* Before a scene that rests: until the engine knows it, where it ever does, but at most 10 s. */
+/* Warm-up of a static scene: renders frames until the engine has detected that the scene is static
+ * and skips the gradient pass, but for at most 10 s. */
 static enum neph_status come_to_rest(struct neph_job *job, long *picture, struct neph_diag *diag)
 {
     const double start_s = neph_wall_s();
@@ -146,7 +151,7 @@ static enum neph_status time_frames(struct neph_benchmark_frames_engine *engine,
 
 /* --- the error ---------------------------------------------------------------------------- */
 
-/* "march", "march_octaves", ...: whichever has the engine's lighting. */
+/* The marcher with the engine's lighting: "march", "march_octaves", ... */
 static const struct neph_engine *reference_of(const struct neph_job *job)
 {
     const struct neph_engine *engine = job->engine;
@@ -175,7 +180,8 @@ static enum neph_status relative_rmse(const struct neph_image *image,
     return NEPH_OK;
 }
 
-/* A sky from tables or none is no shortcut: the reference has the same. */
+/* The reference gets the engine's sky settings: a sky from tables, or none, is no part of the
+ * shortcut error. */
 static void keep_sky(const struct neph_job *job, struct neph_job *reference)
 {
     const struct neph_option *options = reference->engine->options;
@@ -214,7 +220,7 @@ static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engin
     return NULL;
 }
 
-/* A pass whose evaluations are in the count of the march. */
+/* Adds a pass whose density evaluations are included in the marcher's count. */
 static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_benchmark_pass *march)
 {
     const size_t used = strlen(march->with);
@@ -222,8 +228,10 @@ static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_be
     march->evaluation_s += pass->gpu_s.median;
 }
 
-/* A picture has one count of all its evaluations: that of the march, of the pass "scene" where it
- * lights solids, and of a sun cache or a shadow map where sun or wind make it be filled again. */
+/* The device counts all density evaluations of a frame in one number: those of the marcher, of the
+ * pass "scene" where it lights solids, and of the sun cache or the shadow map where a moving sun or
+ * wind makes it refill. The count is dropped (NaN) where one of the passes has no time of its own.
+ */
 static void find_evaluators(struct neph_benchmark_frames_engine *engine,
                             struct neph_benchmark_pass *march)
 {
@@ -254,7 +262,8 @@ static void take_counts(const struct neph_image *image, struct neph_benchmark_fr
     json_decref(stats);
 }
 
-/* As `neph render` shows it, but each time before an eye that is adapted to it. */
+/* Times the display chain as `neph render` runs it; each repeat starts from the same adapted
+ * exposure. */
 static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark,
                                    struct neph_benchmark_frames_engine *engine,
                                    const struct neph_image *frame, int number, int repeats,
@@ -278,7 +287,8 @@ static enum neph_status time_chain(const struct neph_benchmark_frames *benchmark
     return status;
 }
 
-/* The picture after those that were timed: counted, compared, and shown. */
+/* The frame after the timed ones: its evaluations are counted, its error is measured, and it passes
+ * through the display chain. */
 static enum neph_status look(const struct neph_benchmark_frames *benchmark,
                              struct neph_benchmark_frames_engine *engine, long picture,
                              int frame_count, struct neph_diag *diag)
@@ -307,7 +317,7 @@ static double median_of(struct neph_benchmark_frames_engine *engine, const char 
     return pass ? pass->gpu_s.median : 0.0;
 }
 
-/* The same pictures by the readable shaders, timed as the engine's own. */
+/* Times the same frames with the readable shaders in place of the device's variants. */
 static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engine,
                                       enum neph_rt_device_kind kind, long *picture, int frame_count,
                                       struct neph_diag *diag)
@@ -335,7 +345,7 @@ static enum neph_status measure_gains(struct neph_benchmark_frames_engine *engin
     return status;
 }
 
-/* --- all of it ---------------------------------------------------------------------------- */
+/* --- one engine, the device, all ---------------------------------------------------------- */
 
 static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark,
                                    struct neph_benchmark_frames_engine *engine, int frame_count,
@@ -358,7 +368,7 @@ static enum neph_status run_engine(const struct neph_benchmark_frames *benchmark
     return status;
 }
 
-/* That of the first processor, now. */
+/* The current clock of the first processor; NaN: not known. */
 static double clock_of_cpu(void)
 {
     FILE *file = fopen("/proc/cpuinfo", "r");
@@ -372,7 +382,7 @@ static double clock_of_cpu(void)
     return 1e6 * mhz;
 }
 
-/* lavapipe's own limit, where it is set. */
+/* Threads of lavapipe: its own limit where that is set, else all processors. */
 static int threads_of_cpu(void)
 {
     const char *limit = getenv("LP_NUM_THREADS");
@@ -380,7 +390,7 @@ static int threads_of_cpu(void)
     return count > 0 ? count : neph_processor_count();
 }
 
-/* That of the textures that an engine is set to sample; -1: it samples none. */
+/* The format of the textures that an engine's settings sample; -1: it samples buffers. */
 static int texel_format_of(const struct neph_job *job)
 {
     const double *values = job->shot.settings.values;
@@ -389,8 +399,8 @@ static int texel_format_of(const struct neph_job *job)
     return sampling < 0 || values[sampling] == 0.0 ? -1 : (int)values[format];
 }
 
-/* Those of all engines, or the one that is the default, so that the two ways to sample stand beside
- * each other. */
+/* The texture formats of all engines as bits; where no engine samples textures, the default format,
+ * so that both ways to sample are measured. */
 static unsigned texel_formats(const struct neph_benchmark_frames *benchmark)
 {
     unsigned formats = 0;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Jobs with a time budget: fewer samples, and a small pilot frame when nothing fits.
+ */
 #include "harness/run/budget.h"
 
 #include "base/exr.h"
@@ -10,10 +13,11 @@
 
 enum { RUNGS = 3, RUNG_FACTOR = 8, PILOT_SIDE = 4 };
 
-/* What a pilot needs when the machine is busy with ten other things: it tells slow from hanging. */
+/* Time limit of the pilot, in seconds: enough on a machine that is busy with ten other jobs, so
+ * that a pilot beyond it counts as a hang. */
 static const double pilot_limit_s = 300.0;
 
-/* The settings that are tried, most samples first; returns how many. */
+/* Lists the settings to try, most samples first; returns their number. */
 static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUNGS])
 {
     const int index = neph_engine_samples(job->engine);
@@ -30,8 +34,8 @@ static int list_rungs(const struct neph_job *job, struct neph_settings rungs[RUN
     return count;
 }
 
-/* What is lost with the samples. The noise of a Monte Carlo mean falls with the root of their
- * number. */
+/* Notes the reduced samples. The noise of a Monte Carlo mean falls with the square root of the
+ * number of samples. */
 static void write_note(const struct neph_job *job, const struct neph_settings *asked,
                        double budget_s, char note[NEPH_JOB_NOTE_SIZE])
 {
@@ -47,11 +51,13 @@ static void write_note(const struct neph_job *job, const struct neph_settings *a
 
 struct pilot {
     struct neph_job job;
-    struct neph_job_result results[2]; /* of two seeds; of one where nothing is random */
+    struct neph_job_result results[2]; /* of two seeds; only the first where the engine is
+                                          deterministic */
     double noise;                      /* NaN: not known */
 };
 
-/* A small picture of the fewest samples, by two seeds where the engine draws random numbers. */
+/* Renders a frame of a quarter of the side with the fewest samples, with two seeds where the engine
+ * draws random numbers. */
 static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
                                   struct neph_store *store, struct pilot *pilot,
                                   struct neph_diag *diag)
@@ -78,7 +84,8 @@ static enum neph_status run_pilot(const struct neph_job *job, double budget_s,
     return status;
 }
 
-/* Nothing fitted: what the pilot says of that. `asked` are the settings that were wished for. */
+/* Writes the reason of an OVER_BUDGET result: time and noise extrapolated from the pilot to the
+ * settings `asked`. */
 static void explain(const struct pilot *pilot, const struct neph_settings *asked, double budget_s,
                     struct neph_job_result *result)
 {
@@ -93,14 +100,13 @@ static void explain(const struct pilot *pilot, const struct neph_settings *asked
         snprintf(noise, sizeof(noise), ", and its noise would be about %.2g %% of the rms radiance",
                  100.0 * pilot->noise / sqrt(factor));
     result->outcome = NEPH_OUTCOME_OVER_BUDGET;
-    snprintf(
-        result->reason, sizeof(result->reason),
-        "did not fit into %g s: by a picture of %dx%d px its radiance alone would take %.0f s%s; "
-        "--budget gives it more",
-        budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
+    snprintf(result->reason, sizeof(result->reason),
+             "did not fit into %g s: by a frame of %dx%d px its radiance would take %.0f s%s; "
+             "raise the limit with --budget",
+             budget_s, pilot->job.shot.width_px, pilot->job.shot.height_px, least_s, noise);
 }
 
-/* The largest number of samples that the store holds. */
+/* Looks in the store for a frame, most samples first. */
 static enum neph_status reuse(struct neph_job *job, double budget_s,
                               const struct neph_settings *rungs, int rung_count,
                               struct neph_store *store, struct neph_job_result *result, bool *found,

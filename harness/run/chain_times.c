@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * GPU times of the display chain's stages.
+ */
 #include "harness/run/chain_times.h"
 
 #include "base/clock.h"
@@ -10,8 +13,9 @@
 
 static const double warm_up_s = 1.0;
 
-/* Some forty milliseconds of a GPU at 1920x1080: after ten the median of an H100 was 1.6 times the
- * least, after none three times. Lavapipe has no clock to be kept up. */
+/* Runs before each timed one that raise the GPU's clock: about 40 ms at 1920x1080. On an H100 the
+ * median was 1.6 times the least time after ten runs, and three times without any. Lavapipe has no
+ * clock that rises. */
 enum { HEAT_RUNS = 1500 };
 
 enum neph_status neph_chain_warm_up(struct neph_vulkan *vulkan,
@@ -30,7 +34,7 @@ enum neph_status neph_chain_warm_up(struct neph_vulkan *vulkan,
     return status;
 }
 
-/* Reorders them. */
+/* Sorts `seconds`. */
 static struct neph_chain_time time_of(double *seconds, int count)
 {
     const bool has_clock = !isnan(seconds[0]);
@@ -40,7 +44,7 @@ static struct neph_chain_time time_of(double *seconds, int count)
     };
 }
 
-/* Those of a stage, or of all stages together. */
+/* Times of one stage, or of all stages together. */
 typedef double seconds_of_repeats[NEPH_CHAIN_REPEATS_MAX];
 
 static void add(const struct neph_post_stats *stats, int repeat, seconds_of_repeats *seconds)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the stages of a picture chain take on the device, over repeats.
+ * GPU times of the display chain's stages over repeats.
  */
 #ifndef NEPH_HARNESS_RUN_CHAIN_TIMES_H
 #define NEPH_HARNESS_RUN_CHAIN_TIMES_H
@@ -11,31 +11,33 @@
 enum { NEPH_CHAIN_REPEATS_MAX = 1000 };
 
 struct neph_chain_time {
-    double least_s; /* NaN: the device has no clock */
+    double least_s; /* NaN: the device has no timestamps */
     struct neph_spread spread_s;
 };
 
 struct neph_chain_times {
-    int count;                                           /* of repeats */
-    struct neph_chain_time stages[NEPH_POST_STAGES_MAX]; /* by neph_post_stages; 0: off */
+    int count;                                           /* number of repeats */
+    struct neph_chain_time stages[NEPH_POST_STAGES_MAX]; /* indexed as neph_post_stages; 0: the
+                                                            stage is off */
     struct neph_chain_time all;
 };
 
-/* A device that has had no work for a while has a slow clock: it gets a second of it. */
+/* Runs the chain for a second: the clock of an idle GPU is low. */
 enum neph_status neph_chain_warm_up(struct neph_vulkan *vulkan,
                                     const struct neph_post_params *params,
                                     const struct neph_image *frame, struct neph_diag *diag);
 
-/* A frame through the chain, `repeats` times or until `limit_s` is over (+inf: never), each as if
- * it were the only one: the eye goes on from where it is. `*picture`, to be destroyed, and `stats`
- * are those of the last. Errors as of neph_post_run(). */
+/* Runs a frame through the chain `repeats` times or until `limit_s` is over (+inf: no limit). Every
+ * repeat starts from the exposure state that `params` came with, as if it were the only run. The
+ * image `*picture` (the caller destroys it), `stats` and the exposure state are those of the last
+ * run. Errors as of neph_post_run(). */
 enum neph_status neph_chain_take(struct neph_vulkan *vulkan, const struct neph_post_params *params,
                                  const struct neph_image *frame, int repeats, double limit_s,
                                  struct neph_image **picture, struct neph_post_stats *stats,
                                  struct neph_chain_times *times, struct neph_diag *diag);
 
-/* The stages that are on, by name, and all of them: "stages" and "all" of the documents that hold
- * times. In milliseconds. For the caller to decref. */
+/* The "stages" (active ones, by name) and the "all" of documents with times, in milliseconds. The
+ * caller decrefs the result. */
 json_t *neph_chain_stages_json(const struct neph_post_params *params,
                                const struct neph_chain_times *times);
 json_t *neph_chain_time_json(const char *name, const struct neph_chain_time *time);

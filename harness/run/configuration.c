@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads and writes neph-configuration-1 files.
+ */
 #include "harness/run/configuration.h"
 
 #include "base/files.h"

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Renders the frames of a conformance test on a Vulkan device and checks their values.
+ */
 #include "harness/run/conform.h"
 
 #include "base/clock.h"
@@ -23,7 +26,7 @@ static const char *const engine_names[] = {
     "march_traced", "march_diffused", "march_similarity", "march_slab",
     "fog_look",     "tracer",         "realtime"};
 
-/* One picture, or the last of a sequence. */
+/* One rendered case: an engine with a preset. The last frame of a sequence is kept. */
 struct picture {
     const struct neph_engine *engine;
     const struct neph_preset *preset; /* NULL: the defaults */
@@ -64,9 +67,9 @@ static struct neph_path name_picture(const char *scene, const struct picture *pi
 
 /* --- rendering ---------------------------------------------------------------------------- */
 
-/* Presets are of light scattered once; in a scene of all orders, and in Horizon's clouds, they are
- * as well tried by the first lighting that can. Without one the last tried stays, and says why not.
- */
+/* Presets have single scattering. In a scene with all orders of scattering, and in Horizon's
+ * clouds, a preset is tested with the first lighting that can render the scene. Where none can, the
+ * settings stay at the last one tried, and the report has its reason. */
 static enum neph_status choose_lighting(const struct neph_scene *scene,
                                         const struct neph_engine *engine,
                                         struct neph_settings *settings, struct neph_diag *diag)
@@ -108,10 +111,10 @@ static enum neph_status fill_job(const struct neph_conform_params *params,
     return status ? status : choose_lighting(scene, engine, &job->shot.settings, diag);
 }
 
-/* What is wrong with the values of one picture after the other. */
+/* Invalid values over all frames of a case. */
 struct tally {
     size_t non_finite, negative;
-    char first[256]; /* where the first of them is; empty: there is none */
+    char first[256]; /* place of the first invalid value; empty: none */
 };
 
 static enum neph_status tally_add(struct tally *tally, const struct neph_image *frame,
@@ -131,7 +134,7 @@ static enum neph_status tally_add(struct tally *tally, const struct neph_image *
     return NEPH_OK;
 }
 
-/* The last of the job's pictures, all of them counted. */
+/* Renders `count` frames, counts the invalid values of all of them and returns the last one. */
 static enum neph_status render_pictures(struct neph_job *job, int count, struct tally *tally,
                                         struct neph_image **last, struct neph_diag *diag)
 {
@@ -162,9 +165,9 @@ static enum neph_status render_pictures(struct neph_job *job, int count, struct 
     return NEPH_OK;
 }
 
-/* --- what is kept ------------------------------------------------------------------------- */
+/* --- the files of a frame ----------------------------------------------------------------- */
 
-/* Pixels in the middle of equal parts of the picture. */
+/* Pixels at the centres of equal parts of the frame. */
 static enum neph_status take_lattice(const struct neph_image *frame, struct neph_image **lattice,
                                      struct neph_diag *diag)
 {
@@ -232,7 +235,7 @@ static enum neph_status describe_frame(const struct neph_image *frame, const cha
     return status;
 }
 
-/* --- one picture -------------------------------------------------------------------------- */
+/* --- one case ----------------------------------------------------------------------------- */
 
 static json_t *entry_json(const char *name, const struct neph_job *job, int pictures,
                           const struct tally *tally, enum neph_status status, const char *reason,
@@ -268,7 +271,7 @@ static enum neph_status conform_picture(const struct neph_conform_params *params
     if (status)
         return status;
     const enum neph_status rendered = render_pictures(&job, count, &tally, &frame, &words);
-    /* Engines may fail: that is news, in the report. */
+    /* An engine may fail: the failure becomes an entry of the report. */
     if (rendered == NEPH_ERR_INTERRUPTED || rendered == NEPH_ERR_MEMORY ||
         rendered == NEPH_ERR_UNAVAILABLE) {
         *diag = words;
@@ -329,7 +332,7 @@ static enum neph_status conform_scene(const struct neph_conform_params *params, 
     return status;
 }
 
-/* --- all of them -------------------------------------------------------------------------- */
+/* --- all scenes --------------------------------------------------------------------------- */
 
 static enum neph_status check_engines(const struct neph_conform_params *params,
                                       struct neph_diag *diag)
@@ -340,7 +343,7 @@ static enum neph_status check_engines(const struct neph_conform_params *params,
             is_there = is_there || strcmp(params->engines[i], engine_names[e]) == 0;
         if (is_there)
             continue;
-        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of ours on a Vulkan device",
+        neph_fail(diag, NEPH_ERR_USAGE, "'%s' is no engine of neph on a Vulkan device",
                   params->engines[i]);
         neph_hint(diag,
                   "march, march_octaves, march_horizon, march_octaves_fitted, march_traced, "

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * Conformance of a device: every picture of our Vulkan engines at a real size holds no NaN, no
- * infinity and nothing negative, and two devices give the same pictures within stated bounds.
+ * Conformance of a Vulkan device: every frame of the project's Vulkan engines, at full size, has
+ * only finite values and none below zero, and two devices give the same frames within stated
+ * bounds.
  *
- *   FOLDER/SCENE.json                   what was rendered, what is wrong with it, means and hashes
- *   FOLDER/SCENE_ENGINE[_PRESET].exr    a lattice of pixels out of the last picture
+ *   FOLDER/SCENE.json                   the rendered cases, their invalid values, means and hashes
+ *   FOLDER/SCENE_ENGINE[_PRESET].exr    a sparse grid of pixels of the last frame
  *
- * The devices are on different machines as a rule: their folders are what is compared.
+ * Devices are usually on different machines, so `neph conform` compares their folders.
  */
 #ifndef NEPH_HARNESS_RUN_CONFORM_H
 #define NEPH_HARNESS_RUN_CONFORM_H
@@ -18,7 +19,8 @@
 
 #define NEPH_CONFORM_PICTURES_MAX 64
 
-/* What a folder holds of each picture at most; few enough for hundreds of them to be carried. */
+/* Size limit of the sparse pixel grid, small enough for hundreds of files to be copied to another
+ * machine. */
 enum { NEPH_CONFORM_LATTICE_WIDTH_PX = 48, NEPH_CONFORM_LATTICE_HEIGHT_PX = 27 };
 
 struct neph_conform_params {
@@ -28,25 +30,26 @@ struct neph_conform_params {
     const char *const *engines; /* names; none: all of ours that run on a Vulkan device */
     int engine_count;
     int width_px, height_px;
-    int pictures;                      /* of a sequence of `realtime` */
+    int pictures;                      /* frames of a sequence of `realtime` */
     int samples;                       /* paths per pixel of `tracer` */
-    struct neph_shared_device *device; /* as neph_shot.device */
+    struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;                        /* no progress */
-    bool skip_absent; /* a scene whose file or data is not there is left out, not an error */
+    bool skip_absent; /* leave out a scene whose file or data is missing; otherwise an error */
 };
 
-/* Render and count. `*report` is the list of what FOLDER/SCENE.json hold, for json_decref(); a
- * scene that is left out is {"scene", "absent": why, "pictures": []}. NEPH_ERR_UNAVAILABLE: no such
- * device. What is wrong with a picture is in the report. */
+/* Renders the frames and counts their invalid values. `*report` is the list of the contents of all
+ * FOLDER/SCENE.json, for json_decref(); a scene that is left out is {"scene", "absent": why,
+ * "pictures": []}. NEPH_ERR_UNAVAILABLE: there is no such device. Invalid values are no error: the
+ * report lists them. */
 enum neph_status neph_conform_render(const struct neph_conform_params *params, json_t **report,
                                      struct neph_diag *diag);
 
-/* How many pictures of a report were rendered, and how many of these are as they should be; an
- * engine that failed counts as a picture. */
+/* `*expected`: cases that their engine supports, failed ones included. `*sound`: those of them that
+ * were rendered without invalid values. */
 void neph_conform_count(const json_t *report, int *expected, int *sound);
 
-/* What of two folders is compared: pictures of these engines (none: all) and of these scenes (none:
- * all), by name. */
+/* The part of two folders that is compared: frames of these engines (none given: all) and of these
+ * scenes (none given: all), by name. */
 struct neph_conform_part {
     const char *const *engines;
     int engine_count;
@@ -54,11 +57,14 @@ struct neph_conform_part {
     int scene_count;
 };
 
-/* Hold the pictures of two folders against each other. `*report`: {"devices": [2], "expected",
- * "agreeing", "pictures": [{"picture", "agrees", "channels": [...], "because"}]}, for
- * json_decref(). A picture that only one folder holds, or that is of another scene, size or
- * setting, does not agree. NEPH_ERR_NOT_FOUND, NEPH_ERR_INPUT: no folder of neph_conform_render().
- */
+/* Compares the frames of two folders. `*report`, for json_decref():
+ *
+ *   {"devices": [2], "expected", "agreeing",
+ *    "pictures": [{"picture", "agrees", "channels": [...], "because"}]}
+ *
+ * A frame that only one folder has, or whose scene, size or settings differ, does not agree.
+ * NEPH_ERR_NOT_FOUND: no such folder. NEPH_ERR_INPUT: a folder without files of
+ * neph_conform_render(). */
 enum neph_status neph_conform_compare(const char *folder_a, const char *folder_b,
                                       const struct neph_conform_part *part, json_t **report,
                                       struct neph_diag *diag);

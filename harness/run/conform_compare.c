@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Compares the conformance folders of two devices within bounds for each engine and channel.
+ */
 #include "harness/run/conform.h"
 
 #include "base/exr.h"
@@ -12,49 +15,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far two devices may be apart in a channel. A pixel is within its bound when
+/* The allowed difference of a channel between two devices. A pixel is within its bound when
+ *
  *   |a - b| <= relative max(|a|, |b|) + of_largest L,   L: the channel's largest value in A or B.
- * A share of the pixels may be beyond: where a decision hangs on the last bit, a device that takes
- * the other side is as right. The means over all pixels, of which the folder holds a few only, are
- * held to `mean` (of L). */
+ *
+ * A share of the pixels may exceed the bound: where a branch depends on the last bit of a value,
+ * either side is correct. The difference of the means (over all pixels of the frames, while the
+ * folders have only the sparse grid) must be below `mean`, relative to L. */
 struct bound {
     const char *engine;  /* "": any */
-    const char *channel; /* or its layer, with the '.' */
+    const char *channel; /* or a layer, with the trailing '.' */
     double relative, of_largest, share, mean;
 };
 
-/* Where the numbers come from.
+/* Sources of the bounds below, by engine:
  *
- * Any: Vulkan lets exp(x) be off by 3 + 2 |x| units in the last place and a division by 2.5. An
- * optical depth of 16, behind which a march sees nothing, gives 35 units or 4e-6 for each of the
- * exponentials of view and sun; a place 1 km from the camera is known to 6e-5 m, and densities rise
- * by some 1e-2 per metre at the edges of clouds, over 64 steps: together below 2e-4 of the value
- * and 2e-5 of the largest. Two of a thousand pixels may see the other side of a silhouette or of a
- * shadow's edge.
- *
- * Z: the distance to a sphere takes three roundings of its radius, 4.5e-4 of the way from an eye
- * 1/2500 of the radius above it, as in scene atmosphere_shell.
- *
- * realtime, volume.distance: that of the tap nearest in depth. Taps in a row of the ground are
- * equally near, and the last bit decides between them: of 197 pixels in three pictures of `unity`,
- * which takes nine, each had the distance of another tap, the light was the same, and the means
- * were 3e-4 apart. So many pixels may differ, and the mean may not.
- *
- * realtime: history is kept in half precision, units of 5e-4, over several frames, and thresholds
- * decide whether it holds, so that more pixels may differ, and the mean still may not. Of 203
- * pictures on an NVIDIA H100 and on lavapipe the worst had 3.3 % beyond, the next one 1 %.
- *
- * tracer: the random numbers are the same, but a collision that the last bit makes null sends the
- * rest of the path elsewhere, where it is as right. Of 33 such pictures the worst had 3.2 % beyond
- * and a mean 1e-4 off.
- *
- * march_traced: so do its paths, and each counts in a texel of many pixels and in its neighbours:
- * of 512 paths of a texel the 18th part decided otherwise on an NVIDIA H100 than on lavapipe, and
- * at 48x27 a third of the pixels saw it, by 0.17 % of the largest value (rms) and 0.64 % at most,
- * where two seeds are 0.71 and 5 % apart. So it is not how many pixels differ that is held, but by
- * how much: a quarter of what noise does.
- *
- * fog_look: a closed form on a ray of its own; each device is held to its formula to 1e-5. */
+ * - Any engine: Vulkan allows exp(x) an error of 3 + 2 |x| units in the last place and a division
+ *   2.5. At an optical depth of 16, behind which a marcher stops, that is 35 units or 4e-6 for each
+ *   exponential of view and sun. A position 1 km from the camera is known to 6e-5 m, and densities
+ *   rise by about 1e-2 per metre at the edges of clouds, over 64 steps. The sum is below 2e-4 of
+ *   the value and 2e-5 of the largest value. 2 of 1,000 pixels may fall on the other side of a
+ *   silhouette or of a shadow's edge.
+ * - Z: the distance to a sphere takes three roundings of its radius, 4.5e-4 of the way for an eye
+ *   at 1/2500 of the radius above the sphere, as in scene atmosphere_shell.
+ * - realtime, volume.distance: the distance of the tap nearest in depth. Taps along a row of the
+ *   ground are equally near, and the last bit decides between them. Of 197 pixels in three frames
+ *   of `unity`, which reads nine taps, each had the distance of another tap; the light was equal
+ *   and the means were 3e-4 apart. The allowed share of pixels is therefore large, and the bound of
+ *   the mean is tight.
+ * - realtime: the history is half precision, with units of 5e-4, over several frames, and
+ *   thresholds decide whether a history is valid. More pixels may differ; the bound of the mean
+ *   stays tight. Of 203 frames on an NVIDIA H100 and on lavapipe the worst had 3.3 % of pixels
+ *   beyond the bound, the next one 1 %.
+ * - tracer: the random numbers are equal, but a collision that the last bit turns into a null
+ *   collision sends the remaining path elsewhere, where it is as correct. Of 33 frames the worst
+ *   had 3.2 % of pixels beyond the bound and a mean 1e-4 off.
+ * - march_traced: its paths diverge in the same way, and each path counts in one coarse texel,
+ *   which covers many pixels, and in the texel's neighbours. Of the 512 paths of a texel one in 18
+ *   diverged between an NVIDIA H100 and lavapipe. At 48x27 a third of the pixels differed, by 0.17
+ *   % of the largest value (rms) and at most 0.64 %; two seeds are 0.71 % (rms) and 5 % (most)
+ *   apart. The bound therefore limits the size of the differences instead of their number: a
+ *   quarter of the noise.
+ * - fog_look: a closed form per ray; each device is tested against its formula to 1e-5. */
 static const struct bound bounds[] = {
     {"realtime", "Z", 5e-4, 0.0, 0.002, 1e-3},
     {"realtime", "volume.distance", 1e-2, 1e-3, 0.2, 1e-2},
@@ -82,7 +84,7 @@ static const struct bound *find_bound(const char *engine, const char *channel)
     const struct bound *bound = bounds;
     while (!((!bound->engine[0] || strcmp(bound->engine, engine) == 0) &&
              is_of(channel, bound->channel)))
-        bound++; /* the last one is of all */
+        bound++; /* the last row matches every channel */
     return bound;
 }
 
@@ -119,7 +121,7 @@ static enum neph_status read_scene(const char *folder, const char *file, json_t 
     return status;
 }
 
-/* The scenes of a folder, by the names of their files. */
+/* Reads the scenes of a folder, keyed by their file names. */
 static enum neph_status read_folder(const char *folder, json_t **scenes, struct neph_diag *diag)
 {
     struct neph_arena arena = {NULL};
@@ -133,7 +135,7 @@ static enum neph_status read_folder(const char *folder, json_t **scenes, struct 
             status = read_scene(folder, names.list[i], read, diag);
     neph_arena_finish(&arena);
     if (!status && json_object_size(read) == 0)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds nothing of `neph conform`", folder);
+        status = neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no files of `neph conform`", folder);
     if (status)
         json_decref(read);
     else
@@ -161,7 +163,7 @@ static double number_of(const json_t *entry, const char *channel, const char *ke
     return item ? json_number_value(json_object_get(item, key)) : NAN;
 }
 
-/* Both entries of a picture, and both lattices. */
+/* The entries and the sparse pixel grids of one frame on both devices. */
 struct pair {
     const char *engine;
     const json_t *entry[2];
@@ -169,9 +171,9 @@ struct pair {
 };
 
 struct distance {
-    double worst; /* |a - b| of a pixel, of the channel's largest value */
+    double worst; /* largest |a - b| of a pixel, relative to the channel's largest value */
     size_t beyond, allowed;
-    double mean, mean_allowed; /* both of the largest value */
+    double mean, mean_allowed; /* both relative to the largest value */
 };
 
 static struct distance measure(const struct pair *pair, const char *channel,
@@ -200,7 +202,7 @@ static struct distance measure(const struct pair *pair, const char *channel,
     return distance;
 }
 
-/* --- one picture -------------------------------------------------------------------------- */
+/* --- one frame ---------------------------------------------------------------------------- */
 
 static bool compare_channels(const struct pair *pair, json_t **channels, char *because, size_t size)
 {
@@ -208,7 +210,7 @@ static bool compare_channels(const struct pair *pair, json_t **channels, char *b
     for (int c = 0; c < pair->lattice[0]->channel_count; c++) {
         const char *name = pair->lattice[0]->channels[c].name;
         if (strncmp(name, "variance.", strlen("variance.")) == 0)
-            continue; /* an estimate of chance, not of light */
+            continue; /* an estimate of the noise, which differs between valid renders */
         const struct distance distance = measure(pair, name, find_bound(pair->engine, name));
         const bool within = distance.beyond <= distance.allowed &&
                             distance.mean <= distance.mean_allowed;
@@ -227,7 +229,7 @@ static bool compare_channels(const struct pair *pair, json_t **channels, char *b
     return agrees;
 }
 
-/* What both must share before any value is compared; NULL: nothing is in the way. */
+/* Compares the properties that both entries must share; returns the difference, or NULL. */
 static const char *find_difference(const json_t *a, const json_t *b)
 {
     static const char *const keys[] = {"outcome", "engine", "settings", "size_px", "pictures"};
@@ -240,7 +242,7 @@ static const char *find_difference(const json_t *a, const json_t *b)
     return strcmp(neph_json_text(a, "outcome"), "rendered") != 0 ? "both failed" : NULL;
 }
 
-/* NEPH_OK: `*agrees` says it. */
+/* On NEPH_OK `*agrees` is set. */
 static enum neph_status compare_lattices(const char *const folders[2], const char *name,
                                          const json_t *const entries[2], json_t **channels,
                                          bool *agrees, char *because, size_t size,
@@ -270,7 +272,8 @@ static bool is_expected(const json_t *entry)
     return strcmp(neph_json_text(entry, "outcome"), "cannot") != 0;
 }
 
-/* A picture of one folder or of both (the other entry is NULL then). */
+/* Compares a frame that both folders have, or reports one of a single folder (the other entry is
+ * NULL). */
 static enum neph_status compare_picture(const char *const folders[2],
                                         const json_t *const entries[2], bool same_scene,
                                         json_t *pictures, struct neph_diag *diag)
@@ -281,7 +284,7 @@ static enum neph_status compare_picture(const char *const folders[2],
     bool agrees = false;
     json_t *channels = json_array();
     enum neph_status status = name ? NEPH_OK
-                                   : neph_fail(diag, NEPH_ERR_INPUT, "a picture without a name");
+                                   : neph_fail(diag, NEPH_ERR_INPUT, "a frame without a name");
     const char *difference = NULL;
     if (!entries[0] || !entries[1])
         difference = entries[0] ? "only the first folder has it" : "only the second folder has it";
@@ -302,7 +305,7 @@ static enum neph_status compare_picture(const char *const folders[2],
     return status;
 }
 
-/* --- all of them -------------------------------------------------------------------------- */
+/* --- all frames --------------------------------------------------------------------------- */
 
 static bool is_wanted_scene(const struct neph_conform_part *part, const json_t *scene)
 {
@@ -321,8 +324,8 @@ static bool is_wanted(const struct neph_conform_part *part, const json_t *entry)
     return wanted;
 }
 
-/* The pictures of `scene`, folder `which`'s, beside those of the other folder; those that both have
- * are compared when it is the first folder's turn. */
+/* Compares the frames of `scene`, from folder `which`, with the other folder's. Frames of both
+ * folders are compared once, in the pass over the first folder. */
 static enum neph_status compare_scene(const char *const folders[2], const json_t *scene,
                                       const json_t *other, int which,
                                       const struct neph_conform_part *part, json_t *pictures,

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * SQLite behind harness/run/database.h: statements, transactions, migration.
+ */
 #include "harness/run/database.h"
 
 #include "base/path.h"
@@ -19,7 +22,7 @@ struct neph_database {
 struct neph_query {
     struct neph_database *database;
     sqlite3_stmt *statement;
-    enum neph_status status; /* of the question */
+    enum neph_status status; /* of the query so far */
     struct neph_diag *diag;
 };
 
@@ -54,7 +57,7 @@ static enum neph_status fail(const struct neph_database *database, struct neph_d
 
 /* ---- statements ------------------------------------------------------------------------------ */
 
-/* Without its values. NULL: memory is short. */
+/* Prepares a statement without values. NULL: out of memory. */
 static struct neph_query *prepare(struct neph_database *database, struct neph_diag *diag,
                                   const char *text)
 {
@@ -70,7 +73,7 @@ static struct neph_query *prepare(struct neph_database *database, struct neph_di
     return query;
 }
 
-/* The value of a ?, from 1 on. */
+/* Binds the value of the `at`-th "?", counted from 1. */
 static void bind(struct neph_query *query, int at, char type, union neph_database_value value)
 {
     int code;
@@ -195,7 +198,7 @@ enum neph_status neph_database_count(struct neph_database *database, int64_t *co
 
 /* ---- transactions ---------------------------------------------------------------------------- */
 
-/* For several statements, and such as give rows that nobody asks for. */
+/* For several statements at once, and for statements whose result rows are not needed. */
 static enum neph_status execute(struct neph_database *database, const char *text,
                                 struct neph_diag *diag)
 {
@@ -230,7 +233,8 @@ static enum neph_status take_step(struct neph_database *database, const char *st
     return status ? status : execute(database, mark, diag);
 }
 
-/* Under the lock of the database: another process may have been first. */
+/* Runs the missing migration steps. The version is read again under the database's lock, as another
+ * process may have migrated first. */
 static enum neph_status migrate(struct neph_database *database, const char *const *steps,
                                 struct neph_diag *diag)
 {
@@ -245,9 +249,10 @@ static enum neph_status migrate(struct neph_database *database, const char *cons
         status = neph_database_count(database, &form, diag, "PRAGMA user_version", "");
     if (!status && form > last) {
         status = neph_fail(diag, NEPH_ERR_USAGE,
-                           "'%s' has form %lld, and this neph knows forms up to %lld",
+                           "'%s' has version %lld, and this neph reads versions up to %lld",
                            database->path.text, (long long)form, (long long)last);
-        neph_hint(diag, "a later neph has used it: use that one, or name another folder with -o");
+        neph_hint(diag,
+                  "a later neph has written it: use that version, or name another folder with -o");
     }
     for (; !status && form < last; form++)
         status = take_step(database, steps[form], form + 1, diag);
@@ -269,7 +274,7 @@ enum neph_status neph_database_open(const char *path, const char *const *steps,
     if (!status) {
         sqlite3_extended_result_codes(opened->handle, 1);
         sqlite3_busy_timeout(opened->handle, WAIT_MS);
-        /* Where the file system has no WAL, SQLite keeps its rollback journal: slower, as safe. */
+        /* On a file system without WAL, SQLite keeps its rollback journal: slower, equally safe. */
         status = execute(opened, "PRAGMA journal_mode = WAL; PRAGMA foreign_keys = ON;", diag);
     }
     if (!status)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames in flight: submits and collects the frames of a sequence and times them.
+ */
 #include "harness/run/flight.h"
 
 #include "base/clock.h"
@@ -10,7 +13,7 @@
 
 static const double warm_up_s = 1.0;
 
-enum { HISTORY_FRAMES = 16 }; /* four turns of the four frames */
+enum { HISTORY_FRAMES = 16 }; /* four cycles of the four-frame pipeline */
 
 bool neph_flight_applies(const struct neph_engine *engine)
 {

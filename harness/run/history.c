@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The history of nightly runs: documents, rows, and how one is made of the other.
+ */
 #include "harness/run/history.h"
 
 #include "base/clock.h"
@@ -16,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table `documents` needs a row for it. */
 _Static_assert(NEPH_DOCUMENT_COUNT == 3, "a new kind");
 
 static const size_t document_limit_bytes = 256 << 20;
@@ -56,7 +59,7 @@ bool neph_history_is_over(const char *store_folder, int64_t night)
     return neph_path_exists(neph_document_path(store_folder, NEPH_DOCUMENT_NIGHT, night).text);
 }
 
-/* -1: it is none of this kind. */
+/* -1: the file is not of this kind. */
 int64_t neph_document_number(const char *name, enum neph_document kind)
 {
     const size_t length = strlen(documents[kind].prefix);
@@ -77,13 +80,13 @@ enum neph_status neph_document_write(const char *store_folder, enum neph_documen
                                     neph_document_path(store_folder, kind, number).text, diag);
 }
 
-/* A number is taken by its document, also by one that is torn and so has no rows. */
+/* A document takes its number, even a damaged document without rows. */
 static bool is_taken(const char *store_folder, enum neph_document kind, int64_t number)
 {
     return neph_path_exists(neph_document_path(store_folder, kind, number).text);
 }
 
-/* The first number from `number` on that no document has. */
+/* The first free number, from `number` on. */
 static int64_t next_number(const char *store_folder, enum neph_document kind, int64_t number)
 {
     while (is_taken(store_folder, kind, number))
@@ -91,18 +94,18 @@ static int64_t next_number(const char *store_folder, enum neph_document kind, in
     return number;
 }
 
-/* What is there is never written over. */
+/* Refuses to replace an existing document. */
 static enum neph_status write_new_document(const char *store_folder, enum neph_document kind,
                                            int64_t number, const json_t *document,
                                            struct neph_diag *diag)
 {
     return is_taken(store_folder, kind, number)
-               ? neph_fail(diag, NEPH_ERR_IO, "'%s' is there already",
+               ? neph_fail(diag, NEPH_ERR_IO, "'%s' exists",
                            neph_document_path(store_folder, kind, number).text)
                : neph_document_write(store_folder, kind, number, document, diag);
 }
 
-/* What its rows cannot be without. */
+/* Checks the values that rows of the document cannot do without. */
 static bool is_whole(const json_t *document, enum neph_document kind)
 {
     size_t i;
@@ -125,7 +128,7 @@ enum neph_status neph_document_read(const char *path, enum neph_document kind, j
         return status;
     if (!is_whole(read, kind)) {
         json_decref(read);
-        return neph_fail(diag, NEPH_ERR_INPUT, "it is no whole %s", documents[kind].format);
+        return neph_fail(diag, NEPH_ERR_INPUT, "it is no complete %s", documents[kind].format);
     }
     *document = read;
     return NEPH_OK;
@@ -152,7 +155,7 @@ const struct neph_record_form neph_history_step_form = {
     {STEP(name), STEP(outcome), STEP(reason), STEP(size), STEP(wall_s),
      NEPH_RECORD_OPTIONAL(struct neph_history_step, calibration_s)}};
 
-/* A measurement as a row. Documents of before numbers knew their pictures have no "frame". */
+/* A measurement as a row. "frame" is optional: older documents do not have it. */
 struct measured {
     const char *series, *step, *kind;
     double value, standard_error;
@@ -170,7 +173,7 @@ static const struct neph_record_form measured_form = {
 const struct neph_record_form neph_history_scene_form = {
     sizeof(struct neph_history_scene), {SCENE(step), SCENE(scene), SCENE(hash), SCENE(terms)}};
 
-/* The heads of documents; their rows have no format. */
+/* The heads of documents; a row has no "format". */
 struct head {
     const char *format;
     int64_t night;
@@ -202,11 +205,11 @@ union row {
     const char *frame;
 };
 
-/* The lists of a night's document. */
+/* The lists of a nightly run's document. */
 static const struct list {
     const char *name, *question, *insert;
     const struct neph_record_form *form;
-    bool may_lack; /* nights of before it was kept have none */
+    bool may_lack; /* older documents do not have the list */
 } step_list = {"steps",
                "SELECT name, outcome, reason, size, wall_s, calibration_s FROM steps WHERE night = "
                "? ORDER BY name",
@@ -229,7 +232,7 @@ static const struct list {
 static const struct list *const lists[] = {&step_list, &measurement_list, &scene_list, &frame_list};
 enum { LISTS = sizeof(lists) / sizeof(lists[0]) };
 
-/* `row` is a union row, or the member that the list has. */
+/* `row` points to a union row, or to the member that the list uses. */
 static enum neph_status insert(struct neph_database *index, const struct list *list, int64_t night,
                                const void *row, struct neph_diag *diag)
 {
@@ -294,7 +297,7 @@ static enum neph_status insert_night(struct neph_database *index, int64_t night,
     return status ? status : insert_lists(index, night, document, diag);
 }
 
-/* Whoever opens the store while it is accepted may have found its document first. */
+/* IGNORE: another process may have found the new document and inserted it first. */
 static enum neph_status insert_acceptance(struct neph_database *index, int64_t number,
                                           const json_t *document, struct neph_diag *diag)
 {
@@ -305,7 +308,6 @@ static enum neph_status insert_acceptance(struct neph_database *index, int64_t n
                            number, &acceptance_form, &acceptance);
 }
 
-/* All of a document's rows or none. */
 enum neph_status neph_document_insert(struct neph_database *index, enum neph_document kind,
                                       int64_t number, const json_t *document,
                                       struct neph_diag *diag)
@@ -317,7 +319,7 @@ enum neph_status neph_document_insert(struct neph_database *index, enum neph_doc
     return neph_database_end(index, status, diag);
 }
 
-/* ---- taking over ----------------------------------------------------------------------------- */
+/* ---- new documents --------------------------------------------------------------------------- */
 
 static enum neph_status take_document(struct neph_database *index, const char *store_folder,
                                       enum neph_document kind, int64_t number,
@@ -357,7 +359,7 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
     struct neph_arena arena = {NULL};
     struct neph_names names;
     enum neph_status status = neph_history_list(store_folder, &arena, &names, diag);
-    for (size_t k = 0; k < 2; k++) /* acceptances are of nights */
+    for (size_t k = 0; k < 2; k++) /* nightly runs first: acceptances refer to them */
         for (int i = 0; i < names.count && !status; i++) {
             const int64_t number = neph_document_number(names.list[i], kinds[k]);
             if (number > 0)
@@ -367,7 +369,7 @@ enum neph_status neph_history_refresh(struct neph_database *index, const char *s
     return status;
 }
 
-/* ---- a night that goes on -------------------------------------------------------------------- */
+/* ---- an unfinished run ----------------------------------------------------------------------- */
 
 static enum neph_status forget_unfinished(struct neph_database *index, int64_t but,
                                           struct neph_diag *diag)
@@ -400,7 +402,7 @@ static enum neph_status insert_beginning(struct neph_database *index,
     return insert_head(index, id, &head, diag);
 }
 
-/* One of its own: acceptances know nights that have no rows. */
+/* A new number, above those of acceptances too: an acceptance may refer to a run without rows. */
 static enum neph_status insert_new_night(struct neph_database *index, const char *store_folder,
                                          const struct neph_history_night *night, int64_t *id,
                                          struct neph_diag *diag)
@@ -429,7 +431,7 @@ static enum neph_status find_or_insert_night(struct neph_database *index, const 
         "AND host = ? ORDER BY id DESC",
         "ssss", night->plan, night->revision, night->program, night->host);
     if (is_taken(store_folder, NEPH_DOCUMENT_NIGHT, *id))
-        *id = 0; /* it could not end */
+        *id = 0; /* its document exists, so it could not be finished */
     *resumed = *id > 0;
     if (!status)
         status = forget_unfinished(index, *id, diag);
@@ -494,9 +496,9 @@ enum neph_status neph_history_judge(struct neph_database *index, int64_t night, 
                             "sis", judgement, night, series);
 }
 
-/* ---- documents of rows ----------------------------------------------------------------------- */
+/* ---- documents from rows --------------------------------------------------------------------- */
 
-/* The rows of a question about a night as a list. */
+/* The rows of a query about a nightly run as a JSON list. */
 static enum neph_status list_rows(struct neph_database *index, const char *question, int64_t night,
                                   const struct neph_record_form *form, json_t **list,
                                   struct neph_diag *diag)
@@ -506,7 +508,7 @@ static enum neph_status list_rows(struct neph_database *index, const char *quest
         status = neph_fail(diag, NEPH_ERR_INPUT,
                            "a row of night %lld in the store's database is damaged",
                            (long long)night);
-        neph_hint(diag, "`neph store check --repair` makes it again");
+        neph_hint(diag, "rebuild it with `neph store check --repair`");
     }
     return status;
 }
@@ -549,7 +551,7 @@ enum neph_status neph_history_acceptances(struct neph_database *index, json_t **
                      0, &acceptance_form, list, diag);
 }
 
-/* ---- for good -------------------------------------------------------------------------------- */
+/* ---- finished runs and acceptances ----------------------------------------------------------- */
 
 enum neph_status neph_history_end(struct neph_database *index, const char *store_folder,
                                   int64_t night, const char *verdict, const json_t *frames,
@@ -592,12 +594,13 @@ static enum neph_status check_acceptable(struct neph_database *index, const char
         status = neph_fail(diag, NEPH_ERR_NOT_FOUND,
                            "neither night %lld nor an accepted one has measured '%s'",
                            (long long)night, series);
-        neph_hint(diag, "`neph store export` lists what they have");
+        neph_hint(diag, "list their measurements with `neph store export`");
     }
     return status;
 }
 
-/* Number, document and rows while nobody else writes: of two at once, each has its own. */
+/* Runs in a transaction: number, document and row belong together, and two acceptances at the same
+ * time get different numbers. */
 static enum neph_status number_acceptance(struct neph_database *index, const char *store_folder,
                                           json_t *document, struct neph_diag *diag)
 {
@@ -610,13 +613,13 @@ static enum neph_status number_acceptance(struct neph_database *index, const cha
         status = neph_json_put(document, "acceptance", json_integer(number), diag);
     if (!status)
         status = write_new_document(store_folder, NEPH_DOCUMENT_ACCEPTANCE, number, document, diag);
-    /* It is accepted without its copy, too. */
+    /* The acceptance is valid without the copy. */
     if (!status && neph_document_write(store_folder, NEPH_DOCUMENT_COPY, number, document, &why))
         neph_progress_warn("acceptance %lld has no copy: %s", (long long)number, why.message);
     return status ? status : insert_acceptance(index, number, document, diag);
 }
 
-/* Hosts have databases of their own, and one lock on the store. */
+/* Each host may have its own database; the store's lock file is common to all hosts. */
 static enum neph_status insert_accepted(struct neph_database *index, const char *store_folder,
                                         json_t *document, struct neph_diag *diag)
 {

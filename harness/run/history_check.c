@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Compares the documents of nightly runs and acceptances with their copies and rows; repairs them.
+ */
 #include "harness/run/history_check.h"
 
 #include "base/path.h"
@@ -8,11 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- nights ---------------------------------------------------------------------------------- */
+/* ---- nightly runs ---------------------------------------------------------------------------- */
 
-/* A document that is missing or cannot be read is an error: the rows are then all that is left of
- * the night. `mends`: one that is torn is written anew from the rows; one that disagrees is right,
- * and so is the lack of rows that cannot be read. */
+/* Compares a run's rows with its document. A missing or unreadable document is an error: only the
+ * rows are left of the run. `mends`: a damaged document is written again from the rows. A document
+ * that differs from the rows is correct, and so is one whose rows cannot be read: no error then. */
 static enum neph_status check_night(struct neph_database *index, const char *store_folder,
                                     int64_t night, bool mends, struct neph_diag *diag)
 {
@@ -23,10 +26,10 @@ static enum neph_status check_night(struct neph_database *index, const char *sto
         status = neph_document_read(path.text, NEPH_DOCUMENT_NIGHT, &document, diag);
     const bool torn = rows && status == NEPH_ERR_INPUT;
     if (rows && status && !torn)
-        neph_hint(diag, "bring it back from a copy of the store; what it said is still in the "
-                        "database, and `neph store export` prints it");
+        neph_hint(diag, "restore it from a copy of the store; its content is still in the "
+                        "database: `neph store export`");
     if (torn || (!status && !json_equal(rows, document)))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld is not as its document '%s' says",
+        status = neph_fail(diag, NEPH_ERR_INPUT, "night %lld differs from its document '%s'",
                            (long long)night, path.text);
     if (torn && mends)
         status = neph_document_write(store_folder, NEPH_DOCUMENT_NIGHT, night, rows, diag);
@@ -61,7 +64,7 @@ enum neph_status neph_history_mend(struct neph_database *index, const char *stor
 
 /* ---- acceptances ----------------------------------------------------------------------------- */
 
-/* What document, copy and row say of one acceptance; NULL: nothing. All owned. */
+/* An acceptance in its three versions; NULL: missing. All owned. */
 struct versions {
     json_t *document, *copy, *row;
     bool document_is_torn, copy_is_torn;
@@ -75,7 +78,7 @@ struct check {
     void *context;
 };
 
-/* What the row has. */
+/* Whether document and row are equal, without the digest, which the row does not have. */
 static bool is_as_row(const json_t *document, const json_t *row)
 {
     json_t *bare = json_copy((json_t *)document);
@@ -101,7 +104,7 @@ static enum neph_status read_version(const char *store_folder, enum neph_documen
     return status;
 }
 
-/* `rows` are all acceptances. */
+/* `rows` lists all acceptances. */
 static json_t *find_row(const json_t *rows, int64_t number)
 {
     size_t i;
@@ -120,25 +123,24 @@ static const json_t *choose_version(const struct versions *v)
     return is_edited ? v->copy : v->document;
 }
 
-/* NULL: nothing. */
+/* The fault of an acceptance; NULL: none. */
 static const char *find_fault(const struct versions *v, const json_t *right, bool *of_copy)
 {
     *of_copy = false;
     if (v->document_is_torn)
-        return right
-                   ? "it is no whole neph-accept-1"
-                   : "it is no whole neph-accept-1, and neither its copy nor the database has it: "
-                     "bring it back from a copy of the store, or remove it and accept again";
+        return right ? "it is no complete neph-accept-1"
+                     : "it is no complete neph-accept-1, and neither its copy nor the database has "
+                       "it: restore it from a copy of the store, or remove it and accept again";
     if (!v->document)
         return "it is missing";
     if (v->document != right)
-        return "it is not as its copy and the database say";
+        return "it differs from its copy and the database";
     if (v->row && !is_as_row(right, v->row))
-        return "the database says something else";
+        return "it differs from the database";
     *of_copy = true;
     if (v->copy_is_torn)
-        return "it is no whole neph-accept-1";
-    return v->copy && !json_equal(v->copy, right) ? "it is not as its document" : NULL;
+        return "it is no complete neph-accept-1";
+    return v->copy && !json_equal(v->copy, right) ? "it differs from its document" : NULL;
 }
 
 static enum neph_status write_versions(const struct check *check, int64_t number,
@@ -200,7 +202,7 @@ static enum neph_status check_acceptance(const struct check *check, const json_t
     return status;
 }
 
-/* The highest number of a row, a document or a copy. */
+/* The highest number of all rows, documents and copies. */
 static enum neph_status find_last_acceptance(const struct check *check, int64_t *last,
                                              struct neph_diag *diag)
 {
@@ -236,7 +238,7 @@ enum neph_status neph_history_check_acceptances(struct neph_database *index,
     return status;
 }
 
-/* ---- what is accepted now -------------------------------------------------------------------- */
+/* ---- damaged runs, accepted runs ------------------------------------------------------------- */
 
 static enum neph_status check_torn(const struct check *check, int64_t night, struct neph_diag *diag)
 {
@@ -249,8 +251,8 @@ static enum neph_status check_torn(const struct check *check, int64_t night, str
     json_decref(document);
     if (!status && torn)
         tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it is no whole neph-night-1, and the database does not have the "
-                   "night: bring it back from a copy of the store, or remove it",
+                   "it is no complete neph-night-1, and the database does not have the night: "
+                   "restore it from a copy of the store, or remove it",
                    false);
     return status;
 }
@@ -272,7 +274,7 @@ enum neph_status neph_history_check_torn(struct neph_database *index, const char
     return status;
 }
 
-/* Whether the night is there and as its document says. What is wrong is told, and is no error. */
+/* Checks that a run exists and equals its document. A fault is reported and is no error. */
 static enum neph_status check_accepted_night(const struct check *check, int64_t night,
                                              struct neph_diag *diag)
 {
@@ -281,8 +283,8 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
     enum neph_status status = neph_history_has(check->index, night, &has, diag);
     if (status)
         return status;
-    const char *fault = "the night was accepted, and the history does not have it: bring its "
-                        "document back from a copy of the store, or accept another night";
+    const char *fault = "the night was accepted, and the history does not have it: restore its "
+                        "document from a copy of the store, or accept another night";
     if (has) {
         status = check_night(check->index, check->store_folder, night, false, &why);
         if (status == NEPH_OK)
@@ -298,7 +300,8 @@ static enum neph_status check_accepted_night(const struct check *check, int64_t 
     return NEPH_OK;
 }
 
-/* The night's document is what was accepted. Acceptances of before there was a digest have none. */
+/* Checks that the run's document is unchanged since it was accepted. Older acceptances have no
+ * digest. */
 static enum neph_status check_digest(const struct check *check, int64_t number, int64_t night,
                                      struct neph_diag *diag)
 {
@@ -314,8 +317,8 @@ static enum neph_status check_digest(const struct check *check, int64_t number, 
     json_decref(document);
     if (!status && differs)
         tell_fault(check, NEPH_DOCUMENT_NIGHT, night,
-                   "it was changed after it was accepted: bring it back from a copy of "
-                   "the store, or accept another night",
+                   "it was changed after it was accepted: restore it from a copy of the store, or "
+                   "accept another night",
                    false);
     return status;
 }

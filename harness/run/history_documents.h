@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The documents of STORE/history/ as files: their names, how they are read, written and made rows.
- * For history.c and history_check.c.
+ * The document files of STORE/history/: names, reading, writing, rows. Internal to history.c and
+ * history_check.c.
  */
 #ifndef NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
 #define NEPH_HARNESS_RUN_HISTORY_DOCUMENTS_H
@@ -19,32 +19,33 @@ enum neph_document {
     NEPH_DOCUMENT_COUNT,
 };
 
+/* The file of a document in STORE/history/. */
 struct neph_path neph_document_path(const char *store_folder, enum neph_document kind,
                                     int64_t number);
 
-/* The names in STORE/history/, sorted; none where there is no such folder. */
+/* The names in STORE/history/, sorted; an empty list where there is no such folder. */
 enum neph_status neph_history_list(const char *store_folder, struct neph_arena *arena,
                                    struct neph_names *names, struct neph_diag *diag);
 
-/* The number of a file of this kind; -1: the name is of another kind. */
+/* The number in the file name; -1: the file is of another kind. */
 int64_t neph_document_number(const char *name, enum neph_document kind);
 
-/* To json_decref. NEPH_ERR_INPUT: the file is no whole document of this kind; else as of
- * neph_file_read(). */
+/* For json_decref(). NEPH_ERR_INPUT: the file is no complete document of this kind; else errors as
+ * of neph_file_read(). */
 enum neph_status neph_document_read(const char *path, enum neph_document kind, json_t **document,
                                     struct neph_diag *diag);
 
-/* Write a document, in place of one that is there. */
+/* Writes or replaces a document. */
 enum neph_status neph_document_write(const char *store_folder, enum neph_document kind,
                                      int64_t number, const json_t *document,
                                      struct neph_diag *diag);
 
-/* All rows of a document or none. */
+/* Inserts all rows of a document, or none. */
 enum neph_status neph_document_insert(struct neph_database *index, enum neph_document kind,
                                       int64_t number, const json_t *document,
                                       struct neph_diag *diag);
 
-/* The digest of a night's document; "" when there is no whole one. */
+/* Digest of a run's document; "" when it is missing or damaged. */
 enum neph_status neph_document_digest_night(const char *store_folder, int64_t night,
                                             char digest[NEPH_HASH_HEX_SIZE],
                                             struct neph_diag *diag);

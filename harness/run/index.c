@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The store's database: schema, refresh from frames and documents, checks.
+ */
 #include "harness/run/index.h"
 
 #include "base/clock.h"
@@ -17,10 +20,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* From form to form. A form that was ever released is never edited: a change is one more step. */
+/* Migration steps. A released step is never edited: a change is one more step. */
 static const char *const steps[] = {
-    /* Engines as they were on one machine. `version` has the driver and its compiler, `device` the
-     * width of vectors, `host` the processor and how many there are. */
+    /* An engine on one machine. `version` includes the driver and its compiler, `device` the vector
+     * width, `host` the processor and the number of processors. */
     "CREATE TABLE environments ("
     "  id INTEGER PRIMARY KEY, engine TEXT NOT NULL, version TEXT NOT NULL, build TEXT NOT NULL,"
     "  device TEXT NOT NULL, host TEXT NOT NULL,"
@@ -33,7 +36,7 @@ static const char *const steps[] = {
     "  seed INTEGER NOT NULL, render_s REAL NOT NULL, wall_s REAL NOT NULL, cpu_s REAL NOT NULL,"
     "  peak_memory_bytes INTEGER NOT NULL, frame_blake2b TEXT NOT NULL, bytes INTEGER NOT NULL,"
     "  made_utc TEXT NOT NULL) STRICT, WITHOUT ROWID;"
-    /* `ended_utc` is '' while a night goes on. */
+    /* `ended_utc` is '' for an unfinished run. */
     "CREATE TABLE nights ("
     "  id INTEGER PRIMARY KEY, started_utc TEXT NOT NULL, ended_utc TEXT NOT NULL,"
     "  plan TEXT NOT NULL, revision TEXT NOT NULL, program TEXT NOT NULL, host TEXT NOT NULL,"
@@ -52,13 +55,14 @@ static const char *const steps[] = {
     "CREATE TABLE night_frames ("
     "  night INTEGER NOT NULL REFERENCES nights (id), key TEXT NOT NULL,"
     "  PRIMARY KEY (night, key)) STRICT, WITHOUT ROWID;"
-    /* `series` is '*' for all. Never changed nor removed, also when a night's document is lost. */
+    /* `series` is '*' for all. Rows are never changed nor removed, even when a run's document is
+     * lost. */
     "CREATE TABLE acceptances ("
     "  id INTEGER PRIMARY KEY, series TEXT NOT NULL, night INTEGER NOT NULL,"
     "  who TEXT NOT NULL, when_utc TEXT NOT NULL, why TEXT NOT NULL) STRICT;",
-    /* The key of the picture that a number is of, of a sequence the last; '' when it is of none. */
+    /* Key of the measured frame, or of the last frame of a sequence; '' for none. */
     "ALTER TABLE measurements ADD COLUMN frame TEXT NOT NULL DEFAULT '';",
-    /* The scene of a step, and the store's copy of its file (night/scene_copy.h). */
+    /* The scene of a step, and the store's copy of the scene file (night/scene_copy.h). */
     "CREATE TABLE night_scenes ("
     "  night INTEGER NOT NULL REFERENCES nights (id), step TEXT NOT NULL, scene TEXT NOT NULL,"
     "  hash TEXT NOT NULL, terms TEXT NOT NULL, PRIMARY KEY (night, step)) STRICT, WITHOUT ROWID;",
@@ -95,7 +99,7 @@ const struct neph_record_form neph_index_job_form = {
      JOB(size_px), JOB(frame), JOB(seed), JOB(render_s), JOB(wall_s), JOB(cpu_s),
      JOB(peak_memory_bytes), JOB(frame_blake2b), JOB(bytes), JOB(made_utc)}};
 
-/* What the record of a frame says: all but the number of its environment and its bytes. */
+/* Reads a frame's record; leaves the environment's number and the size in bytes at 0. */
 static void read_record(const char *key, const json_t *record, struct job *job,
                         struct environment *environment)
 {
@@ -151,7 +155,7 @@ static enum neph_status insert_job(struct neph_database *index, const char *fold
                                     environment.id, &neph_index_job_form, &job);
 }
 
-/* An entry whose record is bad is none; whoever asks for its key removes it. */
+/* Skips an entry with a bad record: the next request for its key removes it. */
 static enum neph_status take_frame(struct neph_database *index, const char *frames, const char *key,
                                    struct neph_diag *diag)
 {
@@ -165,13 +169,13 @@ static enum neph_status take_frame(struct neph_database *index, const char *fram
     return status;
 }
 
-/* ---- rows and frames side by side ------------------------------------------------------------ */
+/* ---- comparing rows with frames -------------------------------------------------------------- */
 
 static enum neph_status forget_frame(struct neph_database *index, const char *key,
                                      struct neph_diag *diag)
 {
     if (!neph_entry_is_key(key))
-        return neph_fail(diag, NEPH_ERR_INPUT, "a key in its rows is no key");
+        return neph_fail(diag, NEPH_ERR_INPUT, "a row has an invalid key");
     return neph_database_do(index, diag, "DELETE FROM jobs WHERE key = ?", "s", key);
 }
 
@@ -183,7 +187,8 @@ static bool are_equal(const struct neph_names *a, const struct neph_names *b)
     return equal;
 }
 
-/* Names and rows, both sorted: what is on one side alone is taken, or forgotten. */
+/* Walks names and rows, both sorted: inserts frames without a row and deletes rows without a frame.
+ */
 static enum neph_status take_over(struct neph_database *index, const char *frames,
                                   const struct neph_names *names, const struct neph_names *rows,
                                   struct neph_diag *diag)
@@ -203,7 +208,7 @@ static enum neph_status take_over(struct neph_database *index, const char *frame
     return neph_database_end(index, status, diag);
 }
 
-/* The keys of frames, and of rows. */
+/* Lists the keys of the frames and of the rows. */
 static enum neph_status list_keys(struct neph_database *index, const char *frames,
                                   struct neph_arena *arena, struct neph_names *names,
                                   struct neph_names *rows, struct neph_diag *diag)
@@ -236,7 +241,7 @@ static enum neph_status refresh(struct neph_database *index, const char *frames,
     return status;
 }
 
-/* ---- where it lies --------------------------------------------------------------------------- */
+/* ---- place of the database ------------------------------------------------------------------- */
 
 enum neph_index_place neph_index_place(void)
 {
@@ -246,7 +251,7 @@ enum neph_index_place neph_index_place(void)
     return strcmp(named, "none") == 0 ? NEPH_INDEX_NONE : NEPH_INDEX_OF_HOST;
 }
 
-/* A store that was removed and made again is another, also at the same path: its marker tells. */
+/* The marker file's inode and time tell a store from a later one at the same path. */
 static enum neph_status name_of_store(const char *store_folder, char name[NEPH_HASH_HEX_SIZE],
                                       struct neph_diag *diag)
 {
@@ -258,14 +263,14 @@ static enum neph_status name_of_store(const char *store_folder, char name[NEPH_H
                      : NULL;
     const enum neph_status status = text ? neph_hash(text, strlen(text), name, diag)
                                          : neph_fail(diag, NEPH_ERR_IO,
-                                                     "cannot tell which store '%s' is: %s",
+                                                     "cannot identify the store '%s': %s",
                                                      store_folder, strerror(errno));
     free(text);
     free(real);
     return status;
 }
 
-/* The folder of the database. */
+/* The folder that the database is in. */
 static enum neph_status find_folder(const char *store_folder, struct neph_path *folder,
                                     struct neph_diag *diag)
 {
@@ -281,7 +286,7 @@ static enum neph_status find_folder(const char *store_folder, struct neph_path *
 
 /* ---- opening --------------------------------------------------------------------------------- */
 
-/* The database of a folder with what SQLite keeps beside it, under a name that is free. */
+/* Renames a folder's database, with SQLite's files beside it, to an unused name. */
 static enum neph_status set_aside(const char *folder, const char *why, struct neph_diag *diag)
 {
     static const char *const endings[] = {"", "-wal", "-shm"};
@@ -299,14 +304,14 @@ static enum neph_status set_aside(const char *folder, const char *why, struct ne
             return neph_fail(diag, NEPH_ERR_IO, "cannot set '%s' aside: %s", from.text,
                              strerror(errno));
     }
-    neph_progress_warn("the store's database is damaged (%s): it is set aside as '%s', and a "
-                       "new one is made of the frames and the finished nights, which are "
-                       "whole; a night that was not finished begins anew",
-                       why, aside.text);
+    neph_progress_warn(
+        "the store's database is damaged (%s): it is kept as '%s', and a new one is built from the "
+        "frames and the finished nights, which are intact; an unfinished night starts again",
+        why, aside.text);
     return NEPH_OK;
 }
 
-/* Open, look whether it is whole, bring it up to date. */
+/* Opens the database, checks it and refreshes it. */
 static enum neph_status open_whole(const char *path, const char *store_folder, bool reads,
                                    struct neph_database **index, struct neph_diag *diag)
 {
@@ -325,17 +330,17 @@ static enum neph_status open_whole(const char *path, const char *store_folder, b
     return status;
 }
 
-/* A store that has frames and no database: it is of before there was one, or the database was
- * removed, and the two cannot be told apart. */
+/* Warns of a store with frames but no database: the store may be older than databases, or its
+ * database was removed. */
 static void tell_new_database(struct neph_database *index, const char *store_folder)
 {
     int64_t frames = 0;
     if (neph_database_count(index, &frames, NULL, "SELECT count(*) FROM jobs", "") == NEPH_OK &&
         frames > 0)
-        neph_progress_warn("the store '%s' had no database (it was removed, or the store is older "
-                           "than databases): a new one is made of its %lld frames and its finished "
-                           "nights",
-                           store_folder, (long long)frames);
+        neph_progress_warn(
+            "the store '%s' had no database (it was removed, or the store is older than "
+            "databases): a new one is built from its %lld frames and its finished nights",
+            store_folder, (long long)frames);
 }
 
 enum neph_status neph_index_open(const char *store_folder, bool reads, struct neph_database **index,
@@ -356,7 +361,8 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
         status = open_whole(path.text, store_folder, reads, index, &why);
     if (!status && is_new && neph_index_place() == NEPH_INDEX_IN_STORE)
         tell_new_database(*index, store_folder);
-    /* Rows that were damaged where SQLite cannot tell show when what belongs to them is refused. */
+    /* Damage inside rows, which SQLite does not detect, shows when a refresh with these rows is
+     * refused. */
     if (status == NEPH_ERR_INPUT || status == NEPH_ERR_INTERNAL) {
         status = set_aside(folder.text, why.message, &why);
         if (!status)
@@ -367,7 +373,7 @@ enum neph_status neph_index_open(const char *store_folder, bool reads, struct ne
     return status;
 }
 
-/* ---- a closer look --------------------------------------------------------------------------- */
+/* ---- a full check ---------------------------------------------------------------------------- */
 
 enum neph_status neph_index_check(struct neph_database *index, const char *store_folder,
                                   bool *whole, struct neph_diag *why, struct neph_diag *diag)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Jobs: key, checks, render, publication in the store.
+ */
 #include "harness/run/job.h"
 
 #include "base/exr.h"
@@ -17,7 +20,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables of this file need a row for it. */
 _Static_assert(NEPH_OUTCOME_COUNT == 7, "a new kind");
 
 static const char *const outcome_names[] = {
@@ -61,7 +64,7 @@ enum neph_status neph_job_key(const struct neph_job *job, char key[NEPH_HASH_HEX
     return status;
 }
 
-/* Where +inf is an answer: the sky, a medium that shows nothing. */
+/* +inf is valid for the sky and for an invisible medium. */
 static bool may_be_infinite(const char *channel)
 {
     return strcmp(channel, "Z") == 0 || strcmp(channel, "volume.distance") == 0;
@@ -77,9 +80,9 @@ static bool may_be_negative(const struct neph_image *frame, const char *channel)
     return strncmp(channel, "normal.", strlen("normal.")) == 0;
 }
 
-/* Every other value an engine hands over is finite, and none is negative but radiance by an
- * unbiased estimator that says so. Returns how many values are bad: -inf is both not finite and
- * negative, and one value. */
+/* Counts invalid values of a channel: not finite, or negative. Exceptions: infinite distances, and
+ * negative radiance of an unbiased estimator that labels its frame so. Returns the number of bad
+ * values; -inf counts once there, and in both `*non_finite` and `*negative`. */
 static size_t count_bad(const struct neph_image *frame, const struct neph_channel *channel,
                         size_t *non_finite, size_t *negative)
 {
@@ -161,7 +164,7 @@ static enum neph_status label_frame(const struct neph_job *job, const struct nep
     return status;
 }
 
-/* Is the engine there, and does it model the scene? */
+/* Checks that the engine is available and models the scene. */
 static enum neph_status check_possible(const struct neph_job *job, struct neph_diag *diag)
 {
     char reason[512];
@@ -216,8 +219,8 @@ void neph_job_close(struct neph_job *job)
     job->sequence = NULL;
 }
 
-/* Engines render scenes that stand still: where sun or media move, `shot` gets the scene of its
- * frame, which is `*still` then and to be destroyed. */
+/* Engines without a history render static scenes: where the sun or media move, `shot` gets the
+ * scene at its frame, which is `*still` then; the caller destroys it. */
 static enum neph_status hold_scene(const struct neph_engine *engine, struct neph_shot *shot,
                                    struct neph_scene **still, struct neph_diag *diag)
 {
@@ -229,7 +232,8 @@ static enum neph_status hold_scene(const struct neph_engine *engine, struct neph
     return status;
 }
 
-/* Programs that run out of disk say so in their own words, or die, or leave half a picture. */
+/* Programs without disk space fail in different ways: with their own message, by dying, or with
+ * half an image. */
 static enum neph_status name_full_disk(enum neph_status status, const struct neph_shot *shot,
                                        struct neph_diag *diag)
 {
@@ -288,7 +292,7 @@ enum neph_status neph_job_render_unchecked(const struct neph_job *job, struct ne
     return NEPH_OK;
 }
 
-/* No engine is right where the radiance is infinite. */
+/* Fails where the radiance is infinite, as no engine renders that correctly. */
 static enum neph_status check_is_finite(const struct neph_shot *shot, struct neph_diag *diag)
 {
     if (shot->scene->light_count == 0 || !(shot->layers & NEPH_LAYER_RADIANCE))
@@ -376,7 +380,8 @@ static struct neph_cost cost_of_record(const json_t *record)
     };
 }
 
-/* Which statuses end the run, and which are news about one engine. */
+/* The outcome of a status; `*ends_run`: the run cannot go on. All other failures concern one
+ * engine. */
 static enum neph_outcome outcome_of(enum neph_status status, bool *ends_run)
 {
     *ends_run = status == NEPH_ERR_INTERRUPTED || status == NEPH_ERR_MEMORY;
@@ -412,7 +417,7 @@ static void explain(struct neph_job_result *result, const struct neph_diag *diag
                      kept ? kept : "");
 }
 
-/* Render into a scratch folder and publish. */
+/* Renders into a scratch folder and publishes the frame. */
 static enum neph_status render_and_publish(const struct neph_job *job, struct neph_store *store,
                                            const char *key, struct neph_job_result *result,
                                            struct neph_diag *diag)
@@ -433,7 +438,7 @@ static enum neph_status render_and_publish(const struct neph_job *job, struct ne
     bool ends_run;
     result->outcome = outcome_of(status, &ends_run);
     if (placed.shot.checkpoint && status != NEPH_ERR_INTERRUPTED)
-        unlink(resting.text); /* done, or good for nothing */
+        unlink(resting.text); /* finished, or unusable */
     if (status) {
         neph_store_abandon(store, key, scratch, &kept);
         neph_move_paths(&engine_diag, neph_scratch_path(scratch), kept);
@@ -460,7 +465,7 @@ done:
     return status;
 }
 
-/* As neph_job_reuse(), and the key. */
+/* Like neph_job_reuse(), and computes the key. */
 static enum neph_status look_up(const struct neph_job *job, struct neph_store *store,
                                 char key[NEPH_HASH_HEX_SIZE], struct neph_job_result *result,
                                 bool *found, struct neph_diag *diag)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The relative noise of frames.
+ */
 #include "harness/run/noise.h"
 
 #include <math.h>
@@ -33,7 +36,8 @@ double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b)
         for (size_t i = 0; i < neph_image_pixel_count(a); i++) {
             const double difference = (double)first[c][i] - (double)second[c][i];
             sum += 0.5 * difference * difference;
-            power += (double)first[c][i] * (double)second[c][i]; /* their noise is independent */
+            power += (double)first[c][i] * (double)second[c][i]; /* product of independent
+                                                                    estimates: no noise bias */
         }
     return ratio(sum, power);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The noise of a picture: the rms over its pixels of the standard error, over the rms radiance.
+ * The relative noise of a frame: the rms standard error of its pixels over the rms radiance.
  */
 #ifndef NEPH_HARNESS_RUN_NOISE_H
 #define NEPH_HARNESS_RUN_NOISE_H
@@ -10,8 +10,8 @@
 /* From the frame's own variance layer; NaN when it has none. */
 double neph_noise_of_frame(const struct neph_image *frame);
 
-/* The noise of either of two frames of one job with different seeds: half the mean of their squared
- * differences is the variance of one. NaN when they have no common R G B. */
+/* The noise of each of two frames of one job with different seeds: half the mean squared difference
+ * is the variance of one frame. NaN when the frames have no common R G B. */
 double neph_noise_of_two(const struct neph_image *a, const struct neph_image *b);
 
 #endif

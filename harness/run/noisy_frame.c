@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Frames with noise and the means over their pixels.
+ */
 #include "harness/run/noisy_frame.h"
 
 #include "metrics/statistics.h"

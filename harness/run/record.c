@@ -1,14 +1,17 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Records: structs as JSON objects and as database rows.
+ */
 #include "harness/run/record.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables and switches of this file need it. */
 _Static_assert(NEPH_RECORD_KIND_COUNT == 4, "a new kind");
 
-/* A member has the bytes of its columns. */
+/* A member occupies as many bytes as the values of its columns. */
 enum { SIZE = sizeof(union neph_database_value) };
 _Static_assert(SIZE == sizeof(const char *) && SIZE == sizeof(int64_t) && SIZE == sizeof(double),
                "a member of one column has the size of its value");
@@ -141,7 +144,7 @@ void neph_record_row(const struct neph_record_form *form, struct neph_query *row
     }
 }
 
-/* All rows, and the end of the question. */
+/* Reads all rows and ends the query. */
 static enum neph_status read_rows(struct neph_query *query, struct neph_arena *arena,
                                   const struct neph_record_form *form, struct neph_records *records,
                                   struct neph_diag *diag)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Render time to a given error, from a benchmark's measured sample levels.
+ */
 #include "harness/run/rmse_time.h"
 
 #include <assert.h>
@@ -7,15 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table of names needs it. */
 _Static_assert(NEPH_RMSE_FOUND_COUNT == 5, "a new kind");
 
-static const double least = 1e-30; /* of a square, where a logarithm is taken */
+static const double least = 1e-30; /* smallest square that a logarithm is taken of */
 
-/* The squared spread of log times that differ by a millionth: fewer tell nothing. */
+/* Smallest squared spread of log times that a slope is fitted to: times a millionth apart. */
 static const double same_times = 1e-12;
 
-/* The 97.5 % quantiles of Student's distribution for 1.. degrees of freedom. */
+/* The 97.5 % quantiles of Student's t distribution for 1, 2, ... degrees of freedom. */
 static const double student_95[NEPH_RMSE_RUNGS_MAX - 1] = {12.706, 4.303, 3.182, 2.776,
                                                            2.571,  2.447, 2.365};
 
@@ -24,7 +27,7 @@ static double log_square(double square)
     return log(fmax(square, least));
 }
 
-/* Least squares. */
+/* Slope of log noise^2 over log time, by least squares. */
 static double noise_slope(const struct neph_rmse_rung *rungs, int count)
 {
     double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
@@ -40,7 +43,8 @@ static double noise_slope(const struct neph_rmse_rung *rungs, int count)
     return xx > same_times ? xy / xx : NAN;
 }
 
-/* The estimate of a rung scatters as its squared noise does. */
+/* Weighted mean of bias^2: the estimate of a level has a standard deviation proportional to its
+ * noise^2. */
 struct neph_rmse_law neph_rmse_law_of(const struct neph_rmse_rung *rungs, int count)
 {
     assert(count >= 2 && count <= NEPH_RMSE_RUNGS_MAX);
@@ -62,7 +66,7 @@ struct neph_rmse_law neph_rmse_law_of(const struct neph_rmse_rung *rungs, int co
                                   .bias2_high = mean + half};
 }
 
-/* Where the line through two rungs has the error. */
+/* Time at which the straight line through two levels reaches the error. */
 static double line_time(const struct neph_rmse_rung *a, const struct neph_rmse_rung *b,
                         double square)
 {
@@ -71,7 +75,7 @@ static double line_time(const struct neph_rmse_rung *a, const struct neph_rmse_r
     return exp(log(a->render_s) + part * log(b->render_s / a->render_s));
 }
 
-/* Where the noise of a rung, falling by the law, leaves room for the bias. */
+/* Time at which noise^2, extrapolated by its slope, has fallen to square - bias^2. */
 static double law_time(const struct neph_rmse_rung *from, const struct neph_rmse_law *law,
                        double square)
 {
@@ -84,7 +88,7 @@ static bool falls(const struct neph_rmse_law *law)
     return isfinite(law->slope) && law->slope < 0.0;
 }
 
-/* Beside a slope of almost 0 the time may be more, or less, than a double holds: not known. */
+/* With a slope near 0 the time can exceed the range of a double: unknown then. */
 static struct neph_rmse_time extrapolated(double rmse, double render_s, enum neph_rmse_found found)
 {
     return isnormal(render_s) ? (struct neph_rmse_time){rmse, render_s, found}
@@ -99,7 +103,7 @@ static struct neph_rmse_time beyond(const struct neph_rmse_rung *last,
         return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_NEVER};
     if (law->bias2_high >= square || !falls(law))
         return (struct neph_rmse_time){rmse, NAN, NEPH_RMSE_UNKNOWN};
-    /* The error of the last rung is chance, too: never before it. */
+    /* The error of the last level is noisy, too: the result is never below that level's time. */
     return extrapolated(rmse, fmax(last->render_s, law_time(last, law, square)), NEPH_RMSE_BEYOND);
 }
 
@@ -118,7 +122,7 @@ struct neph_rmse_time neph_rmse_time_to(const struct neph_rmse_rung *measured, i
     memcpy(rungs, measured, (size_t)count * sizeof(rungs[0]));
     qsort(rungs, (size_t)count, sizeof(rungs[0]), by_time);
     const double square = rmse * rmse;
-    int first = count; /* from here on all rungs are good enough */
+    int first = count; /* all levels from here on are below the error */
     while (first > 0 && rungs[first - 1].error2 <= square)
         first--;
     if (first == count)

@@ -1,15 +1,19 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The sample counts of a benchmark's levels (harness/run/benchmark.h).
+ */
 #include "harness/run/benchmark.h"
 
 #include <math.h>
 
 enum { FIRST_SAMPLES = 8, PROBE_SEED = 501 };
 
-/* By an error: how long the last rung of the ladder that the noise is guessed by takes. */
+/* By error: time of the last level of the counts from which the noise is estimated. */
 static const double probe_rung_s = 2.0;
 
-/* Parts of the stated error that rungs are meant to have: it, and three times it, lie between two
- * of them, with room for what two seeds do not know of a noise. */
+/* Target errors of the levels, relative to the given error. The error itself and three times the
+ * error each lie between two levels, with margin for the uncertainty of a noise measured with two
+ * seeds. */
 static const double error_parts[NEPH_RUNGS] = {3.6, 2.2, 1.35, 0.85};
 
 static double most_samples(const struct neph_job *job)
@@ -27,8 +31,8 @@ static enum neph_status time_of(const struct neph_job *job, double samples, doub
     return status;
 }
 
-/* What the fewest samples take beyond their share is the start: kernels compiled, grids read. (The
- * very first render is left out: it fills caches.) */
+/* Fits a line through two sample counts: the offset is the start time (compiling kernels, reading
+ * grids), the slope the time per sample. The first render is not used, as it fills caches. */
 static enum neph_status time_samples(const struct neph_job *job, double rung_s,
                                      struct neph_rungs *rungs, struct neph_diag *diag)
 {
@@ -48,7 +52,7 @@ static enum neph_status time_samples(const struct neph_job *job, double rung_s,
     return NEPH_OK;
 }
 
-/* Rungs that double up to `rung_s`, or beyond, when that is the fewest samples of a ladder. */
+/* Counts that double up to `rung_s`. The smallest possible counts may take longer than `rung_s`. */
 static void go_by_time(const struct neph_job *job, double rung_s, struct neph_rungs *rungs)
 {
     const double last = fmin(most_samples(job), rung_s / rungs->per_sample_s);
@@ -59,8 +63,8 @@ static void go_by_time(const struct neph_job *job, double rung_s, struct neph_ru
     }
 }
 
-/* Samples for the rungs from `from` on, where `samples` gave a noise: its square falls as
- * 1 / samples. Each rung is at least twice the one before. */
+/* Counts for the levels from `from` on. `samples` gave the squared noise `noise2`, which falls as 1
+ * / samples. Each level has at least twice the samples of the one before. */
 static void go_by_error(const struct neph_job *job, int from, double samples, double noise2,
                         struct neph_rungs *rungs)
 {

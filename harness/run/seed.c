@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Seeds of scenes.
+ */
 #include "harness/run/seed.h"
 
 /* The finalizer of splitmix64 (S. Vigna 2015). */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Seeds of a scene's own, so that the errors of two scenes are independent.
+ * Seeds that differ between scenes, so that the errors of two scenes are independent.
  */
 #ifndef NEPH_HARNESS_RUN_SEED_H
 #define NEPH_HARNESS_RUN_SEED_H
@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 /* The number-th seed (from 1) of a scene: a hash of the scene's hash and the number, in
- * 1..0x7fffffff, which is what `neph render --seed` takes. */
+ * 1..0x7fffffff, the range of `neph render --seed`. */
 uint64_t neph_seed_of(const struct neph_scene *scene, int number);
 
 #endif

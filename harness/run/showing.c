@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The display chain of a command: settings by frame, and files.
+ */
 #include "harness/run/showing.h"
 
 #include "base/exr.h"
@@ -27,7 +30,7 @@ void neph_showing_finish(struct neph_showing *showing)
 
 /* ---- settings -------------------------------------------------------------------------------- */
 
-/* Passes that are not in the chain's order are off. */
+/* Switches the passes off that the chain's order does not list. */
 static void hold_to_order(const struct neph_post_order *order, struct neph_settings *settings)
 {
     for (int pass = 0; pass < NEPH_POST_PASS_COUNT; pass++) {
@@ -60,8 +63,8 @@ enum neph_status neph_showing_check_size(const struct neph_showing *showing, str
         for (size_t s = 0; s < sizeof(sizes) / sizeof(sizes[0]); s++)
             if (showing->plan.volumes[i].changes.is_given[sizes[s]])
                 return neph_fail(diag, NEPH_ERR_USAGE,
-                                 "volume '%s' of the chain sets %s, which a renderer has the same "
-                                 "everywhere: it belongs into the chain's own settings",
+                                 "volume '%s' of the chain sets %s, which is the same everywhere "
+                                 "in a frame: move it to the chain's own settings",
                                  showing->plan.volumes[i].name, neph_post_options[sizes[s]].name);
     return NEPH_OK;
 }

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Slurm commands: sbatch, squeue, scancel, scontrol.
+ */
 #include "harness/run/slurm.h"
 
 #include "base/child.h"
@@ -62,10 +65,10 @@ enum neph_status neph_slurm_read_settings(const char *const *words, int count,
     return status;
 }
 
-/* ---- asking Slurm ---------------------------------------------------------------------------- */
+/* ---- running Slurm's commands ---------------------------------------------------------------- */
 
-/* What a command of Slurm prints; to free. It gets all of the user's environment: how the cluster
- * is reached stands there, and jobs inherit it. */
+/* Runs a command of Slurm; `*answer` is its output, for free(). The child gets the user's whole
+ * environment: it says how the cluster is reached, and jobs inherit it. */
 static enum neph_status ask(const char *logs, const char *const *words, char **answer,
                             struct neph_diag *diag)
 {
@@ -93,7 +96,8 @@ static enum neph_status ask(const char *logs, const char *const *words, char **a
     return status;
 }
 
-/* Tasks in one array, which Slurm limits by their largest number and not by how many there are. */
+/* The largest number of tasks in an array. Slurm limits the largest index, not the number of tasks.
+ */
 static enum neph_status read_array_limit(const char *logs, int *limit, struct neph_diag *diag)
 {
     static const char name[] = "MaxArraySize";
@@ -111,7 +115,7 @@ static enum neph_status read_array_limit(const char *logs, int *limit, struct ne
                      *limit);
 }
 
-/* "123" or "123;cluster", below warnings. */
+/* Finds "123" or "123;cluster", the last such line below warnings. */
 static bool find_id(const char *answer, long *id)
 {
     bool found = false;
@@ -127,7 +131,7 @@ static bool find_id(const char *answer, long *id)
     return found;
 }
 
-/* ---- a shell's line -------------------------------------------------------------------------- */
+/* ---- shell quoting --------------------------------------------------------------------------- */
 
 static const char *quote(struct neph_arena *arena, const char *word)
 {
@@ -153,20 +157,20 @@ const char *neph_slurm_line(struct neph_arena *arena, const char *const *words)
 struct submission {
     const struct neph_slurm_settings *settings;
     const struct neph_slurm_batch *batch;
-    const struct neph_slurm_task *tasks; /* sorted */
+    const struct neph_slurm_task *tasks; /* sorted by hosts */
     struct neph_arena arena;
-    const char *manifest; /* its path, quoted for a shell */
+    const char *manifest; /* path, quoted for a shell */
     const char *dependency;
     int array_limit;
 };
 
 static void add(const char **words, int *count, const char *word)
 {
-    if (*count < WORDS_MAX) /* the last stays NULL */
+    if (*count < WORDS_MAX) /* keep the terminating NULL */
         words[(*count)++] = word;
 }
 
-/* The hosts that a task may go to. */
+/* Adds the constraint on the hosts of a task. */
 static enum neph_status add_hosts(struct submission *submission, const struct neph_slurm_task *task,
                                   const char **words, int *count, struct neph_diag *diag)
 {
@@ -174,8 +178,8 @@ static enum neph_status add_hosts(struct submission *submission, const struct ne
     const char *timing = task->is_timed ? settings->timing : "",
                *gpu = task->wants_gpu ? settings->gpu : "";
     if (!timing || !gpu) {
-        neph_fail(diag, NEPH_ERR_USAGE, "nobody has said which hosts %s",
-                  timing ? "have a GPU" : "are for durations");
+        neph_fail(diag, NEPH_ERR_USAGE, "no host feature is given for hosts that %s",
+                  timing ? "have a GPU" : "measure times");
         neph_hint(diag, "--slurm %s=FEATURE, as in `sinfo -o '%%n %%f'`",
                   timing ? "gpu" : "timing");
         return NEPH_ERR_USAGE;
@@ -202,7 +206,7 @@ static enum neph_status add_arguments(struct submission *submission, const char 
                            WORDS_MAX / 2);
 }
 
-/* One sbatch; `own` are the words that are of this job alone. */
+/* Runs sbatch once; `own` are the arguments of this job. */
 static enum neph_status submit(struct submission *submission, const struct neph_slurm_task *task,
                                const char *const *own, const char *log_name, const char *script,
                                long *id, struct neph_diag *diag)
@@ -229,12 +233,13 @@ static enum neph_status submit(struct submission *submission, const struct neph_
     if (!status)
         status = ask(batch->logs, words, &answer, diag);
     if (!status && !find_id(answer, id))
-        status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch gave no number of a job: %.200s", answer);
+        status = neph_fail(diag, NEPH_ERR_ENGINE, "sbatch printed no job number: %.200s", answer);
     free(answer);
     return status;
 }
 
-/* Lines `first` .. `first` + `count` - 1 of the manifest, from 1 on. */
+/* Submits lines `first` .. `first` + `count` - 1 of the manifest (the first line is 1) as an array.
+ */
 static enum neph_status submit_array(struct submission *submission,
                                      const struct neph_slurm_task *task, int first, int count,
                                      struct neph_diag *diag)
@@ -260,7 +265,7 @@ static bool is_alike(const struct neph_slurm_task *a, const struct neph_slurm_ta
     return a->is_timed == b->is_timed && a->wants_gpu == b->wants_gpu;
 }
 
-/* Arrays of tasks for the same hosts, in the order of the manifest. */
+/* Submits arrays of tasks with the same constraints, in the order of the manifest. */
 static enum neph_status submit_arrays(struct submission *submission, struct neph_diag *diag)
 {
     const struct neph_slurm_task *tasks = submission->tasks;
@@ -289,7 +294,7 @@ static enum neph_status submit_last(struct submission *submission, struct neph_d
                   neph_arena_format(&submission->arena, "exec %s", batch->last.line), &id, diag);
 }
 
-/* Tasks by the hosts that they may go to, else in the order in which they were given. */
+/* Sorts tasks by their constraints, otherwise in the given order. */
 static struct neph_slurm_task *sort(struct submission *submission)
 {
     const struct neph_slurm_batch *batch = submission->batch;
@@ -317,8 +322,8 @@ static enum neph_status check_lines(const struct neph_slurm_batch *batch, struct
         is_line = is_line && strchr(batch->tasks[i].line, '\n') == NULL;
     return is_line ? NEPH_OK
                    : neph_fail(diag, NEPH_ERR_USAGE,
-                               "a word of the command has a line break in it, which the manifest "
-                               "of a batch cannot hold");
+                               "a word of the command has a line break, which the manifest of a "
+                               "batch does not allow");
 }
 
 enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
@@ -345,9 +350,10 @@ enum neph_status neph_slurm_submit(const struct neph_slurm_settings *settings,
     return status;
 }
 
-/* ---- afterwards ------------------------------------------------------------------------------ */
+/* ---- after the submission -------------------------------------------------------------------- */
 
-/* States, such as "PENDING", among what squeue prints; the rest are warnings. */
+/* Counts the lines with a state, such as "PENDING", in the output of squeue; other lines are
+ * warnings. */
 static int count_states(const char *answer)
 {
     int count = 0;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Render times with the start-up separated, for reports.
+ */
 #include "harness/run/speed.h"
 
 #include "harness/run/benchmark.h"
@@ -8,12 +11,12 @@
 #include <stdlib.h>
 
 enum {
-    FRAMES_LEAST = 3,   /* of a round */
-    RENDERS_MOST = 3,   /* of a job */
-    FEWER_SAMPLES = 16, /* the second number of samples is so many times smaller */
-    SMALL_WIDTH_PX = 8, /* a frame whose pixels take no time; Blender renders no smaller one than */
+    FRAMES_LEAST = 3,    /* per round */
+    RENDERS_MOST = 3,    /* per job */
+    FEWER_SAMPLES = 16,  /* the second sample count is smaller by this factor */
+    SMALL_WIDTH_PX = 8,  /* a frame whose pixels take no time; Blender renders none below */
     SMALL_HEIGHT_PX = 4, /* 4 x 4 pixels */
-    FIRST_REPEAT = 1000, /* of jobs that are only timed: no frame of a report has these numbers */
+    FIRST_REPEAT = 1000, /* for jobs that are only timed: no frame of a report has these numbers */
 };
 
 static const double alpha = 0.05;
@@ -80,7 +83,7 @@ int neph_speed_falls(const struct neph_speed *speeds, int count, int *earlier)
     return -1;
 }
 
-/* ---- what is known already ----------------------------------------------------------------- */
+/* ---- stored times -------------------------------------------------------------------------- */
 
 bool neph_speed_find(const struct neph_times *times, const struct neph_job *job,
                      struct neph_speed *speed)
@@ -174,8 +177,8 @@ static enum neph_status fly(const struct neph_job *job, double seconds, struct n
 
 /* ---- renders --------------------------------------------------------------------------------- */
 
-/* Render radiance with a seed that no frame of a report has. `*cost` is not set where the engine
- * fails. */
+/* Renders radiance with a seed that no frame of a report has. `*cost` stays as it is where the
+ * engine fails. */
 static enum neph_status render(const struct neph_job *of, int repeat, struct neph_store *store,
                                struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -221,7 +224,7 @@ enum neph_status neph_speed_start(const struct neph_job *job, double render_s,
     return status;
 }
 
-/* Renders beside those that are known, as far as they fit into the seconds. */
+/* Adds renders to the known ones while they fit into `seconds`. */
 static enum neph_status repeat(const struct neph_job *job, double seconds, struct neph_store *store,
                                double render_s[RENDERS_MOST], int *count, struct neph_diag *diag)
 {
@@ -281,7 +284,7 @@ enum neph_status neph_speed_measure(const struct neph_job *job, const double *kn
                                                  &why);
     if (status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED ||
         status == NEPH_ERR_UNAVAILABLE || status == NEPH_ERR_TIMEOUT)
-        status = NEPH_OK; /* its frame says so */
+        status = NEPH_OK; /* the report has the engine's error with its frame */
     if (status && diag)
         *diag = why;
     if (status || !neph_speed_is_measured(speed))

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The store: opening, look-up, publication, removal.
+ */
 #include "harness/run/store.h"
 
 #include "base/clock.h"
@@ -23,8 +26,8 @@
 
 static const char work_prefix[] = "work-";
 
-/* An engine's rest is of one key, and so of one version and device; nobody will go on with it when
- * those have changed, which the store cannot know. */
+/* A checkpoint belongs to one key, thus to one version and device. After a change of those it is
+ * never resumed, which the store cannot detect: it expires after 30 days. */
 static const time_t rest_limit_s = 30 * 24 * 3600;
 
 struct neph_store {
@@ -32,9 +35,9 @@ struct neph_store {
     char host[NEPH_HOST_CLASS_SIZE];
 };
 
-/* ---- whose folder it is ---------------------------------------------------------------------- */
+/* ---- ownership of the folder ----------------------------------------------------------------- */
 
-/* <key>.<pid>: work in progress of stores without a marker. */
+/* "<key>.<pid>": work folders of stores without a marker file. */
 static bool is_old_work(const char *name)
 {
     const char *pid = name + NEPH_HASH_HEX_SIZE;
@@ -61,8 +64,8 @@ static bool is_history(const char *name)
 
 static const struct {
     const char *name;
-    bool (*fits)(const char *); /* what may lie in it */
-    bool was_always;            /* else of later stores */
+    bool (*fits)(const char *); /* test of the names in the folder */
+    bool was_always;            /* in every old store; else only in later ones */
 } parts_of_old[] = {
     {"frames", neph_entry_is_key, true}, {"failed", neph_entry_is_key, true},
     {"tmp", is_old_entry, true},         {"resting", is_old_entry, true},
@@ -78,7 +81,7 @@ static bool is_store_part(const char *name)
     return false;
 }
 
-/* Whether a folder has such names alone. */
+/* Whether all names in a folder pass the test. */
 static bool holds_alone(const char *path, bool (*fits)(const char *))
 {
     struct neph_arena arena = {NULL};
@@ -90,7 +93,7 @@ static bool holds_alone(const char *path, bool (*fits)(const char *))
     return alone;
 }
 
-/* A store without its marker: its folders, and nothing in them but what it names. */
+/* A store without a marker file: it has the store's folders, and only known names in them. */
 static bool is_old_store(const char *folder)
 {
     bool is_old = holds_alone(folder, is_store_part);
@@ -120,7 +123,7 @@ static bool is_old_rest(const struct neph_store *store, const char *folder, cons
                                                time(NULL) - info.st_mtime > rest_limit_s);
 }
 
-/* Remove the entries of a folder whose name fits and that are over; `is_over` NULL: all are. */
+/* Removes the entries of a folder whose name fits and for which `is_over` is true (NULL: all). */
 static void
 remove_entries(const struct neph_store *store, const char *folder, bool (*fits)(const char *),
                bool (*is_over)(const struct neph_store *, const char *folder, const char *name))
@@ -167,8 +170,8 @@ static enum neph_status make_parts(const struct neph_store *store, struct neph_d
     return status;
 }
 
-/* Under the lock. Frames are found without a database: one that cannot be written is not kept up,
- * and the next run does so. */
+/* Runs under the store's lock. A database that cannot be written is only a warning: frames are
+ * found without it, and the next run refreshes it. */
 static enum neph_status update_index(const struct neph_store *store, bool reads,
                                      struct neph_diag *diag)
 {
@@ -179,7 +182,7 @@ static enum neph_status update_index(const struct neph_store *store, bool reads,
     const enum neph_status status = neph_index_open(store->folder.text, reads, &index, &why);
     neph_database_close(index);
     if (status == NEPH_ERR_IO) {
-        neph_progress_warn("the store's database is not up to date, which changes no frame: %s",
+        neph_progress_warn("the store's database is not up to date; frames are not affected: %s",
                            why.message);
         return NEPH_OK;
     }
@@ -254,10 +257,10 @@ enum neph_status neph_store_renew_index(const struct neph_store *store, const ch
     return status;
 }
 
-/* ---- finding --------------------------------------------------------------------------------- */
+/* ---- look-up --------------------------------------------------------------------------------- */
 
-/* Take an entry away, in one step for those who look for it; under the lock. `why` NULL: that is no
- * news. */
+/* Moves an entry away in one step, so that other processes never see a part of it. Runs under the
+ * store's lock. `why` NULL: without a message. */
 static void discard(const struct neph_store *store, const char *entry, const char *why)
 {
     struct neph_scratch *bin = NULL;
@@ -273,7 +276,7 @@ static void discard(const struct neph_store *store, const char *entry, const cha
     neph_scratch_destroy(bin);
 }
 
-/* Look again under the lock: it may have been replaced by a good one meanwhile. */
+/* Checks again under the lock, as another process may have replaced the entry by a good one. */
 static enum neph_entry_state discard_if_bad(const struct neph_store *store, const char *entry,
                                             const char *key, json_t **record)
 {
@@ -288,15 +291,16 @@ static enum neph_entry_state discard_if_bad(const struct neph_store *store, cons
     return state;
 }
 
-/* The record's time of change, on whose file system nothing else is written for it. Eviction goes
- * by it, and so do the lists of what a night has used. */
+/* Updates the modification time of job.json, which nothing else changes. Eviction and the frame
+ * lists of nightly runs use it. */
 static void note_use(const char *frame_path)
 {
     const struct neph_path record = neph_path_format(
         "%.*sjob.json", (int)(strrchr(frame_path, '/') + 1 - frame_path), frame_path);
     if (utimensat(AT_FDCWD, record.text, NULL, 0) != 0)
-        neph_progress_warn("that '%s' is used cannot be noted, and eviction takes it for older: %s",
-                           record.text, strerror(errno));
+        neph_progress_warn(
+            "cannot update the time of '%s', so eviction counts the frame as older: %s",
+            record.text, strerror(errno));
 }
 
 void neph_store_key_of(const char *frame_path, char key[NEPH_HASH_HEX_SIZE])
@@ -336,7 +340,7 @@ struct neph_path neph_store_resting_place(const struct neph_store *store, const 
     return neph_path_in(store->resting.text, key);
 }
 
-/* ---- working --------------------------------------------------------------------------------- */
+/* ---- work folders and publication ------------------------------------------------------------ */
 
 enum neph_status neph_store_begin(struct neph_store *store, struct neph_scratch **scratch,
                                   struct neph_diag *diag)
@@ -354,7 +358,7 @@ static bool worth_keeping(const char *name)
     return strcmp(name, "frame.exr") == 0;
 }
 
-/* A program names its files as it likes: those that it leaves are kept as far as they fit. */
+/* Whether a file left by an external program fits into the limits of kept files. */
 static bool fits(const char *path, struct neph_usage *kept)
 {
     struct stat info;
@@ -368,8 +372,8 @@ static bool fits(const char *path, struct neph_usage *kept)
     return is_kept;
 }
 
-/* In what a program has left (`kept` not NULL): its logs and inputs, as far as they fit. Else in
- * what neph has put together: results and pictures, too. */
+/* `kept` not NULL, files of an external program: only logs and inputs, within the limits. `kept`
+ * NULL, files written by neph: results and images as well. */
 static bool is_to_stay(const char *path, const char *name, const json_t *record,
                        struct neph_usage *kept)
 {
@@ -377,8 +381,7 @@ static bool is_to_stay(const char *path, const char *name, const json_t *record,
                 : worth_keeping(name) || neph_entry_has_picture(record, name);
 }
 
-/* Remove what need not be kept, and bring what neph has put together to disk, the files and then
- * their names. */
+/* Removes the other files. Files written by neph are synced to disk, then the folder. */
 static enum neph_status tidy(const char *scratch, const json_t *record, struct neph_usage *kept,
                              struct neph_diag *diag)
 {
@@ -402,7 +405,7 @@ enum neph_status neph_store_clean(const struct neph_scratch *scratch, struct nep
     return tidy(neph_scratch_path(scratch), NULL, &kept, diag);
 }
 
-/* Under the lock. An entry that is there and good is as good as ours. */
+/* Runs under the store's lock. A good entry from another run is used as it is. */
 static enum neph_status put_entry(const struct neph_store *store, const char *key,
                                   const char *scratch, const char *entry, struct neph_diag *diag)
 {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Records of the store's entries: signing and checking.
+ */
 #include "harness/run/store_entry.h"
 
 #include "base/files.h"
@@ -11,12 +14,13 @@
 
 static const size_t record_limit_bytes = 1 << 20;
 
-/* The hash over the record without the field that holds it: sorted, without spaces, numbers with 17
- * digits, which is the same text again after reading. */
+/* Hashes the record without the hash's own field: keys sorted, no spaces, numbers with 17 digits,
+ * which give the same text again after reading. */
 static enum neph_status hash_record(const json_t *record, char hex[NEPH_HASH_HEX_SIZE],
                                     struct neph_diag *diag)
 {
-    json_t *rest = json_copy((json_t *)record); /* it takes non-const and changes nothing */
+    json_t *rest = json_copy((json_t *)record); /* json_copy() takes a non-const pointer and changes
+                                                   nothing */
     if (rest)
         json_object_del(rest, "record_blake2b");
     const enum neph_status status = neph_json_digest(rest, hex, diag);
@@ -54,7 +58,7 @@ static bool is_result(const json_t *record, const char *name)
     return (is_json && strcmp(name, "job.json") != 0) || neph_entry_has_picture(record, name);
 }
 
-/* {"flicker.json": hash}: what was measured and drawn beside the frame. */
+/* {"flicker.json": hash, ...}: measurements and images beside the frame. */
 static enum neph_status hash_results(const char *folder, const json_t *record, json_t **results,
                                      struct neph_diag *diag)
 {
@@ -117,7 +121,8 @@ static enum neph_entry_state judge(enum neph_entry_state state, const char *what
     return state;
 }
 
-/* A file that is not there or too large is a bad entry; one that cannot be read is not judged. */
+/* A missing or oversized file makes the entry bad; a file that cannot be read makes it unreadable.
+ */
 static enum neph_entry_state judge_file(enum neph_status status, const struct neph_diag *diag,
                                         char why[NEPH_ENTRY_WHY_BYTES])
 {
@@ -141,7 +146,7 @@ static enum neph_entry_state read_record(const char *folder, json_t **record,
     if (*record)
         return NEPH_ENTRY_GOOD;
     return json_error_code(&error) == json_error_out_of_memory
-               ? judge(NEPH_ENTRY_UNREADABLE, "no memory for its record", why)
+               ? judge(NEPH_ENTRY_UNREADABLE, "out of memory for its record", why)
                : judge(NEPH_ENTRY_BAD, "its record (job.json) is damaged", why);
 }
 

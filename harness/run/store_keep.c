@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Maintenance of the store: check, repair, eviction, export.
+ */
 #include "harness/run/store_keep.h"
 
 #include "base/files.h"
@@ -14,8 +17,8 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/* Nights that are the baseline of anything: the last acceptance of all, and the last of each series
- * that has one of its own. Older ones stay, too: what was accepted once may be asked for again. */
+/* Counts the accepted runs that use a frame. Runs of older acceptances count as well: an acceptance
+ * can be used again. */
 static const char is_of_baseline[] =
     "SELECT count(*) FROM night_frames WHERE key = ? AND night IN (SELECT night FROM acceptances)";
 
@@ -36,7 +39,7 @@ struct check {
     neph_store_tell *tell;
     void *context;
     struct neph_store_sums *sums;
-    int strangers; /* rows that say something else than the frame's record */
+    int strangers; /* rows that differ from the frame's record */
 };
 
 static enum neph_status report_fault(struct check *check, const char *key, const char *why,
@@ -128,7 +131,7 @@ static enum neph_status look_at_index(struct check *check, bool *whole, struct n
 {
     if (check->strangers > 0) {
         *whole = false;
-        neph_fail(why, NEPH_ERR_INPUT, "%d rows say something else than the records of the frames",
+        neph_fail(why, NEPH_ERR_INPUT, "%d rows differ from the records of the frames",
                   check->strangers);
         return NEPH_OK;
     }
@@ -175,7 +178,7 @@ enum neph_status neph_store_check(struct neph_store *store, bool repairs, neph_s
     return status;
 }
 
-/* ---- room ------------------------------------------------------------------------------------ */
+/* ---- eviction -------------------------------------------------------------------------------- */
 
 struct candidate {
     const char *key;
@@ -185,14 +188,14 @@ struct candidate {
 static const struct neph_record_form candidate_form = {
     sizeof(struct candidate), {CANDIDATE(key), CANDIDATE(bytes), CANDIDATE(is_of_baseline)}};
 
-/* The longest unused first; in the same second, the lesser key. */
+/* The least recently used first; within a second, the smaller key. */
 static int by_use(const void *a_, const void *b_)
 {
     const struct candidate *a = a_, *b = b_;
     return a->used_s != b->used_s ? (a->used_s < b->used_s ? -1 : 1) : strcmp(a->key, b->key);
 }
 
-/* Those that are of no baseline; of the arena. */
+/* Lists the frames without a baseline, in the arena, sorted by use. */
 static enum neph_status list_candidates(struct neph_store *store, struct neph_arena *arena,
                                         struct candidate **list, int *count,
                                         struct neph_store_gc *result, struct neph_diag *diag)
@@ -222,7 +225,7 @@ static enum neph_status list_candidates(struct neph_store *store, struct neph_ar
     return status;
 }
 
-/* Somebody may have used it since it was listed. */
+/* Removes a frame, unless another process has used it since it was listed. */
 static void collect(struct neph_store *store, const struct candidate *c, int64_t before_s,
                     struct neph_store_gc *result)
 {
@@ -266,7 +269,7 @@ static enum neph_status list_all(struct neph_database *index, const char *questi
     const enum neph_status status = neph_record_list(index, form, &list, diag, question, "");
     if (!status && !list) {
         neph_fail(diag, NEPH_ERR_INPUT, "a row of '%s' in the store's database is damaged", name);
-        neph_hint(diag, "`neph store check --repair` makes it again");
+        neph_hint(diag, "rebuild it with `neph store check --repair`");
         return NEPH_ERR_INPUT;
     }
     return status ? status : neph_json_put(document, name, list, diag);

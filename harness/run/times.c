@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The file times.json.
+ */
 #include "harness/run/times.h"
 
 #include "base/files.h"
@@ -25,9 +28,9 @@ enum neph_status neph_times_open(const char *path, struct neph_times *times, str
     if (times->list && strcmp(neph_json_text(times->list, "format"), format) == 0 &&
         json_is_object(json_object_get(times->list, "times")))
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_INPUT, "'%s' does not hold times%s%s", path, times->list ? "" : ": ",
+    neph_fail(diag, NEPH_ERR_INPUT, "'%s' has no times%s%s", path, times->list ? "" : ": ",
               times->list ? "" : error.text);
-    neph_hint(diag, "remove it: what it held is measured again");
+    neph_hint(diag, "remove it: its times are measured again");
     neph_times_close(times);
     return NEPH_ERR_INPUT;
 }

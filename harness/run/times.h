@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Times that were measured, kept under the key of their job in one file: what is decided by times
- * is then decided alike the next time, and nothing is timed twice.
+ * Measured times in one file, by the store keys of their jobs. Decisions based on times are then
+ * repeatable, and each job is timed once.
  */
 #ifndef NEPH_HARNESS_RUN_TIMES_H
 #define NEPH_HARNESS_RUN_TIMES_H
@@ -9,27 +9,28 @@
 #include "harness/json.h"
 #include "harness/run/flight.h"
 
-/* Start from {NULL}. */
+/* Initialise with {NULL}. */
 struct neph_times {
     char *path;   /* owned */
     json_t *list; /* {"format": ..., "times": {KEY: {"median", "low", "high", "pictures",
                      "start_s", "device", "load"}}}; owned */
 };
 
-/* Read `path`, which need not be there. NEPH_ERR_INPUT: it is something else. */
+/* Reads `path`, or starts empty when the file does not exist. NEPH_ERR_INPUT: the file has another
+ * format. */
 enum neph_status neph_times_open(const char *path, struct neph_times *times,
                                  struct neph_diag *diag);
-/* Open FOLDER/times.json as neph_times_open() does. */
+/* Like neph_times_open(), for FOLDER/times.json. */
 enum neph_status neph_times_open_in(const char *folder, struct neph_times *times,
                                     struct neph_diag *diag);
 void neph_times_close(struct neph_times *times);
 
-/* False: there is none of this job on this device and driver. `*start_s`, of the start-up before
- * the first of these pictures, may be NaN: it was not measured. NULL is fine. */
+/* False: no time of this job on this device and driver. `*start_s` is the start-up before the first
+ * of the frames, NaN when it was not measured; `start_s` may be NULL. */
 bool neph_times_find(const struct neph_times *times, const struct neph_job *job,
                      struct neph_spread *time, int *pictures, double *start_s);
 
-/* In place of an older one; written by neph_times_save(). Errors: NEPH_ERR_MEMORY. */
+/* Stores a time, or replaces it; neph_times_save() writes the file. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_times_put(struct neph_times *times, const struct neph_job *job,
                                 struct neph_spread time, int pictures, double start_s, double load,
                                 struct neph_diag *diag);

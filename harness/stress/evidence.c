@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Images as evidence of a verdict: selection of frames and rows, drawing, publication in the store.
+ */
 #include "harness/stress/evidence.h"
 
 #include "base/exr.h"
@@ -14,8 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A residual that is no number outweighs all that are: squares of floats, summed over all pixels,
- * stay below 1e90. */
+/* Residual of a pixel with an invalid value. It outweighs all finite residuals: their squares,
+ * summed over all pixels of floats, stay below 1e90. */
 static const double bad_weight = 1e100;
 static const double scale_of_white = 0.1;
 
@@ -23,15 +26,16 @@ static const double scale_of_white = 0.1;
 
 enum part { FRAME, REFERENCE, DIFFERENCE };
 
-/* A frame and its reference. */
+/* A frame with its reference. */
 struct pair {
-    struct neph_image *own[2]; /* read for it */
+    struct neph_image *own[2]; /* images read from files; owned */
     const float *planes[2][3];
     int width_px, height_px;
     bool has_reference;
 };
 
-/* `image` NULL: it is read. The frame comes before its reference. */
+/* Sets the planes of one part; reads the file when `image` is NULL. Call it for the frame before
+ * its reference, as their sizes are compared. */
 static enum neph_status open_planes(const char *path, const struct neph_image *image,
                                     enum part part, struct pair *pair, struct neph_diag *diag)
 {
@@ -44,7 +48,7 @@ static enum neph_status open_planes(const char *path, const struct neph_image *i
     }
     if (part == REFERENCE &&
         (image->width_px != pair->width_px || image->height_px != pair->height_px))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference is of another size");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "the reference has another size");
     if (!neph_image_rgb(image, NULL, planes))
         return neph_fail(diag, NEPH_ERR_ENGINE, "a frame of the sequence has no radiance");
     for (int c = 0; c < 3; c++)
@@ -54,7 +58,7 @@ static enum neph_status open_planes(const char *path, const struct neph_image *i
     return NEPH_OK;
 }
 
-/* For close_pair() in any case. */
+/* Call close_pair() in any case. */
 static enum neph_status open_pair(const struct neph_evidence_source *source, int frame,
                                   struct pair *pair, struct neph_diag *diag)
 {
@@ -75,7 +79,7 @@ static void close_pair(struct pair *pair)
     neph_image_destroy(pair->own[REFERENCE]);
 }
 
-/* ---- frames and rows to show ----------------------------------------------------------------- */
+/* ---- selection of frames and rows ------------------------------------------------------------ */
 
 static double residual_of(const struct pair *pair, size_t pixel)
 {
@@ -88,7 +92,7 @@ static double residual_of(const struct pair *pair, size_t pixel)
     return sum;
 }
 
-/* Squared residuals of a frame are added to those of its rows. */
+/* Adds the squared residuals of a frame to the sums of its rows; returns the sum over the frame. */
 static double add_residuals(const struct pair *pair, double *rows)
 {
     double sum = 0.0;
@@ -111,7 +115,8 @@ static int largest(const double *values, int count)
     return found;
 }
 
-/* `most` frames in a row, or all that there are, with `before` of them before the worst. */
+/* Chooses up to `most` consecutive frames, starting `before` frames before the worst one where
+ * possible. */
 static void choose_window(int worst, int most, int before, int frame_count, int *first, int *count)
 {
     *count = frame_count < most ? frame_count : most;
@@ -133,7 +138,7 @@ enum neph_status neph_evidence_choose(const struct neph_evidence_source *source,
         status = open_pair(source, i, &pair, diag);
         if (!status && i > 0 && (pair.width_px != width_px || pair.height_px != row_count))
             status = neph_fail(diag, NEPH_ERR_INPUT,
-                               "frames of several sizes (frames.sizes) have no evidence");
+                               "no evidence is drawn for frames of several sizes (frames.sizes)");
         if (!status) {
             width_px = pair.width_px;
             row_count = pair.height_px;
@@ -158,7 +163,7 @@ enum neph_status neph_evidence_choose(const struct neph_evidence_source *source,
 
 /* ---- drawing --------------------------------------------------------------------------------- */
 
-/* Where images go. */
+/* Destination and display of the images. */
 struct target {
     const char *folder;
     double exposure_ev, scale;
@@ -178,7 +183,7 @@ static enum neph_status draw(const struct target *target, const struct pair *pai
     return status ? status : neph_json_append(target->names, json_string(name), diag);
 }
 
-/* "worst" as worst.png, worst_reference.png and worst_difference.png. */
+/* Draws for example worst.png, worst_reference.png and worst_difference.png. */
 static enum neph_status draw_three(const struct target *target, const struct pair *pair,
                                    const char *stem, struct neph_diag *diag)
 {
@@ -204,7 +209,7 @@ static enum neph_status draw_flip(const struct target *target, const struct pair
     return status;
 }
 
-/* A row of pixels of each frame and of its reference, one below the other. */
+/* One row of pixels of each frame and of its reference, as images over time. */
 struct slice {
     float *samples; /* owned: six planes */
     struct pair rows;
@@ -231,7 +236,7 @@ static void fill_slice(struct slice *slice, const struct pair *pair, int row, in
                pair->planes[p / 3][p % 3] + (size_t)row * width, width * sizeof(float));
 }
 
-/* All that a frame is in. */
+/* Draws all images that a frame is part of. */
 static enum neph_status draw_pair(const struct neph_evidence_source *source,
                                   const struct neph_evidence *evidence, const struct target *target,
                                   const struct pair *pair, int frame, struct slice *slice,
@@ -256,7 +261,7 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
                                     const struct neph_evidence *evidence, const char *folder,
                                     json_t *names, struct neph_diag *diag)
 {
-    /* The flips are a part of the slice, and so is the worst. */
+    /* The slice contains the flip-book and the worst frame. */
     const bool has_slice = evidence->slice_count > 0;
     const int first = has_slice ? evidence->slice_first : evidence->worst_frame;
     const int last = first + (has_slice ? evidence->slice_count : 1);
@@ -281,7 +286,7 @@ enum neph_status neph_evidence_draw(const struct neph_evidence_source *source,
 
 /* ---- in the store ---------------------------------------------------------------------------- */
 
-/* Part of the key: raise it when images change. */
+/* Part of the store key: raise it when the images change. */
 enum { DRAWN_REVISION = 2 };
 
 enum neph_status neph_evidence_key(const char *take_key, double exposure_ev,
@@ -304,15 +309,16 @@ char *neph_evidence_find(struct neph_store *store, const char *key)
     return path;
 }
 
-/* The map only: one number is taken, as something has to be. */
+/* Draws the map of visible flicker. One value is requested because a comparison needs at least one.
+ */
 static enum neph_status draw_flicker(const struct neph_evidence_source *source,
                                      const struct neph_viewing *viewing, const char *folder,
                                      json_t *names, struct neph_diag *diag)
 {
     static const struct neph_meter_number wanted[] = {{"seen_contrast", "all"}, {.metric = NULL}};
     const struct neph_extractor *seen = neph_extractor_find("seen");
-    struct neph_comparison comparison = {.reference = *source->reference, /* borrowed */
-                                         .test = *source->files,          /* borrowed */
+    struct neph_comparison comparison = {.reference = *source->reference,
+                                         .test = *source->files,
                                          .test_images = source->images,
                                          .viewing = *viewing,
                                          .wanted = wanted,
@@ -331,7 +337,7 @@ static enum neph_status draw_flicker(const struct neph_evidence_source *source,
     return status;
 }
 
-/* An entry of the store is known by a frame: the worst. */
+/* Keeps the worst frame as frame.exr, which identifies the store entry. */
 static enum neph_status keep_worst(const struct neph_evidence_source *source, int frame,
                                    const char *folder, struct neph_diag *diag)
 {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads the expectation list and searches it.
+ */
 #include "harness/stress/expectations.h"
 
 #include "harness/data.h"
@@ -6,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table of words needs a row for it. */
 _Static_assert(NEPH_STRESS_EXPECTED_COUNT == 4, "a new kind");
 
-/* An id of a version, as is that of the results: both keep the word of their first files. */
+/* Format id with version; ids keep the word of their first version. */
 static const char format[] = "neph-failure-expectations-1";
 
-/* NEPH_STRESS_PASSES: it says nothing that an entry can say. */
+/* NEPH_STRESS_PASSES: no word that an entry can have. */
 static enum neph_stress_expected expected_of(const json_t *entry)
 {
     static const char *const words[NEPH_STRESS_EXPECTED_COUNT] = {"", "fails", "flakes", "skips"};
@@ -29,7 +32,7 @@ static enum neph_status check_entry(const json_t *entry, size_t index, struct ne
         if (!*neph_json_text(entry, needed[i]))
             return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu has no '%s'", index, needed[i]);
     if (json_array_size(json_object_get(entry, "presets")) == 0)
-        return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu is of no preset", index);
+        return neph_fail(diag, NEPH_ERR_INPUT, "expectation %zu names no preset", index);
     if (expected_of(entry) == NEPH_STRESS_PASSES)
         return neph_fail(diag, NEPH_ERR_INPUT,
                          "expectation %zu: 'is' is fails, flakes or skips, not '%s'", index,
@@ -46,7 +49,7 @@ static enum neph_status read_list(const char *path, json_t **list, struct neph_d
     if (!content)
         status = neph_fail(diag, NEPH_ERR_INPUT, "%s", error.text);
     else if (strcmp(neph_json_text(content, "format"), format) != 0 || !json_is_array(entries))
-        status = neph_fail(diag, NEPH_ERR_INPUT, "this is no list of expectations (%s)", format);
+        status = neph_fail(diag, NEPH_ERR_INPUT, "this is not a list of expectations (%s)", format);
     for (size_t i = 0; i < json_array_size(entries) && !status; i++)
         status = check_entry(json_array_get(entries, i), i, diag);
     if (status)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The results of the stress tests as JUnit's test cases.
+ * The results of the stress tests as JUnit test cases.
  */
 #include "harness/stress/output.h"
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a verdict is added, as each one has a JUnit result. */
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
 static enum neph_junit_result result_of(enum neph_stress_verdict verdict)
@@ -43,11 +43,11 @@ void neph_stress_junit(const struct neph_stress_suite *suite, struct neph_junit 
         for (int c = 0; c < suite->column_count; c++)
             if (suite->rows[r].cells[c].verdict != NEPH_STRESS_NOT_ASKED)
                 add_cell(suite, &suite->rows[r], c, junit);
-    neph_junit_add(
-        junit, "stress", "verdict", suite->passes ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,
-        suite->passes ? ""
-        : suite->counts.compared > 0
-            ? neph_arena_format(&junit->arena, "%d of %d results are not what is expected of them",
-                                suite->counts.news, suite->counts.compared)
-            : "nothing was compared");
+    neph_junit_add(junit, "stress", "verdict",
+                   suite->passes ? NEPH_JUNIT_PASSED : NEPH_JUNIT_FAILED,
+                   suite->passes ? ""
+                   : suite->counts.compared > 0
+                       ? neph_arena_format(&junit->arena, "%d of %d results are not as expected",
+                                           suite->counts.news, suite->counts.compared)
+                       : "nothing was compared");
 }

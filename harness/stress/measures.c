@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The measures of the stress tests: which metrics each one reads, and its value.
+ */
 #include "harness/stress/measures.h"
 
 #include "harness/study/flicker_metrics.h"
@@ -8,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a measure is added, as the table needs a row for it. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 
 static double itself(const double numbers[NEPH_STRESS_NUMBERS])
@@ -21,19 +24,20 @@ static double magnitude(const double numbers[NEPH_STRESS_NUMBERS])
     return fabs(numbers[0]);
 }
 
-/* The bound stands for what cannot be told from the rest: a part is no more than the whole. */
+/* The upper bound (the whole) where the part itself is not measurable. */
 static double or_bound(const double numbers[NEPH_STRESS_NUMBERS])
 {
     return isnan(numbers[0]) ? numbers[1] : numbers[0];
 }
 
-/* Pixels that never get there have no time, and are not in the percentile. */
+/* Infinite where too many pixels never settle: such pixels have no time and are not in the
+ * percentile. */
 static double or_never(const double numbers[NEPH_STRESS_NUMBERS])
 {
     return numbers[1] > NEPH_STUDY_NEVER_MOST ? INFINITY : numbers[0];
 }
 
-/* Nothing wrong at edges is no fault, whatever is around them. */
+/* 0 where the edges have no error, whatever the error elsewhere. */
 static double ratio(const double numbers[NEPH_STRESS_NUMBERS])
 {
     return numbers[0] == 0.0 ? 0.0 : numbers[0] / numbers[1];
@@ -63,7 +67,7 @@ static bool is_listed(const char *const *names, const char *name)
     return *names != NULL;
 }
 
-/* Whether a limit's numbers are taken. */
+/* Whether a limit is measured. */
 static bool is_taken(const struct neph_failing_limit *limit, bool over_time)
 {
     return over_time || !measures[limit->measure].over_time;
@@ -117,7 +121,7 @@ double neph_stress_read(const struct neph_failing_limit *limit, const json_t *do
         else if (!why[0])
             snprintf(why, NEPH_STRESS_WHY_SIZE, "%s",
                      found ? neph_json_text(found, "undefined_because")
-                           : "the mask is empty, or the whole picture");
+                           : "the mask is empty, or the whole frame");
     }
     const double value = measure->value(numbers);
     if (!isnan(value))

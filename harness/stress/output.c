@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Results of the stress tests as text and JSON.
+ */
 #include "harness/stress/output.h"
 
 #include "base/files.h"
@@ -9,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a verdict is added, as its word and mark appear in the output. */
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
-/* ---- for people ------------------------------------------------------------------------------ */
+/* ---- text ------------------------------------------------------------------------------------ */
 
 static void add_row(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                     struct neph_table *table)
@@ -40,7 +43,7 @@ static bool is_first_of_row(const struct neph_stress_spot *spots, int index)
     return true;
 }
 
-/* A row is as bad as its worst cell. */
+/* Prints rows sorted by their worst cell. */
 static enum neph_status print_table(const struct neph_stress_suite *suite,
                                     const struct neph_stress_spot *spots, int count, FILE *out,
                                     struct neph_diag *diag)
@@ -79,7 +82,7 @@ static void print_value(const struct neph_stress_row *row, const struct neph_str
                 row->limit->limit, verdict);
 }
 
-/* The same number at another point of its sweep. */
+/* Whether two cells are the same measure and verdict at different sweep points. */
 static bool is_same_number(const struct neph_stress_spot *a, const struct neph_stress_spot *b)
 {
     return a->column == b->column && a->row->scene == b->row->scene &&
@@ -87,7 +90,7 @@ static bool is_same_number(const struct neph_stress_spot *a, const struct neph_s
            a->row->cells[a->column].verdict == b->row->cells[b->column].verdict;
 }
 
-/* How many of a list are the same number as one. */
+/* Number of cells in a list that are the same measure as one. */
 static int count_same_number(const struct neph_stress_spot *spots, int count,
                              const struct neph_stress_spot *spot)
 {
@@ -97,7 +100,7 @@ static int count_same_number(const struct neph_stress_spot *spots, int count,
     return same;
 }
 
-/* At its worst point; `more` are the others. */
+/* Prints an unexpected result at its worst point; `more` is the number of further points. */
 static enum neph_status print_news(const struct neph_stress_suite *suite,
                                    const struct neph_stress_spot *spot, int more, FILE *out,
                                    struct neph_diag *diag)
@@ -111,7 +114,7 @@ static enum neph_status print_news(const struct neph_stress_suite *suite,
             suite->columns[spot->column].name);
     print_value(row, cell, out);
     if (more > 0)
-        fprintf(out, ", and at %d points more", more);
+        fprintf(out, ", and at %d further points", more);
     fprintf(out, "\n  %s\n", cell->why[0] ? cell->why : row->limit->reason);
     if (cell->verdict == NEPH_STRESS_FAIL)
         fprintf(out, "  symptom: %s\n", row->scene->failing->symptom);
@@ -150,7 +153,7 @@ enum neph_status neph_stress_print(const struct neph_stress_suite *suite, FILE *
     return status;
 }
 
-/* The command that runs one column of the suite. */
+/* The command that runs one column of the suite for a scenario. */
 static char *suite_command(const struct neph_stress_suite *suite, const struct neph_stress_row *row,
                            const struct neph_stress_column *column)
 {
@@ -180,9 +183,9 @@ char *neph_stress_command(const struct neph_stress_suite *suite, const struct ne
         suite->width_px > 0 ? suite->height_px : failing->height_px, row->scene->name);
 }
 
-/* ---- for programs ---------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
-/* The worst first. */
+/* All results, worst first. */
 static json_t *results_json(const struct neph_stress_suite *suite)
 {
     int count = 0;

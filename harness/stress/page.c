@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The page of the stress tests: selection of evidence within a size limit, data, publication.
+ */
 #include "harness/stress/page.h"
 
 #include "base/clock.h"
@@ -12,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a state is added, as the table of names needs a row for it. */
 _Static_assert(NEPH_STRESS_STATE_COUNT == 3, "a new kind");
 
 static const struct neph_page_parts parts = {.title = "Nephelometer stress tests",
@@ -20,22 +23,24 @@ static const struct neph_page_parts parts = {.title = "Nephelometer stress tests
 
 /* ---- evidence -------------------------------------------------------------------------------- */
 
-/* Evidence of a column of a scene at its worst point. */
+/* Evidence of a column of a scene, at its worst point. */
 struct shown {
     const struct neph_stress_spot *spot;
-    const char *evidence; /* the folder of the entry */
-    const char *folder;   /* of its images in the page: known by the entry, so never out of date */
-    json_t *entry;        /* of the page's data: the record of the images and their place; owned */
+    const char *evidence; /* folder of the store entry */
+    const char *folder;   /* folder within the page, named after the entry, so its content never
+                             changes */
+    json_t *entry;        /* entry of the page's data: the record of the images and their folder;
+                             owned */
     size_t bytes;
     bool fits;
 };
 
-/* All evidence of a run, the worst first. */
+/* Evidence of a run, worst first. */
 struct evidence_list {
     struct neph_arena arena;
     struct neph_stress_spot *spots; /* owned */
     int spot_count;
-    struct shown *shown; /* of the arena */
+    struct shown *shown; /* in the arena */
     int shown_count, left_out;
     size_t bytes;
 };
@@ -57,7 +62,7 @@ static void finish_list(struct evidence_list *list)
     neph_arena_finish(&list->arena);
 }
 
-/* Under `work`, where an entry's images are not yet. */
+/* Copies the images of an entry to `work` unless they are there. */
 static enum neph_status copy_images(const struct shown *shown, const char *work,
                                     struct neph_diag *diag)
 {
@@ -81,7 +86,7 @@ static bool is_wanted(const struct evidence_list *list, const char *name)
     return false;
 }
 
-/* Remove the images that were replaced by images of worse cells. */
+/* Removes images of entries that are no longer selected. */
 static enum neph_status remove_unwanted(const struct evidence_list *list, const char *images,
                                         struct neph_diag *diag)
 {
@@ -114,7 +119,8 @@ static const char *const state_names[] = {
     [NEPH_STRESS_INTERRUPTED] = "interrupted",
 };
 
-/* `object` with the members of `more`, both of which are taken over; NULL: one is, or no memory. */
+/* Merges the members of `more` into `object`, taking ownership of both. NULL when either is NULL or
+ * memory is short. */
 static json_t *joined(json_t *object, json_t *more)
 {
     const bool is_whole = json_object_update(object, more) == 0;
@@ -124,7 +130,7 @@ static json_t *joined(json_t *object, json_t *more)
     return is_whole ? object : NULL;
 }
 
-/* How each column of a scenario is made by hand, at its worst point. */
+/* The command of each column of each scenario, at its worst point. */
 static json_t *commands_json(const struct neph_stress_suite *suite,
                              const struct evidence_list *list)
 {
@@ -169,9 +175,9 @@ static json_t *document_of(const struct neph_stress_suite *suite, const struct e
                             "evidence", evidence, "commands", commands_json(suite, list)));
 }
 
-/* ---- the limit ------------------------------------------------------------------------------- */
+/* ---- size limit ------------------------------------------------------------------------------ */
 
-/* In data.json and in data.js, where a "<" takes five bytes more. */
+/* Size of a JSON value in data.json and data.js, with a reserve for escaped "<". */
 static size_t data_size(const json_t *json)
 {
     return 2 * json_dumpb(json, NULL, 0, JSON_INDENT(1)) + 200;
@@ -190,7 +196,7 @@ static enum neph_status add_shown(const struct neph_stress_suite *suite, struct 
         return NEPH_ERR_MEMORY;
     const bool has_size = suite->width_px > 0;
     json_t *record = json_load_file(path, 0, NULL);
-    if (!record) /* the store is being cleaned: there is nothing to show */
+    if (!record) /* the store has removed the entry: there is nothing to show */
         return NEPH_OK;
     struct shown *shown = &list->shown[list->shown_count++];
     *shown = (struct shown){.spot = spot, .evidence = evidence, .folder = folder};
@@ -211,7 +217,7 @@ static enum neph_status add_shown(const struct neph_stress_suite *suite, struct 
     return NEPH_OK;
 }
 
-/* The bytes left of the limit beside the page and its data. */
+/* Bytes that remain for evidence after the page and its data. */
 static size_t room_for_evidence(const struct neph_stress_page *page,
                                 const struct neph_stress_suite *suite,
                                 const struct evidence_list *list)

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Selects the scenarios, columns and rows of a run.
+ */
 #include "harness/stress/suite.h"
 
 #include "harness/data.h"
@@ -11,11 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a measure is added, as the plan treats bad values separately. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 
 static const char *const engines[] = {"march", "fog_look", "cycles", "povray"};
-/* Every scenario has it, whatever its file says. */
+/* Limit of every scenario, also without one in its file. */
 static const struct neph_failing_limit no_bad_values = {
     .measure = NEPH_FAILING_BAD_VALUES,
     .over = (char[]){"all"},
@@ -26,7 +29,7 @@ static const struct neph_failing_limit no_bad_values = {
 
 /* --- Presets --- */
 
-/* Whether the scene names the preset, or the preset is a change of one that it names. */
+/* Whether the scene names the preset, or the preset on which it is based. */
 static bool has_preset(const struct neph_failing *failing, const char *preset)
 {
     const char *word = failing->presets;
@@ -70,7 +73,7 @@ static enum neph_status find_engine(const char *name, const struct neph_engine *
     if (engine->remembers)
         return neph_fail(diag, NEPH_ERR_USAGE, "%s takes part by its presets: --preset", name);
     if (engine->rung == NEPH_RUNG_EXACT)
-        return neph_fail(diag, NEPH_ERR_USAGE, "%s is what engines are held against here", name);
+        return neph_fail(diag, NEPH_ERR_USAGE, "%s is the reference of engines here", name);
     *found = engine;
     return NEPH_OK;
 }
@@ -79,7 +82,7 @@ static enum neph_status add_column(struct neph_stress_suite *suite, const char *
                                    bool is_preset, struct neph_diag *diag)
 {
     if (suite->column_count == NEPH_STRESS_COLUMNS_MAX)
-        return neph_fail(diag, NEPH_ERR_USAGE, "presets and engines are more than %d",
+        return neph_fail(diag, NEPH_ERR_USAGE, "more than %d presets and engines",
                          NEPH_STRESS_COLUMNS_MAX);
     const struct neph_engine *engine;
     const enum neph_status status = (is_preset ? find_preset : find_engine)(name, &engine, diag);
@@ -99,7 +102,8 @@ static bool has_engines(const struct neph_stress_suite *suite)
 
 #define COUNT(list) ((int)(sizeof(list) / sizeof((list)[0])))
 
-/* Those that are named, or the presets of the tier, and engines where a scene is of them. */
+/* Chooses the named columns, or by default the tier's presets, and engines if a scenario is for
+ * engines. */
 static enum neph_status choose_columns(const struct neph_stress_params *params,
                                        struct neph_stress_suite *suite, struct neph_diag *diag)
 {
@@ -115,16 +119,16 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
     for (int i = 0; is_default && has_engines(suite) && i < COUNT(engines) && !status; i++)
         status = add_column(suite, engines[i], false, diag);
     for (int i = 0; is_default && has_engines(suite) && i < known && !status; i++)
-        if (all[i]->first) /* other Blenders */
+        if (all[i]->first) /* further versions of Blender */
             status = add_column(suite, all[i]->name, false, diag);
     for (int i = 0; i < params->preset_count && !status; i++)
         status = add_column(suite, params->presets[i], true, diag);
     for (int i = 0; i < params->engine_count && !status; i++)
         status = add_column(suite, params->engines[i], false, diag);
     if (!status && !is_default && params->preset_count == 0 && !has_engines(suite)) {
-        neph_fail(diag, NEPH_ERR_USAGE, "none of the scenarios is of engines");
-        neph_hint(diag, "those that are say `engines: true`: fog_seam, fog_none, fog_below, "
-                        "elevator, fog_look_...; others are of presets (--preset)");
+        neph_fail(diag, NEPH_ERR_USAGE, "no scenario is for engines");
+        neph_hint(diag, "scenarios with `engines: true`: fog_seam, fog_none, fog_below, elevator, "
+                        "fog_look_...; others are for presets (--preset)");
         return NEPH_ERR_USAGE;
     }
     return status;
@@ -132,7 +136,7 @@ static enum neph_status choose_columns(const struct neph_stress_params *params,
 
 /* --- Scenarios --- */
 
-/* Presets that a scenario names are presets of the engine, or it is of none of them. */
+/* Checks that the presets a scenario names exist. "none": the scenario is for no preset. */
 static enum neph_status check_scene(const struct neph_scene *scene, struct neph_diag *diag)
 {
     const struct neph_engine *engine;
@@ -228,7 +232,7 @@ static void add_row(struct neph_stress_suite *suite, const struct neph_scene *sc
             .why = ""};
 }
 
-/* Bad values are counted at every point. */
+/* Adds the rows of a point; bad values are counted at every point. */
 static void add_point(const struct neph_stress_params *params, struct neph_stress_suite *suite,
                       const struct neph_scene *scene, int point)
 {

@@ -1,10 +1,13 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Verdicts of the stress tests: table, judgement, counts, order.
+ */
 #include "harness/stress/results.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables of this file need a row for it. */
 _Static_assert(NEPH_STRESS_EXPECTED_COUNT == 4, "a new kind");
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
@@ -60,7 +63,7 @@ double neph_stress_excess(const struct neph_stress_row *row, const struct neph_s
     return cell->value > 0.0 ? INFINITY : 0.0;
 }
 
-/* -1, 0, 1; cells without a number come last. */
+/* -1, 0 or 1; cells without a value come last. */
 static int compare_excess(double a, double b)
 {
     if (isnan(a) || isnan(b))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A run of the stress tests: its parameters and its results, which are filled while it runs.
+ * A run of the stress tests: its parameters, and its results, which are filled in during the run.
  */
 #ifndef NEPH_HARNESS_STRESS_RESULTS_H
 #define NEPH_HARNESS_STRESS_RESULTS_H
@@ -14,54 +14,54 @@ enum { NEPH_STRESS_COLUMNS_MAX = 24, NEPH_STRESS_JOBS_MAX = 64 };
 
 /* ---- verdicts --------------------------------------------------------------------------------
  *
- * On a number, by its limit and by the expectation for it: failures that are known are written down
- * with their reason, and a known failure that passes is as new as a failure that was not known (as
- * in dEQP). */
+ * The verdict on a value follows from its limit and its expectation. Known failures are listed with
+ * their reasons; a known failure that passes is as unexpected as a new failure (as in dEQP). */
 
 enum neph_stress_expected {
-    NEPH_STRESS_PASSES, /* without an expectation */
+    NEPH_STRESS_PASSES, /* no expectation is listed */
     NEPH_STRESS_FAILS,
     NEPH_STRESS_FLAKES, /* passes on some devices and fails on others */
-    NEPH_STRESS_SKIPS,  /* is not measured */
+    NEPH_STRESS_SKIPS,  /* not measured */
     NEPH_STRESS_EXPECTED_COUNT,
 };
 
 enum neph_stress_verdict {
-    NEPH_STRESS_NOT_ASKED, /* no preset or engine of the scene */
-    NEPH_STRESS_NOT_YET,   /* of a run that goes on */
+    NEPH_STRESS_NOT_ASKED, /* not a preset or engine of the scenario */
+    NEPH_STRESS_NOT_YET,   /* not measured yet, in a run that continues */
     NEPH_STRESS_PASS,
     NEPH_STRESS_FAIL,
     NEPH_STRESS_KNOWN_FAIL,
-    NEPH_STRESS_NEW_PASS, /* expected to fail, and does not */
-    NEPH_STRESS_FLAKE,    /* failed, as it may */
+    NEPH_STRESS_NEW_PASS, /* expected to fail, but passes */
+    NEPH_STRESS_FLAKE,    /* failed, as a flake may */
     NEPH_STRESS_SKIP,
-    NEPH_STRESS_NO_NUMBER,    /* there is nothing to measure, or it broke */
-    NEPH_STRESS_CANNOT,       /* an engine that does not model the scene */
-    NEPH_STRESS_MISSING,      /* an engine that is not installed */
-    NEPH_STRESS_NOT_RENDERED, /* an engine that took longer than its limit */
+    NEPH_STRESS_NO_NUMBER,    /* no value: nothing to measure, or rendering failed */
+    NEPH_STRESS_CANNOT,       /* the engine does not model the scene */
+    NEPH_STRESS_MISSING,      /* the engine is not installed */
+    NEPH_STRESS_NOT_RENDERED, /* the engine exceeded its time limit */
     NEPH_STRESS_VERDICTS,
 };
 
 struct neph_stress_verdict_info {
-    const char *name, *mark; /* of documents; behind a number of the table, or in its place */
-    bool is_news;            /* it fails a run */
-    bool is_compared;        /* a number was compared with a limit */
-    bool is_failure;         /* the number is over its limit, expected or not: it is drawn */
-    int rank;                /* the less, the worse */
+    const char *name, *mark; /* name in documents; mark beside a value in the table, or in place of
+                                one */
+    bool is_news;            /* unexpected: fails a run */
+    bool is_compared;        /* a value was compared with its limit */
+    bool is_failure;         /* the value exceeds its limit, expected or not; evidence is drawn */
+    int rank;                /* order by severity, 0 is the worst */
 };
 
 extern const struct neph_stress_verdict_info neph_stress_verdicts[NEPH_STRESS_VERDICTS];
 
-/* `value` <= `limit` passes; NaN: there is no number. */
+/* `value` <= `limit` passes; NaN: no value. */
 enum neph_stress_verdict neph_stress_judge(double value, double limit,
                                            enum neph_stress_expected expected);
 
 /* ---- a run ----------------------------------------------------------------------------------- */
 
-/* Cells that there is evidence of. */
+/* Cells with evidence images. */
 enum neph_stress_pictures {
-    NEPH_STRESS_PICTURES_FAILED,  /* failures, known or not, and known ones that pass */
-    NEPH_STRESS_PICTURES_CHANGED, /* verdicts that are not expected */
+    NEPH_STRESS_PICTURES_FAILED,  /* failures, known or not, and unexpected passes */
+    NEPH_STRESS_PICTURES_CHANGED, /* unexpected results */
     NEPH_STRESS_PICTURES_ALL,
     NEPH_STRESS_PICTURES_NONE,
     NEPH_STRESS_PICTURES_COUNT,
@@ -69,7 +69,7 @@ enum neph_stress_pictures {
 
 struct neph_stress_page;
 
-/* How far a run is. */
+/* State of a run. */
 enum neph_stress_state {
     NEPH_STRESS_RUNNING,
     NEPH_STRESS_FINISHED,
@@ -78,25 +78,25 @@ enum neph_stress_state {
 };
 
 struct neph_stress_params {
-    bool full;               /* all scenarios, presets and points of sweeps; else the quick tier */
-    const char *const *only; /* scenarios by name, whatever their tier; only_count 0: of the tier */
+    bool full;               /* all scenarios, presets and sweep points; otherwise the quick tier */
+    const char *const *only; /* scenarios by name, of any tier; only_count 0: all of the tier */
     int only_count;
     const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */
     int preset_count;
-    const char *const *engines; /* beside or without presets; of both none: those of the tier */
+    const char *const *engines; /* with or without presets; without both: the tier's columns */
     int engine_count;
     enum neph_stress_pictures pictures;
-    int width_px, height_px; /* 0: sizes of the scenarios. At another size only bad values are
-                                judged: limits hold at their own */
-    bool on_device; /* only bad values, in all images of all passes, counted on the device; nothing
-                       is kept, not even in the store */
-    int jobs;       /* processes that render at the same time, 1 .. */
-    struct neph_shared_device *device; /* as neph_shot.device */
+    int width_px, height_px; /* 0: the scenarios' sizes. At other sizes only bad values are judged,
+                                as limits apply to the scenario's size */
+    bool on_device; /* only bad values, counted on the device in all images of all passes; nothing
+                       is kept or stored */
+    int jobs;       /* number of rendering processes, from 1 on */
+    struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
-    const struct neph_stress_page *page; /* published while the run goes on; NULL: none is */
+    const struct neph_stress_page *page; /* published during the run; NULL: no page */
 };
 
-/* A preset of `realtime`; a user engine ("command"), which takes part as one; or an engine that
+/* A preset of `realtime`; a user engine ("command"), treated like a preset; or an engine that
  * renders each frame independently. */
 struct neph_stress_column {
     const char *name;
@@ -104,18 +104,19 @@ struct neph_stress_column {
     bool is_preset;
 };
 
-/* One number over a column. */
+/* One value in a column. */
 struct neph_stress_cell {
-    double value; /* NaN: none; may be infinite */
+    double value; /* NaN: none; can be infinite */
     enum neph_stress_verdict verdict;
-    const char *why;      /* the expectation's reason, or why there is no number; or "" */
-    const char *evidence; /* folder of the evidence of its column and point (evidence.h), or NULL */
-    const char *frame_key; /* in the store, of the last frame of its column and point, or NULL */
+    const char *why;       /* the expectation's reason, the reason for a missing value, or "" */
+    const char *evidence;  /* folder of the evidence of this column and point (evidence.h); NULL:
+                              none */
+    const char *frame_key; /* store key of the sequence of this column and point; NULL: none */
 };
 
-/* One measure of one point of a scenario. Texts are of the arena or of the scene. */
+/* One measure at one sweep point of a scenario. Texts are in the arena or belong to the scene. */
 struct neph_stress_row {
-    const struct neph_scene *scene; /* the scenario as its file is */
+    const struct neph_scene *scene; /* the scenario as in its file */
     int point_index;
     const char *point;
     const struct neph_failing_limit *limit;
@@ -127,34 +128,35 @@ struct neph_stress_counts {
     int compared, news;
 };
 
-/* Start from {0}; free with _finish. */
+/* Initialise with {0}; free with neph_stress_finish(). */
 struct neph_stress_suite {
     struct neph_arena arena;
     enum neph_stress_state state;
     bool full;
-    int width_px, height_px; /* 0: those of the scenarios */
-    bool on_device;          /* only bad values were counted, there */
+    int width_px, height_px; /* 0: the scenarios' sizes */
+    bool on_device;          /* only bad values were counted, on the device */
     char device[128];
     int column_count;
     struct neph_stress_column columns[NEPH_STRESS_COLUMNS_MAX];
     int scene_count, row_count;
-    struct neph_scene **scenes; /* owned, and their list in the arena */
+    struct neph_scene **scenes; /* owned; the list is in the arena */
     struct neph_stress_row *rows;
     struct neph_stress_counts counts;
-    bool passes; /* nothing new, and something was compared */
+    bool passes; /* no unexpected result, and at least one comparison */
     double seconds;
-    int frame_count; /* of all takes, rendered now or taken from the store */
+    int frame_count; /* frames of all sequences, rendered or from the store */
     int steps_done, steps_total;
-    double left_s; /* until all is done; negative: not known */
+    double left_s; /* estimated remaining time; negative: not known */
 };
 
+/* Destroys the scenes and frees all results. */
 void neph_stress_finish(struct neph_stress_suite *suite);
 
-/* Count the verdicts. */
+/* Updates `counts` and `passes`. */
 void neph_stress_count(struct neph_stress_suite *suite);
 
-/* How far a cell is over its limit, 1 at the limit; of limit 0 infinite, and NaN where there is no
- * number. */
+/* The value relative to its limit: 1 at the limit; infinite above a limit of 0; NaN without a
+ * value. */
 double neph_stress_excess(const struct neph_stress_row *row, const struct neph_stress_cell *cell);
 
 /* A cell of a run. */
@@ -163,9 +165,8 @@ struct neph_stress_spot {
     int column;
 };
 
-/* All cells of presets and engines of their scene, for the caller to free; NULL when memory is
- * short. The worst is first: by its verdict, then by how far it is over its limit, then
- * as in the run. */
+/* All cells that belong to presets or engines of their scenario, worst first, for free(); NULL: out
+ * of memory. Sorted by verdict, then by excess over the limit, then in the order of the run. */
 struct neph_stress_spot *neph_stress_worst(const struct neph_stress_suite *suite, int *count);
 
 #endif

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The run of the stress tests: order of trials, worker processes, messages, page.
+ */
 #include "harness/stress/suite.h"
 
 #include "base/clock.h"
@@ -15,18 +18,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as expect() counts the frames of references. */
 _Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
 
-/* Guesses before the first is over, on two cores. */
+/* Expected seconds before the first step has finished, on two cores. */
 static const double picture_typical_s = 0.2, take_typical_s = 3.0;
 
-/* A page that is looked at while the run goes on need not be younger. */
+/* Seconds between updates of the page. */
 static const double shown_every_s = 2.0;
 
 struct work {
     struct neph_stress_bench bench;
-    struct neph_stress_trials trials; /* of this process, once it is prepared */
+    struct neph_stress_trials trials; /* list of this process, after prepare() */
     double start_s, shown_s;
 };
 
@@ -77,7 +80,8 @@ enum neph_status neph_stress_list_trials(struct neph_stress_suite *suite, bool a
     return NEPH_OK;
 }
 
-/* A worker, too, expects the whole: the time left is that of all. */
+/* Registers all trials in the progress, also in workers: the remaining time is that of the whole
+ * run. */
 static void expect(struct neph_stress_bench *bench, const struct neph_stress_trials *trials)
 {
     for (int i = 0; i < trials->count; i++) {
@@ -95,7 +99,7 @@ static void expect(struct neph_stress_bench *bench, const struct neph_stress_tri
     }
 }
 
-/* ---- showing --------------------------------------------------------------------------------- */
+/* ---- publishing ------------------------------------------------------------------------------ */
 
 static enum neph_status show(struct work *work, enum neph_stress_state state,
                              struct neph_diag *diag)
@@ -116,7 +120,8 @@ static enum neph_status show(struct work *work, enum neph_stress_state state,
     return status;
 }
 
-/* A run that did not finish has a page that does not say for ever that it runs. */
+/* Publishes the final page of an interrupted run, so that it does not stay in the state "running".
+ */
 static void show_end(struct work *work)
 {
     struct neph_diag why = {.line = 0};
@@ -194,13 +199,13 @@ enum neph_status neph_stress_read_message(const char *text, struct neph_stress_s
     json_t *json = json_loads(text, 0, NULL);
     const bool is_read = json && read_message(json, suite, message);
     json_decref(json);
-    return is_read ? NEPH_OK
-                   : neph_fail(diag, NEPH_ERR_INTERNAL, "a process told what is no result: %.60s",
-                               text);
+    return is_read
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_INTERNAL, "a worker sent no valid result: %.60s", text);
 }
 
-/* Tell of a trial that is over, `before` and `frame_count` being as they were before it. Pictures
- * of a reference are told of once. */
+/* Sends the results of a finished trial. `before` and `frame_count` are the values before it. The
+ * frames of a reference are reported once. */
 static enum neph_status
 tell(const struct neph_stress_bench *bench, const struct neph_worker *worker,
      const struct neph_stress_point *point, const struct neph_stress_trial *trial,
@@ -228,7 +233,7 @@ tell(const struct neph_stress_bench *bench, const struct neph_worker *worker,
     return NEPH_OK;
 }
 
-/* Take the results of another process. */
+/* Adds the results of another process. */
 static enum neph_status read(struct neph_stress_bench *bench, const char *text,
                              struct neph_diag *diag)
 {
@@ -248,7 +253,7 @@ static enum neph_status read(struct neph_stress_bench *bench, const char *text,
     return NEPH_OK;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the whole run --------------------------------------------------------------------------- */
 
 static bool is_left(const struct neph_stress_suite *suite, const struct neph_stress_trial *trial)
 {
@@ -267,7 +272,7 @@ static void close_point(struct neph_stress_point *point)
     *point = (struct neph_stress_point){.scene = NULL};
 }
 
-/* `point` is that of the trial before, and then that of this one. */
+/* Runs a trial. `point` is the previous trial's point, and becomes that of this trial. */
 static enum neph_status run_trial(struct work *work, const struct neph_worker *worker,
                                   const struct neph_stress_trial *trial,
                                   struct neph_stress_point *point, struct neph_diag *diag)
@@ -292,7 +297,7 @@ static enum neph_status run_trial(struct work *work, const struct neph_worker *w
                              : show(work, NEPH_STRESS_RUNNING, diag);
 }
 
-/* Presets share an engine, which is probed once. */
+/* Probes each engine; presets share the one of `realtime`. */
 static void probe(struct neph_stress_bench *bench)
 {
     struct neph_stress_suite *suite = bench->suite;
@@ -307,7 +312,7 @@ static void probe(struct neph_stress_bench *bench)
             neph_engine_probe(suite->columns[c].engine, bench->params->device, &bench->infos[c]);
 }
 
-/* Engines are probed, and the time is guessed, once in each process. */
+/* Probes the engines and registers the trials, once in each process. */
 static enum neph_status prepare(struct work *work, bool is_worker, struct neph_diag *diag)
 {
     struct neph_stress_bench *bench = &work->bench;
@@ -323,7 +328,7 @@ static enum neph_status prepare(struct work *work, bool is_worker, struct neph_d
     return status;
 }
 
-/* The trials of a worker, one after the other. */
+/* Runs a worker's trials. */
 static enum neph_status run_trials(struct neph_worker *worker, void *context,
                                    struct neph_diag *diag)
 {

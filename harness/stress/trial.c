@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * One trial: job, reference, measurement, verdicts, evidence.
+ */
 #include "harness/stress/trial.h"
 
 #include "base/clock.h"
@@ -16,15 +19,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as trials handle each measure and verdict. */
 _Static_assert(NEPH_FAILING_MEASURES == 8, "a new kind");
 _Static_assert(NEPH_STRESS_PICTURES_COUNT == 4, "a new kind");
 _Static_assert(NEPH_STRESS_VERDICTS == 12, "a new kind");
 
-/* The readings' name in the store, a part of their keys: those of before are found. */
+/* Name of the measurement set, part of its store key; the name of earlier versions is kept. */
 static const char reading_name[] = "failure";
 
-/* The limit of a child process for a frame of a stamp's size: so long that load does not decide. */
+/* Time limit of a child process for a small frame, long enough for a loaded machine. */
 static const double engine_limit_s = 300.0;
 
 /* ---- points ---------------------------------------------------------------------------------- */
@@ -67,7 +70,7 @@ int neph_stress_kind(const struct neph_stress_suite *suite, int column)
 
 /* ---- jobs ------------------------------------------------------------------------------------ */
 
-/* A trial under way. */
+/* The state of a running trial. */
 struct trial {
     struct neph_stress_bench *bench;
     struct neph_stress_point *point;
@@ -76,7 +79,8 @@ struct trial {
     struct neph_stress_frames frames;
     struct neph_reference *reference;
     const char *extractors[NEPH_FAILING_MEASURES + 1]; /* NULL-terminated */
-    bool is_judged;                                    /* frames are only to be drawn */
+    bool is_judged;                                    /* the cells are filled; frames are only
+                                                          drawn */
     char evidence_key[NEPH_HASH_HEX_SIZE];
 };
 
@@ -95,7 +99,7 @@ static struct neph_stress_cell *cell_of(const struct trial *trial, int number)
     return &row_of(trial, number)->cells[trial->column];
 }
 
-/* Frames of a stamp's size, compared with limits that are not of noise. */
+/* Settings for small frames, whose limits are well above the noise. */
 static const struct {
     const char *engine, *setting;
 } cheaper[] = {{"cycles", "samples=16"}};
@@ -108,7 +112,7 @@ static enum neph_status set_engine(struct neph_job *job, struct neph_diag *diag)
     return NEPH_OK;
 }
 
-/* As a column's name has it, a guest's, too. */
+/* Sets engine and settings from a column's name, also for a user engine. */
 static enum neph_status set_words(const struct trial *trial, const char *words,
                                   struct neph_job *job, struct neph_diag *diag)
 {
@@ -134,7 +138,7 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                  .settings = neph_settings_default(column->engine),
                  .width_px = has_own_size ? failing->width_px : params->width_px,
                  .height_px = has_own_size ? failing->height_px : params->height_px,
-                 /* External renderers render each layer on its own. */
+                 /* external renderers need a render for each layer */
                  .layers = column->engine->rung == NEPH_RUNG_WITNESS ? NEPH_LAYER_RADIANCE
                                                                      : NEPH_LAYERS_ALL,
                  .seed = neph_seed_of(trial->point->at, 1),
@@ -144,13 +148,13 @@ static enum neph_status make_job(struct trial *trial, struct neph_diag *diag)
                  .device = params->device}};
     if (column->engine->is_guest && row_of(trial, 0)->point_index > 0)
         return neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                         "a program reads the file, which has other values");
+                         "a program reads the scene file, which has no values of a sweep point");
     return column->is_preset ? set_words(trial, column->name, &trial->job, diag)
                              : set_engine(&trial->job, diag);
 }
 
-/* The first that is tried at a point makes the reference: that of presets is the march of none of
- * their changes. */
+/* Makes the reference at the first trial of a point. The presets' reference is the marcher at the
+ * settings of preset `off`. */
 static enum neph_status make_truth(struct trial *trial, struct neph_diag *diag)
 {
     struct neph_stress_bench *bench = trial->bench;
@@ -190,7 +194,7 @@ static enum neph_stress_expected expected_of(const struct trial *trial, int numb
     return neph_stress_expected_at(trial->bench->expectations, &place, reason);
 }
 
-/* `why` "": the reason of the expectation. */
+/* Fills a cell; `why` "": the reason of the expectation. */
 static void fill_cell(const struct trial *trial, int number, double value, const char *why)
 {
     struct neph_stress_cell *cell = cell_of(trial, number);
@@ -204,7 +208,7 @@ static void fill_cell(const struct trial *trial, int number, double value, const
         .why = neph_arena_text(&trial->bench->suite->arena, why[0] ? why : reason)};
 }
 
-/* From the documents in a folder of a take. */
+/* Fills the cells from the document in a sequence's folder. */
 static enum neph_status read_cells(const struct trial *trial, const char *folder, size_t bad_values,
                                    bool has_document, struct neph_diag *diag)
 {
@@ -221,14 +225,14 @@ static enum neph_status read_cells(const struct trial *trial, const char *folder
         else if (document)
             value = neph_stress_read(limit, document, why);
         else
-            snprintf(why, sizeof(why), "the frames hold %zu bad values", bad_values);
+            snprintf(why, sizeof(why), "the frames have %zu bad values", bad_values);
         fill_cell(trial, r, value, why);
     }
     json_decref(document);
     return status;
 }
 
-/* Why there are no numbers. */
+/* Fills all cells without a value, with a reason. */
 static void mark_cells(const struct trial *trial, enum neph_stress_verdict verdict, const char *why)
 {
     for (int r = 0; r < trial->point->row_count; r++) {
@@ -256,7 +260,7 @@ static bool is_drawn(const struct trial *trial)
     return is_wanted;
 }
 
-/* Judge and draw the frames while they are in memory. */
+/* Callback: judges and draws the frames while they are in memory. */
 static enum neph_status judge_and_draw(const struct neph_take *take,
                                        const struct neph_take_frames *frames, void *context,
                                        struct neph_diag *diag)
@@ -281,8 +285,8 @@ static enum neph_status judge_and_draw(const struct neph_take *take,
                               &viewing, frames->bad_values == 0, diag);
 }
 
-/* The evidence of the judged frames, which are rendered again where the store has none, as after a
- * change of a limit. */
+/* Finds the evidence of judged frames. Where the store has none, for example after a limit was
+ * changed, the frames are rendered again and drawn. */
 static enum neph_status find_evidence(struct trial *trial, const struct neph_take *take,
                                       struct neph_diag *diag)
 {
@@ -295,7 +299,7 @@ static enum neph_status find_evidence(struct trial *trial, const struct neph_tak
         trial->is_judged = true;
         status = neph_take_see(take, bench->store, diag);
         if (!status && !(folder = neph_evidence_find(bench->store, trial->evidence_key)))
-            status = neph_fail(diag, NEPH_ERR_IO, "pictures are not readable after publishing");
+            status = neph_fail(diag, NEPH_ERR_IO, "images are not readable after publishing");
     }
     for (int r = 0; r < trial->point->row_count && !status; r++)
         cell_of(trial, r)->evidence = neph_arena_text(&bench->suite->arena, folder);
@@ -354,7 +358,8 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
                                    .reference = trial->reference,
                                    .readings = &reading,
                                    .reading_count = is_read ? 1 : 0,
-                                   .plain = true, /* a limit is compared with the number itself */
+                                   .plain = true, /* limits are compared with the values themselves
+                                                     */
                                    .frozen_is_fine = true,
                                    .look = judge_and_draw,
                                    .look_context = trial,
@@ -362,7 +367,7 @@ static enum neph_status measure(struct trial *trial, struct neph_diag *diag)
     return run_take(trial, &take, diag);
 }
 
-/* Every frame, of which only the count of its bad values is kept. */
+/* Renders every frame and keeps only the count of its bad values. */
 static enum neph_status count_bad_values(struct trial *trial, struct neph_diag *diag)
 {
     uint64_t bad = 0;
@@ -392,7 +397,7 @@ static enum neph_status run(struct trial *trial, struct neph_diag *diag)
     return trial->bench->params->on_device ? count_bad_values(trial, diag) : measure(trial, diag);
 }
 
-/* Whether the column skips all of its numbers. */
+/* Whether all values of the column are to be skipped. */
 static bool is_skipped(const struct trial *trial)
 {
     const char *reason;
@@ -403,15 +408,15 @@ static bool is_skipped(const struct trial *trial)
     return true;
 }
 
-/* Errors of one column; all others end the run. An engine or a guest need not model everything, or
- * be there; a preset is a promise. */
+/* Whether an error concerns one column; all others end the run. An engine or a user engine may not
+ * support a scene, or not be installed; a preset must render every scenario. */
 static bool is_of_one_column(const struct neph_stress_column *column, enum neph_status status,
                              enum neph_stress_verdict *verdict)
 {
     static const struct {
         enum neph_status status;
         bool of_presets;
-        enum neph_stress_verdict verdict; /* of an engine */
+        enum neph_stress_verdict verdict; /* verdict of an engine */
     } table[] = {
         {NEPH_ERR_ENGINE, true, NEPH_STRESS_NO_NUMBER},
         {NEPH_ERR_GATE, true, NEPH_STRESS_NO_NUMBER},

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * References of the stress tests.
+ */
 #include "harness/stress/truth.h"
 
 #include "harness/engines/engines.h"
@@ -9,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as neph_stress_preset_truth() chooses by it. */
 _Static_assert(NEPH_FAILING_TRUTH_COUNT == 2, "a new kind");
 
 static bool stands_still(const struct neph_scene *scene)
@@ -44,7 +47,7 @@ static enum neph_status make_picture(const struct neph_job *job, struct neph_sto
     return status;
 }
 
-/* A single frame keeps its own key. */
+/* The key of several frames; a single frame keeps its own key. */
 static enum neph_status make_key(const struct neph_job *first,
                                  const struct neph_stress_frames *frames,
                                  char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
@@ -70,7 +73,7 @@ static enum neph_status make_exact(const struct neph_job *test,
     struct neph_sequence *pictures = &made.frames[NEPH_REFERENCE_AVERAGED];
     neph_engine_probe(exact, test->shot.device, &info);
     job.shot.settings = neph_settings_default(exact);
-    job.shot.seed = 1; /* nothing is random */
+    job.shot.seed = 1; /* `exact` draws no random numbers */
     job.shot.layers = NEPH_LAYERS_ALL;
     job.shot.time_limit_s = 0.0;
     pictures->paths = calloc((size_t)frames->count, sizeof(*pictures->paths));
@@ -87,7 +90,7 @@ static enum neph_status make_exact(const struct neph_job *test,
     return status;
 }
 
-/* ---- the two --------------------------------------------------------------------------------- */
+/* ---- references of presets and engines ------------------------------------------------------- */
 
 enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct neph_store *store,
                                           struct neph_progress *progress,
@@ -99,7 +102,7 @@ enum neph_status neph_stress_preset_truth(const struct neph_job *test, struct ne
         return neph_reference_make(test, scene->failing->frame_count, store, progress, reference,
                                    diag);
     if (!stands_still(scene))
-        return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` is of what stands still",
+        return neph_fail(diag, NEPH_ERR_INPUT, "%s moves: `truth: exact` needs a static scene",
                          scene->name);
     return make_exact(test, &one, store, reference, diag);
 }
@@ -112,6 +115,6 @@ enum neph_status neph_stress_engine_truth(const struct neph_job *test,
     const enum neph_status status = make_exact(test, frames, store, reference, diag);
     if (status != NEPH_ERR_UNSUPPORTED && status != NEPH_ERR_UNAVAILABLE)
         return status;
-    neph_prefix(diag, "there is no truth: exact ");
+    neph_prefix(diag, "there is no reference: exact ");
     return NEPH_ERR_ENGINE;
 }

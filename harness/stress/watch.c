@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Counts the bad values of a sequence on the device.
+ */
 #include "harness/stress/watch.h"
 
 #include "base/interrupt.h"
@@ -17,9 +20,9 @@ static enum neph_status count_in_picture(struct neph_job *job, const struct neph
     return status;
 }
 
-/* A frame with another one before it cannot be in flight (inject.mirror, inject.sizes): it is
- * collected, and dropped. Where there is no image on the device to count in, the frame is rendered
- * once more and collected. */
+/* Counts the values of one frame. In sequences with a mirrored view (inject.mirror) or changing
+ * frame sizes (inject.sizes) frames cannot be in flight: they are collected and dropped. Without
+ * images on the device the frame is rendered again and counted on the CPU. */
 static enum neph_status count_on_device(struct neph_job *job, const struct neph_shot *shot,
                                         bool *has_images, uint64_t *bad, struct neph_diag *diag)
 {
@@ -35,7 +38,7 @@ static enum neph_status count_on_device(struct neph_job *job, const struct neph_
     return *has_images ? status : count_in_picture(job, shot, bad, diag);
 }
 
-/* An engine that warms up by itself collects the frames before the first; here they need not be. */
+/* Removes the engine's own warm-up, which collects its frames, and returns its length. */
 static int take_warm_up(struct neph_job *job)
 {
     const int setting = neph_option_find(job->engine->options, "warm_up");

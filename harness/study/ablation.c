@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Ablations: planning the configurations, effects over scenes, verdicts and advice.
+ */
 #include "harness/study/ablation.h"
 
 #include "base/files.h"
@@ -12,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables and verdicts of this file need it. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 _Static_assert(NEPH_ABLATION_ADVICES == 7, "a new kind");
 _Static_assert(NEPH_ABLATION_VERDICTS == 8, "a new kind");
@@ -25,9 +28,9 @@ const struct neph_ablation_measure neph_ablation_measures[] = {
     {"four_frame", "four-frame", "four-frame flicker at depth edges", "a4_p95",
      .mask = "depth_edge"},
     {"half_life", "half-life", "half-life after a step of the sun", "half_life_p50", .mask = "all"},
-    {"evaluations", "evaluations", "density evaluations a pixel",
+    {"evaluations", "evaluations", "density evaluations per pixel",
      .cost = offsetof(struct neph_study_cost, density_evaluations)},
-    {"traffic", "bytes", "bytes that passes read and write a pixel",
+    {"traffic", "bytes", "bytes that passes read and write per pixel",
      .cost = offsetof(struct neph_study_cost, traffic_bytes)},
     {"gpu_ms", "ms", "milliseconds of the device", .cost = offsetof(struct neph_study_cost, gpu_ms),
      .is_time = true},
@@ -66,9 +69,9 @@ int neph_ablation_measure_count(void)
     return count;
 }
 
-/* ---- what is rendered ------------------------------------------------------------------------ */
+/* ---- the plan -------------------------------------------------------------------------------- */
 
-/* Index of the configuration; a new one if there is none yet. `label` is of the arena, or stays. */
+/* Adds a configuration unless it exists; returns its index. `label` is in the arena or constant. */
 static int configure(struct neph_ablation *ablation, neph_ablation_set without, const char *label)
 {
     const int count = ablation->configuration_count;
@@ -97,7 +100,7 @@ static void compare(struct neph_ablation *ablation, int part, enum neph_ablation
         .without = configure(ablation, without, label)};
 }
 
-/* What the plain pipeline lacks of what the preset has. */
+/* The parts of the preset that the plain pipeline does not have. */
 static neph_ablation_set left_out_of_plain(const struct neph_ablation *ablation)
 {
     neph_ablation_set set = ablation->parts;
@@ -134,7 +137,7 @@ static enum neph_status refuse_absent(const struct neph_ablation *ablation, int 
     const struct neph_ablation_part *of = &neph_ablation_parts[part];
     neph_fail(diag, NEPH_ERR_USAGE, "preset %s does not have '%s': %s", ablation->preset, of->name,
               ablation->values[part]);
-    neph_hint(diag, "`neph ablate --list --preset %s` says what it has%s%s", ablation->preset,
+    neph_hint(diag, "list its parts with `neph ablate --list --preset %s`%s%s", ablation->preset,
               of->needs ? "; this part needs " : "", of->needs ? of->needs : "");
     return NEPH_ERR_USAGE;
 }
@@ -174,7 +177,7 @@ enum neph_status neph_ablation_plan(const char *preset, const char *const *only,
     return neph_arena_check(&ablation->arena, diag);
 }
 
-/* ---- one change ------------------------------------------------------------------------------ */
+/* ---- one comparison -------------------------------------------------------------------------- */
 
 static double difference(const struct neph_ablation *ablation,
                          const struct neph_ablation_comparison *of, int measure, int scene)
@@ -224,7 +227,7 @@ static struct neph_ablation_effect summarise(const double *changes, int count, d
     effect.high = mean.high;
     if (effect.has_interval && mean.value != 0.0)
         effect.p = mean.standard_error == 0.0
-                       ? 0.0 /* all scenes alike */
+                       ? 0.0 /* the same change in all scenes */
                        : neph_student_p(mean.value / mean.standard_error, mean.n - 1);
     return effect;
 }
@@ -267,17 +270,17 @@ enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_compar
     return counts[NEPH_ABLATION_SAME] > 0 ? NEPH_ABLATION_IDLE : NEPH_ABLATION_UNMEASURED;
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- all comparisons ------------------------------------------------------------------------- */
 
-/* The family is of all numbers that have an interval and are neither the same everywhere nor of a
- * clock: what cannot be wrong by chance makes nothing else less certain. */
+/* Holm's family: numbers with an interval, except those equal in all scenes and those of a clock. A
+ * number that cannot be wrong by chance must not weaken the others. */
 static bool is_of_family(const struct neph_ablation_effect *effect, int measure)
 {
     return effect->has_interval && effect->alike < effect->scene_count &&
            !neph_ablation_measures[measure].is_time;
 }
 
-/* Holm's p of the family. */
+/* Computes Holm's adjusted p over the family. */
 static void adjust(struct neph_ablation *ablation)
 {
     enum { MOST = (2 * NEPH_ABLATION_PARTS_MAX + 1) * NEPH_ABLATION_MEASURES_MAX };
@@ -319,7 +322,7 @@ static void measure_comparison(struct neph_ablation *ablation,
     }
 }
 
-/* One that can be rendered is enough. */
+/* Fails unless at least one scene could be rendered. */
 static enum neph_status check_scenes(const struct neph_ablation *ablation, struct neph_diag *diag)
 {
     const struct neph_study_scene *scenes = ablation->study.scenes;
@@ -327,8 +330,7 @@ static enum neph_status check_scenes(const struct neph_ablation *ablation, struc
         if (!scenes[i].left_out)
             return NEPH_OK;
     neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s: %s", scenes[0].name, scenes[0].left_out);
-    neph_hint(diag,
-              "no scene is left to look at parts in; --preset %s+KEY=VALUE changes the preset",
+    neph_hint(diag, "no scene is left to measure; change the preset with --preset %s+KEY=VALUE",
               ablation->preset);
     return NEPH_ERR_UNSUPPORTED;
 }
@@ -370,7 +372,7 @@ void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE])
     const double ratio = pow(10.0, decades), percent = 100.0 * (ratio - 1.0);
     if (decades == 0.0)
         snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "0 %%");
-    else if (ratio > 100.0 || ratio < 0.01) /* one of both is as good as nothing */
+    else if (ratio > 100.0 || ratio < 0.01) /* one side is close to 0 */
         snprintf(text, NEPH_ABLATION_CHANGE_SIZE, ratio > 1.0 ? ">x100" : "<-99 %%");
     else if (ratio >= 2.95)
         snprintf(text, NEPH_ABLATION_CHANGE_SIZE, "x%.2g", ratio);

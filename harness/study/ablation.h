@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * An ablation: what each part of the real-time renderer does to error, flicker, lag and cost. It is
- * a flicker study (flicker_study.h) of a preset, the preset without each part, the plain pipeline
- * that has none of them, and that pipeline with each part alone.
+ * An ablation: the effect of each part of the real-time renderer on error, flicker, lag and cost.
+ * It is a flicker study (flicker_study.h) of four kinds of configurations:
+ *
+ * - the preset;
+ * - the preset without one part;
+ * - the plain pipeline, which has none of the parts;
+ * - the plain pipeline with one part only.
  */
 #ifndef NEPH_HARNESS_STUDY_ABLATION_H
 #define NEPH_HARNESS_STUDY_ABLATION_H
@@ -12,14 +16,14 @@
 
 #include <stdio.h>
 
-/* What is looked at. Of all less is better. */
+/* A measured quantity. Smaller is better for all of them. */
 struct neph_ablation_measure {
-    const char *name;          /* of JSON, CSV and sentences */
-    const char *column;        /* of narrow tables */
-    const char *title;         /* of others, and of charts */
-    const char *metric, *mask; /* of neph_study_metrics; NULL: it is a cost */
-    size_t cost;               /* offset of the cost in struct neph_study_cost */
-    bool is_time;              /* of a clock: shown, and decides nothing */
+    const char *name;          /* in JSON, CSV and sentences */
+    const char *column;        /* in narrow tables */
+    const char *title;         /* in other tables and in charts */
+    const char *metric, *mask; /* of neph_study_metrics; NULL: the measure is a cost */
+    size_t cost;               /* offset in struct neph_study_cost */
+    bool is_time;              /* a time: printed, without influence on the advice */
 };
 enum { NEPH_ABLATION_MEASURES_MAX = 8 };
 
@@ -27,23 +31,23 @@ enum { NEPH_ABLATION_MEASURES_MAX = 8 };
 extern const struct neph_ablation_measure neph_ablation_measures[];
 int neph_ablation_measure_count(void);
 
-/* Where a part is switched. */
+/* The pipeline in which a part is switched. */
 enum neph_ablation_place {
-    NEPH_ABLATION_IN_PRESET, /* the preset against the preset without it */
-    NEPH_ABLATION_ALONE,     /* the plain pipeline with it (and with what it needs) against that
+    NEPH_ABLATION_IN_PRESET, /* the preset, and the preset without the part */
+    NEPH_ABLATION_ALONE,     /* the plain pipeline with the part (and the parts it needs), and
                                 without it */
     NEPH_ABLATION_PLACES,
 };
 
-/* What is said of a change. "Nothing" is a change of less than 5 % either way: a choice, what would
- * hardly be a reason to keep a part. */
+/* Verdict on a change. "Nothing" means less than 5 % either way, a chosen limit below which a part
+ * is hardly worth keeping. */
 enum neph_ablation_verdict {
     NEPH_ABLATION_NO_NUMBER,
-    NEPH_ABLATION_SAME,    /* in no scene any change */
+    NEPH_ABLATION_SAME,    /* no change in any scene */
     NEPH_ABLATION_NOTHING, /* the interval lies within 5 % */
-    NEPH_ABLATION_BUYS,    /* less of what is measured; p below 0.05 after S. Holm over all */
-    NEPH_ABLATION_MAY_BUY, /* its own interval says so, that of the family does not */
-    NEPH_ABLATION_COSTS,   /* more */
+    NEPH_ABLATION_BUYS,    /* the measure falls; p after Holm over the family is below 0.05 */
+    NEPH_ABLATION_MAY_BUY, /* the interval lies below 0, but Holm's p is not below 0.05 */
+    NEPH_ABLATION_COSTS,   /* the measure rises, as above */
     NEPH_ABLATION_MAY_COST,
     NEPH_ABLATION_UNDECIDED, /* too few scenes, or they disagree */
     NEPH_ABLATION_VERDICTS,
@@ -53,82 +57,86 @@ extern const char *const neph_ablation_verdict_words[NEPH_ABLATION_VERDICTS];
 /* log10(1.05) */
 #define NEPH_ABLATION_NOTHING_DECADES 0.0211892990699381
 
-/* With the part over without it, in decades: below 0 it buys. Seeds of a scene are averaged, scenes
- * are what is counted. */
+/* Change of a measure with the part, relative to without, in decades: negative means better. Seeds
+ * of a scene are averaged; the scenes are the sample. */
 struct neph_ablation_effect {
-    const double *scenes; /* of each scene of the study; NaN: none; of the ablation's arena */
-    int scene_count;      /* that have a number */
-    double mean;          /* NaN: none has */
+    const double *scenes; /* one value for each scene of the study; NaN: none; in the ablation's
+                             arena */
+    int scene_count;      /* scenes with a value */
+    double mean;          /* NaN: no scene has a value */
     bool has_interval;
     double low, high; /* 95 %, Student's t over scenes */
-    double p, p_holm; /* two-sided; 1 where nothing is judged */
+    double p, p_holm; /* two-sided; 1 without a test */
     int better, worse, alike;
-    int best_scene, worst_scene; /* of the largest change down and up; -1: in none */
+    int best_scene, worst_scene; /* with the largest fall and the largest rise; -1: none */
     enum neph_ablation_verdict verdict;
 };
 
-/* A part in a place; or all of them at once, the preset against the plain pipeline. */
+/* A part in a place, or all parts at once: the preset against the plain pipeline. */
 struct neph_ablation_comparison {
-    int part; /* -1: all */
+    int part; /* -1: all parts */
     enum neph_ablation_place place;
-    int with, without; /* configurations, presets of the study */
+    int with, without; /* configurations, as indices of the study's presets */
     struct neph_ablation_effect effects[NEPH_ABLATION_MEASURES_MAX];
 };
 
 struct neph_ablation {
     const char *preset;                          /* borrowed */
-    struct neph_arena arena;                     /* has all texts and differences */
-    neph_ablation_set parts;                     /* that the preset has */
-    neph_ablation_set asked;                     /* of these, those that are looked at */
+    struct neph_arena arena;                     /* owns all texts and changes */
+    neph_ablation_set parts;                     /* parts of the preset */
+    neph_ablation_set asked;                     /* parts that are measured, a subset of `parts` */
     const char *values[NEPH_ABLATION_PARTS_MAX]; /* neph_ablation_part_values() */
-    const char *words[NEPH_STUDY_PRESETS_MAX];   /* of each configuration */
-    const char *labels[NEPH_STUDY_PRESETS_MAX];  /* what progress calls it */
+    const char *words[NEPH_STUDY_PRESETS_MAX];   /* preset words of each configuration */
+    const char *labels[NEPH_STUDY_PRESETS_MAX];  /* name of each configuration in the progress */
     neph_ablation_set without[NEPH_STUDY_PRESETS_MAX];
     int configuration_count;
     struct neph_ablation_comparison comparisons[2 * NEPH_ABLATION_PARTS_MAX + 1];
     int comparison_count;
-    struct neph_flicker_study study; /* of the configurations, once it has run */
-    int judged_count;                /* numbers that Holm's family has */
+    struct neph_flicker_study study; /* over the configurations, after it has run */
+    int judged_count;                /* size of Holm's family */
 };
 
-/* Which configurations an ablation has. `only`: names of parts, or none for all that the preset
- * has. Start from {0}; for _finish in any case. NEPH_ERR_USAGE: there is no such part or preset, or
- * the preset does not have the part. */
+/* Plans the configurations of an ablation. `only`: names of parts; none given: all parts of the
+ * preset. Initialise `ablation` with {0}; call neph_ablation_finish() in any case. NEPH_ERR_USAGE:
+ * no such part or preset, or the preset does not have the part. */
 enum neph_status neph_ablation_plan(const char *preset, const char *const *only, int only_count,
                                     struct neph_ablation *ablation, struct neph_diag *diag);
 
-/* Fill all effects from the numbers of the study. NEPH_ERR_UNSUPPORTED: none of its scenes could be
- * rendered; NEPH_ERR_MEMORY. */
+/* Computes all effects and verdicts from the study's results. NEPH_ERR_UNSUPPORTED: none of the
+ * scenes could be rendered; NEPH_ERR_MEMORY. */
 enum neph_status neph_ablation_judge(struct neph_ablation *ablation, struct neph_diag *diag);
 
 void neph_ablation_finish(struct neph_ablation *ablation);
 
-/* The comparison of a part in a place; NULL: there is none. -1: of all at once. */
+/* The comparison of a part in a place, or of all parts (part -1); NULL: none. */
 const struct neph_ablation_comparison *neph_ablation_find(const struct neph_ablation *ablation,
                                                           int part, enum neph_ablation_place place);
 
-/* What follows for the preset from what a part does in it. */
+/* Advice for a preset, from a part's effects in it. */
 enum neph_ablation_advice {
-    NEPH_ABLATION_KEEP,      /* it buys something */
-    NEPH_ABLATION_PERHAPS,   /* it may buy something */
-    NEPH_ABLATION_UNTOLD,    /* what it buys cannot be told from nothing, in one measure at least */
-    NEPH_ABLATION_LEAVE_OUT, /* it buys nothing, and costs or may cost something */
-    NEPH_ABLATION_LITTLE,    /* it changes nothing by 5 % */
-    NEPH_ABLATION_IDLE,      /* it changes no number in any scene */
-    NEPH_ABLATION_UNMEASURED, /* no scene has a number */
+    NEPH_ABLATION_KEEP,       /* it improves a measure */
+    NEPH_ABLATION_PERHAPS,    /* it may improve a measure */
+    NEPH_ABLATION_UNTOLD,     /* at least one measure is undecided, and none improves */
+    NEPH_ABLATION_LEAVE_OUT,  /* it improves no measure, and worsens one, or may do so */
+    NEPH_ABLATION_LITTLE,     /* it changes no measure by 5 % */
+    NEPH_ABLATION_IDLE,       /* it changes no value in any scene */
+    NEPH_ABLATION_UNMEASURED, /* no scene has a value */
     NEPH_ABLATION_ADVICES,
 };
 extern const char *const neph_ablation_advice_words[NEPH_ABLATION_ADVICES];
+
+/* Decides by the verdicts of all measures except times. */
 enum neph_ablation_advice neph_ablation_advise(const struct neph_ablation_comparison *in_preset);
 
-/* Whether the takes that were asked for have the measure. */
+/* Whether the measured sequences include this measure. */
 bool neph_ablation_has_measure(const struct neph_ablation *ablation, int measure);
 
-/* A change of so many decades as people read it: "-12 %", "+0.4 %", "x16". */
+/* The chart of all parts and measures as one SVG image, 1,000 px wide. Errors: NEPH_ERR_MEMORY. */
 enum { NEPH_ABLATION_CHANGE_SIZE = 24 };
 void neph_ablation_change(double decades, char text[NEPH_ABLATION_CHANGE_SIZE]);
 
-/* The chart of all parts and measures as one SVG image, 1,000 px wide. Errors: NEPH_ERR_MEMORY. */
+/* Writes one SVG with a tornado chart for each measure, one below the other. Errors:
+ * NEPH_ERR_MEMORY. */
 enum neph_status neph_ablation_plot(const struct neph_ablation *ablation, FILE *out,
                                     struct neph_diag *diag);
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as draw_bar() needs a fill for it. */
 _Static_assert(NEPH_ABLATION_PLACES == 2, "a new kind");
 
 enum { WIDTH = 1000, LEFT = 130, GAP = 10, ROW = 22, BAR = 7, LINE = 17, MARGIN = 12, HEAD = 80 };
@@ -27,7 +27,7 @@ static const double letter_px = 6.6;
 struct chart {
     const struct neph_ablation *ablation;
     int measures[NEPH_ABLATION_MEASURES_MAX], measure_count;
-    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change at least one measure */
+    int rows[NEPH_ABLATION_PARTS_MAX], row_count;    /* parts that change a measure */
     int quiet[NEPH_ABLATION_PARTS_MAX], quiet_count; /* the other parts */
     double top_px;                                   /* of the first row */
 };
@@ -68,7 +68,7 @@ static bool is_drawn(const struct chart *chart, int part)
     return false;
 }
 
-/* The largest change that a part makes in the preset, in decades, over all measures but times. */
+/* The largest change by a part in the preset, in decades, over all measures except times. */
 static double largest_change(const struct chart *chart, int part)
 {
     double largest = 0.0;
@@ -210,8 +210,8 @@ static void draw_bar(const struct column *column, const struct neph_ablation_eff
     draw_number(column, effect->mean, y_px, out);
 }
 
-/* The words of a text in lines of a width. The font size is of the enclosing element. Returns the
- * foot of the last line. */
+/* Breaks a text into lines of a width, in the font size of the enclosing element. Returns the foot
+ * of the last line. */
 static double draw_words(const char *text, double x_px, double width_px, double y_px, FILE *out)
 {
     const double most = width_px / letter_px;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The summary lines of a flicker study.
+ */
 #include "harness/study/flicker_answer.h"
 
 #include "harness/study/flicker_pairs.h"
@@ -7,7 +10,7 @@
 
 enum { RIVAL_LINES = 3, METRIC_LINES = 3, TEXT_SIZE = 400 };
 
-/* Presets by a metric, the best first; those without a number last. */
+/* Presets sorted by a metric, best first; presets without a value last. */
 struct ranking {
     int metric;
     struct neph_study_level levels[NEPH_STUDY_PRESETS_MAX];
@@ -25,7 +28,7 @@ static enum neph_status rank(const struct neph_flicker_study *study, int metric,
     const enum neph_status status = neph_study_levels(study, metric, 0, ranking->levels, diag);
     ranking->metric = metric;
     for (int preset = 0; preset < study->params->preset_count && !status; preset++) {
-        int place = preset; /* an insertion: equals keep their order */
+        int place = preset; /* insertion sort: equal presets keep their order */
         for (; place > 0 &&
                is_before(&ranking->levels[preset], &ranking->levels[ranking->order[place - 1]]);
              place--)
@@ -35,7 +38,7 @@ static enum neph_status rank(const struct neph_flicker_study *study, int metric,
     return status;
 }
 
-/* The first metric of the takes that were rendered; -1: there is none. */
+/* The first metric, from `from` on, of the rendered sequences; -1: none. */
 static int first_metric(const struct neph_flicker_study *study, int from)
 {
     for (int metric = from; neph_study_metrics[metric].title; metric++)
@@ -55,7 +58,7 @@ static const char *pair_words(const struct neph_study_pair *pair, char text[TEXT
     if (isfinite(pair->p_sign))
         snprintf(p, sizeof(p), pair->p_sign < 0.001 ? ", p < 0.001" : ", p = %.2g", pair->p_sign);
     if (isnan(pair->mean))
-        snprintf(text, TEXT_SIZE, ": not measured in the same scene");
+        snprintf(text, TEXT_SIZE, ": no scene has both");
     else
         snprintf(text, TEXT_SIZE,
                  ": %.3g times%s: %s%s, better in %d, worse in %d, alike in %d scenes",
@@ -64,7 +67,7 @@ static const char *pair_words(const struct neph_study_pair *pair, char text[TEXT
     return text;
 }
 
-/* Both values are geometric means over the scenes in which all presets have one. */
+/* The values are geometric means over the scenes in which all presets have one. */
 static enum neph_status answer_pair(const struct neph_flicker_study *study, int metric, int best,
                                     int rival, const char *end, struct neph_answer *answer,
                                     struct neph_diag *diag)
@@ -104,7 +107,8 @@ static void answer_left_out(const struct neph_flicker_study *study, struct neph_
             neph_answer_add(answer, "left out: %s: %.200s", study->scenes[i].name,
                             study->scenes[i].left_out);
     if (study->failed_count > 0)
-        neph_answer_add(answer, "%d sequences broke; --all says why", study->failed_count);
+        neph_answer_add(answer, "%d sequences failed; --all prints the reasons",
+                        study->failed_count);
 }
 
 static enum neph_status answer_presets(const struct neph_flicker_study *study,
@@ -121,7 +125,7 @@ static enum neph_status answer_presets(const struct neph_flicker_study *study,
          metric >= 0 && lines < METRIC_LINES && !status; metric = first_metric(study, metric + 1)) {
         const bool is_first = neph_study_metrics[metric].take !=
                               neph_study_metrics[metric - 1].take;
-        if (!is_first) /* one of each take */
+        if (!is_first) /* only the first metric of each sequence */
             continue;
         status = answer_pair(study, metric, order[0], order[1], "", answer, diag);
         lines++;

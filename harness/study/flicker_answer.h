@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a flicker study answers: which preset is better, by how much, over how many scenes and
+ * The summary lines of a flicker study: the better preset, by how much, over how many scenes and
  * seeds.
  */
 #ifndef NEPH_HARNESS_STUDY_FLICKER_ANSWER_H
@@ -9,8 +9,8 @@
 #include "harness/document/answer.h"
 #include "harness/study/flicker_study.h"
 
-/* The first metric of the study decides the verdict; the best preset is compared with each other
- * one in it, and with the second in others. Errors: NEPH_ERR_MEMORY. */
+/* The first metric of the study decides the verdict. The best preset is compared with the others in
+ * that metric, and with the second in further ones. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_answer(const struct neph_flicker_study *study,
                                      struct neph_answer *answer, struct neph_diag *diag);
 

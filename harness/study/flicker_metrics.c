@@ -1,16 +1,19 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables of the flicker study: sequences, displays, metrics.
+ */
 #include "harness/study/flicker_metrics.h"
 
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table of sequences needs a row for it. */
 _Static_assert(NEPH_STUDY_TAKES == 4, "a new kind");
 
 static const char *const of_flicker[] = {"seen", "cycles", "flicker", "error", NULL};
 static const char *const of_lag[] = {"lag", NULL};
 static const char *const of_follow[] = {"follow", NULL};
 
-/* NEPH_STUDY_EVENT_FRAME and neph_variant_periods in words; a test holds them to these. */
+/* NEPH_STUDY_EVENT_FRAME and neph_variant_periods as settings; a test compares them. */
 static const char *const at_event[] = {"lag.step_frame=32", NULL};
 static const char *const at_periods[] = {"follow.period_1=16", "follow.period_2=32",
                                          "follow.period_3=64", NULL};
@@ -22,15 +25,15 @@ const struct neph_study_take neph_study_takes[NEPH_STUDY_TAKES] = {
     [NEPH_STUDY_CUT] = {"cut", NEPH_VARIANT_CAMERA_CUT, 64, of_lag, at_event},
 };
 
-/* Film, television, games; a desk and a living room. */
+/* Film, television and games, each at a desk and in a living room. */
 const struct neph_study_display neph_study_displays[NEPH_STUDY_DISPLAYS] = {
     {30.0, 60.0}, {24.0, 60.0}, {60.0, 60.0}, {30.0, 30.0}, {24.0, 30.0}, {60.0, 30.0},
 };
 
 const char *const neph_study_eye_extractors[] = {"seen", NULL};
 
-/* Floors: of display values a four-hundredth of an 8-bit step; of the eye a thousandth of its
- * threshold, or of the pixels; of times a hundredth of a frame. */
+/* Floors: 1/400 of an 8-bit step for display values; 1/1000 of the threshold, or of the pixels, for
+ * the eye; 1/100 of a frame for times. */
 const struct neph_study_metric neph_study_metrics[] = {
     {"Flicker seen, contrast over threshold", NEPH_STUDY_FLICKER, "seen_contrast", "all", 1, 1e-3,
      .of_the_eye = true},
@@ -89,7 +92,7 @@ int neph_study_metric_find(const char *metric, const char *mask)
     int index = 0;
     while (strcmp(neph_study_metrics[index].metric, metric) != 0 ||
            strcmp(neph_study_metrics[index].mask, mask) != 0)
-        index++; /* tests hold all that look for one to finding it */
+        index++; /* a test checks that every metric that is searched for exists */
     return index;
 }
 

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Statistics of a flicker study: paired differences, levels with intervals, rankings.
+ */
 #include "harness/study/flicker_pairs.h"
 
 #include "metrics/series.h"
@@ -7,10 +10,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the intervals are interpreted here. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
-/* The metric's floor, or the highest bound that stands for a number of the preset. */
+/* The metric's floor, or the highest upper bound that replaces a value of the preset. */
 static double floor_of(const struct neph_flicker_study *study, int metric, int scene, int preset)
 {
     double floor = neph_study_metrics[metric].floor;
@@ -22,8 +25,8 @@ static double floor_of(const struct neph_flicker_study *study, int metric, int s
     return floor;
 }
 
-/* log10 of a metric of a preset in a scene, mean over seeds, floored, so that what lies below the
- * floor is alike; NaN when a seed has none that counts. */
+/* log10 of a metric of a preset in a scene: mean over seeds of the value or the floor, whichever is
+ * larger. NaN when a seed has no value that counts. */
 static double decades_above(const struct neph_flicker_study *study, int metric, int display,
                             int scene, int preset, double floor)
 {
@@ -52,7 +55,7 @@ double neph_study_cost_decades(const struct neph_flicker_study *study, size_t co
     for (int seed = 0; seed < study->params->seed_count; seed++) {
         const struct neph_study_cost *costs = neph_study_cost_at(study, scene, preset, seed);
         const double value = *(const double *)((const char *)costs + cost);
-        sum += value > 0.0 ? log10(value) : NAN; /* what evaluates nothing has no ratio */
+        sum += value > 0.0 ? log10(value) : NAN; /* without evaluations there is no ratio */
     }
     return sum / study->params->seed_count;
 }
@@ -120,7 +123,7 @@ int neph_study_pair_verdict(const struct neph_study_pair *pair)
 
 /* ---- levels ---------------------------------------------------------------------------------- */
 
-/* Mean over the presets in a scene; NaN when one has none. */
+/* Mean over the presets in a scene; NaN when a preset has none. */
 static double scene_mean(const struct neph_flicker_study *study, int metric, int display, int scene)
 {
     double sum = 0.0;
@@ -167,7 +170,7 @@ enum neph_status neph_study_ranking(const struct neph_flicker_study *study, int 
     const enum neph_status status = neph_study_levels(study, neph_study_headline(), display, levels,
                                                       diag);
     for (int preset = 0; preset < study->params->preset_count && !status; preset++) {
-        int place = preset; /* an insertion: equals keep their order */
+        int place = preset; /* insertion sort: equal presets keep their order */
         for (; place > 0 && levels[order[place - 1]].mean > levels[preset].mean; place--)
             order[place] = order[place - 1];
         order[place] = preset;

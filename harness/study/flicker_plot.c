@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The chart of flicker against lag.
+ */
 #include "harness/study/flicker_plot.h"
 
 #include "harness/study/flicker_pairs.h"
@@ -9,7 +12,7 @@
 
 enum { WIDTH = 720, HEIGHT = 520, LEFT = 90, RIGHT = 30, TOP = 50, BOTTOM = 110 };
 
-/* A logarithmic axis between two powers of ten, from one pixel to another. */
+/* A logarithmic axis between two pixel positions. */
 struct axis {
     double low, high; /* log10 */
     double start_px, end_px;
@@ -26,7 +29,7 @@ static bool is_drawn(const struct neph_study_level *x, const struct neph_study_l
     return !isnan(x->mean) && !isnan(y->mean);
 }
 
-/* The whole tenths of a decade around all that is drawn. */
+/* Whole tenths of a decade around all drawn values. */
 static struct axis fit(const struct neph_study_level *levels, const struct neph_study_level *others,
                        int count, double start_px, double end_px)
 {
@@ -66,12 +69,12 @@ static void draw_ticks(const struct axis *axis, bool is_x, FILE *out)
         }
 }
 
-/* Where a name stands: its first letter's foot. */
+/* Position of a name: left end of its baseline. */
 struct label {
     double x_px, y_px, width_px;
 };
 
-/* The font's 13 px: how wide a letter is on average, and how high a line. */
+/* At a font size of 13 px: average width of a character, and height of a line. */
 static const double letter_px = 7.2, line_px = 14.0;
 
 static bool labels_meet(const struct label *a, const struct label *b)
@@ -80,8 +83,7 @@ static bool labels_meet(const struct label *a, const struct label *b)
            fabs(a->y_px - b->y_px) < line_px;
 }
 
-/* Beside the point, at the first of four places where it meets none of the names before it; the
- * last when all do. */
+/* Places a name beside its point: the first of four places without an overlap, else the last. */
 static struct label place_label(double x_px, double y_px, const char *name,
                                 const struct label *labels, int count)
 {
@@ -128,14 +130,14 @@ static void draw(const struct neph_flicker_study *study, const struct neph_study
     const int count = study->params->preset_count;
     const struct axis x = fit(lag, flicker, count, LEFT, WIDTH - RIGHT);
     const struct axis y = fit(flicker, lag, count, HEIGHT - BOTTOM, TOP);
-    if (x.high < x.low) { /* nothing fits */
+    if (x.high < x.low) { /* no point to draw */
         fprintf(out, "<text x=\"%d\" y=\"%d\">No scene has both numbers for all presets.</text>\n",
                 LEFT, HEIGHT / 2);
         return;
     }
     draw_ticks(&x, true, out);
     draw_ticks(&y, false, out);
-    struct label labels[2 * NEPH_STUDY_PRESETS_MAX]; /* the points first: no name covers one */
+    struct label labels[2 * NEPH_STUDY_PRESETS_MAX]; /* points first, so that no name covers one */
     int label_count = 0;
     for (int i = 0; i < count; i++)
         if (is_drawn(&lag[i], &flicker[i]))

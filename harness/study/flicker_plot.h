@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The chart of a flicker study. It is drawn here and not by Vega, so that a study on a machine
- * without node has it.
+ * The chart of a flicker study. Drawn in C instead of Vega, so that a machine without node has it,
+ * too.
  */
 #ifndef NEPH_HARNESS_STUDY_FLICKER_PLOT_H
 #define NEPH_HARNESS_STUDY_FLICKER_PLOT_H
@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-/* Flicker seen against lag as an SVG picture, a point with intervals for each preset. Errors:
+/* Writes flicker against lag as an SVG, with a point and intervals for each preset. Errors:
  * NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_study_plot(const struct neph_flicker_study *study, FILE *out,
                                          struct neph_diag *diag);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The flicker study: jobs, captured sequences, measurements, judgement of each value.
+ */
 #include "harness/study/flicker_study.h"
 
 #include "base/clock.h"
@@ -17,15 +20,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the sequences of this file depend on the variants. */
 _Static_assert(NEPH_VARIANT_KIND_COUNT == 3, "a new kind");
 
-enum { KIND_REFERENCE, KIND_TAKE }; /* of progress */
+enum { KIND_REFERENCE, KIND_TAKE }; /* of progress steps */
 
-/* Guesses before the first is over, on two cores. */
+/* Expected seconds before the first step has finished, on two cores. */
 static const double reference_typical_s = 10.0, take_typical_s = 30.0;
 
-/* A sequence of the study. */
+/* One sequence of the study. */
 struct spot {
     int scene;
     enum neph_study_take_id take;
@@ -37,8 +40,9 @@ struct work {
     struct neph_flicker_study *study;
     struct neph_store *store;
     struct neph_progress progress;
-    struct neph_engine_info info, guest; /* of realtime, and of the guest among the presets */
-    struct neph_reference reference;     /* of the take at hand */
+    struct neph_engine_info info, guest; /* of `realtime`, and of the user engine where a preset
+                                            names it */
+    struct neph_reference reference;     /* of the current sequence */
 };
 
 static int index_of(const struct neph_flicker_study_params *params, int scene, int preset, int seed)
@@ -84,7 +88,7 @@ static enum neph_status make_job(const struct work *work, const struct neph_scen
     return status;
 }
 
-/* ---- readings -------------------------------------------------------------------------------- */
+/* ---- measurement sets ------------------------------------------------------------------------ */
 
 enum { READINGS_MAX = 2 + NEPH_STUDY_DISPLAYS, KEPT_MAX = 4 * NEPH_STUDY_METRICS_MAX + 1 };
 
@@ -101,7 +105,8 @@ static const char *const display_names[NEPH_STUDY_DISPLAYS] = {
     "averaged", "display_1", "display_2", "display_3", "display_4", "display_5"};
 static const char centre_name[] = "centre";
 
-/* What the tables show of a take, each with what it is judged by. */
+/* Lists the metrics of the tables for a sequence, with the metrics that decide whether they count.
+ */
 static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[KEPT_MAX])
 {
     int count = 0;
@@ -115,8 +120,8 @@ static void list_kept(enum neph_study_take_id id, struct neph_meter_number kept[
     kept[count] = (struct neph_meter_number){.metric = NULL};
 }
 
-/* All metrics against the averaged reference and, unless it is to be brief, the centre rays; those
- * of the eye also at the other displays. */
+/* Lists the measurement sets of a sequence: all metrics against the averaged reference; unless
+ * `brief`, also against the centre rays, and the eye's metrics for the other displays. */
 static int readings_of(const struct neph_scene *scene, enum neph_study_take_id id, bool brief,
                        const struct neph_meter_number *kept,
                        struct neph_reading readings[READINGS_MAX])
@@ -145,7 +150,7 @@ static int readings_of(const struct neph_scene *scene, enum neph_study_take_id i
     return count;
 }
 
-/* ---- numbers --------------------------------------------------------------------------------- */
+/* ---- values ---------------------------------------------------------------------------------- */
 
 static double number_of(const json_t *document, const char *metric, const char *mask)
 {
@@ -157,7 +162,7 @@ static void say_why(struct neph_study_cell *cell, const char *why)
     snprintf(cell->because, sizeof(cell->because), "%s", why);
 }
 
-/* Whether a number takes part in comparisons, and why not. */
+/* Decides whether a value takes part in comparisons; `because` gets the reason if not. */
 static void judge(const struct neph_study_metric *metric, const json_t *document,
                   struct neph_study_cell *cell)
 {
@@ -169,7 +174,7 @@ static void judge(const struct neph_study_metric *metric, const json_t *document
                              : NAN;
     if (found && isnan(cell->value) && !isnan(bound)) {
         cell->value = cell->displays[0] = bound;
-        cell->is_bound = bound > 0.0; /* a part of nothing is nothing */
+        cell->is_bound = bound > 0.0; /* a bound of 0 is exact: all parts of a zero are zero */
     }
     if (!found)
         say_why(cell, "the scene has no such pixels");
@@ -219,7 +224,7 @@ static enum neph_status read_cells(const struct work *work, const char *folder,
     return status;
 }
 
-/* One reason for all metrics of a take. */
+/* Sets one reason for all metrics of a sequence. */
 static void mark_cells(const struct work *work, const struct spot *spot, const char *why)
 {
     for (int m = 0; neph_study_metrics[m].title; m++)
@@ -239,9 +244,10 @@ static void read_cost(const struct work *work, const json_t *record, const struc
     };
 }
 
-/* ---- one take -------------------------------------------------------------------------------- */
+/* ---- one sequence ---------------------------------------------------------------------------- */
 
-/* Presets that share their steps share the reference; a guest's is the march of the study's. */
+/* Gets the reference of a sequence. Presets with the same steps share it. The reference of a user
+ * engine is the marcher at the study's settings. */
 static enum neph_status have_reference(struct work *work, const struct neph_job *asked, int count,
                                        struct neph_study_scene *row, struct neph_diag *diag)
 {
@@ -283,7 +289,7 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job,
                              .frame_count = frames_of(row, spot->take),
                              .reference = &work->reference,
                              .readings = readings,
-                             .plain = true, /* scenes are what is counted */
+                             .plain = true, /* the scenes are the sample: no intervals within one */
                              .frozen_is_fine = true};
     enum neph_status status = have_reference(work, job, take.frame_count, row, diag);
     if (status)
@@ -303,7 +309,8 @@ static enum neph_status run_take(struct work *work, const struct neph_job *job,
     return status;
 }
 
-/* What breaks is news of one take; what cannot be rendered and what ends the run goes on. */
+/* Measures one sequence. A failure of one sequence is noted in its cells; an unsupported scene and
+ * an interruption are returned. */
 static enum neph_status try_take(struct work *work, const struct neph_scene *scene,
                                  const struct spot *spot, struct neph_diag *diag)
 {
@@ -337,7 +344,7 @@ static enum neph_status try_take(struct work *work, const struct neph_scene *sce
 
 /* ---- one scene ------------------------------------------------------------------------------- */
 
-/* A take of a scene by all presets and seeds, which is rendered, or only counted for progress. */
+/* Renders a sequence of a scene with all presets and seeds, or only counts it for the progress. */
 static enum neph_status walk_take(struct work *work, const struct neph_scene *scene, int index,
                                   enum neph_study_take_id id, bool is_counted,
                                   struct neph_diag *diag)
@@ -371,7 +378,7 @@ static enum neph_status walk_take(struct work *work, const struct neph_scene *sc
     return status;
 }
 
-/* Whether every preset can render it; `why` says what one cannot. */
+/* Whether every preset can render the scene; `why` is the reason if not. */
 static bool can_render(struct work *work, const struct neph_scene *scene, char *why, size_t size)
 {
     for (int preset = 0; preset < work->params->preset_count; preset++) {
@@ -383,7 +390,7 @@ static bool can_render(struct work *work, const struct neph_scene *scene, char *
     return true;
 }
 
-/* Whole cycles of four; motion ends with the scene. */
+/* The frame count is a multiple of 4, and at most the scene's where it moves. */
 static void describe(const struct work *work, const struct neph_scene *scene,
                      struct neph_study_scene *row)
 {
@@ -395,7 +402,7 @@ static void describe(const struct work *work, const struct neph_scene *scene,
     row->title = neph_arena_text(&work->study->arena, scene->title);
 }
 
-/* All takes of a scene that every preset can render. */
+/* Walks all sequences of a scene, if every preset can render it. */
 static enum neph_status walk_scene(struct work *work, int index, bool is_counted,
                                    struct neph_diag *diag)
 {
@@ -415,7 +422,7 @@ static enum neph_status walk_scene(struct work *work, int index, bool is_counted
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the whole study ------------------------------------------------------------------------- */
 
 enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
                                           struct neph_flicker_study *study, struct neph_diag *diag)
@@ -474,7 +481,7 @@ enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *
     neph_engine_probe(neph_engine_find("realtime"), params->device, &work.info);
     neph_engine_probe(neph_engine_find("command"), params->device, &work.guest);
     enum neph_status status = prepare(&work, diag);
-    /* every scene is loaded once before the first is rendered: a wrong name is told at once */
+    /* first pass: load every scene, so that a wrong name is an error before any rendering */
     for (int i = 0; i < 2 * params->scene_count && !status; i++)
         status = walk_scene(&work, i % params->scene_count, i < params->scene_count, diag);
     if (!status)

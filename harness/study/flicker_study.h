@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A flicker study: presets of the real-time renderer side by side over scenes and seeds, each take
- * held against the one reference of its scene (reference.h). What is finished is in the store, and
- * the same study goes on from there.
+ * A flicker study: compares presets of the real-time renderer over scenes and seeds. Each captured
+ * sequence is measured against the common reference of its scene (reference.h). Finished sequences
+ * are in the store, so an interrupted study resumes there.
  */
 #ifndef NEPH_HARNESS_STUDY_FLICKER_STUDY_H
 #define NEPH_HARNESS_STUDY_FLICKER_STUDY_H
@@ -15,18 +15,18 @@ enum { NEPH_STUDY_PRESETS_MAX = 128, NEPH_STUDY_SEEDS_MAX = 64 };
 
 struct neph_flicker_study_params {
     const char *const *presets; /* "NAME" or "NAME+KEY=VALUE+..." */
-    const char *const *labels;  /* what progress calls each; NULL: as it is */
+    const char *const *labels;  /* names in the progress; NULL: the presets */
     int preset_count;           /* 1 .. NEPH_STUDY_PRESETS_MAX */
     const char *const *scenes;  /* names or paths */
     int scene_count;
     int seed_count;
-    int seeds_before; /* the first seed is one more */
-    int frame_count;  /* a multiple of 4; of a scene that moves, as many as it has */
+    int seeds_before; /* the first seed is seeds_before + 1 */
+    int frame_count;  /* a multiple of 4; a moving scene has at most its own frames */
     int steps;
     int width_px, height_px;
     bool takes[NEPH_STUDY_TAKES];
-    bool brief; /* nothing at the displays but the first, nor against centre rays */
-    struct neph_shared_device *device; /* as neph_shot.device */
+    bool brief; /* only the first display, and no comparison with centre rays */
+    struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
 };
 
@@ -34,55 +34,60 @@ enum { NEPH_STUDY_WHY_SIZE = 160 };
 
 /* A metric of a preset in a scene with a seed. */
 struct neph_study_cell {
-    double value;                         /* NaN: `because` says why there is none */
-    double centre;                        /* against centre rays; NaN: none */
-    double displays[NEPH_STUDY_DISPLAYS]; /* the first is `value`; NaN but of the eye's metrics */
-    bool is_bound;                        /* the number cannot be told from the rest, and is no
-                                             more than `value` */
+    double value;                         /* NaN: none; `because` has the reason */
+    double centre;                        /* against the centre rays; NaN: none */
+    double displays[NEPH_STUDY_DISPLAYS]; /* the first is `value`; others are NaN except for the
+                                             eye's metrics */
+    bool is_bound;                        /* `value` is an upper bound: the metric could not be
+                                             separated from other changes */
     bool counts;                          /* takes part in comparisons */
-    char because[NEPH_STUDY_WHY_SIZE];    /* why it does not, when it does not */
+    char because[NEPH_STUDY_WHY_SIZE];    /* reason when it does not count */
 };
 
-/* What the flicker's take of a preset in a scene with a seed has cost, warm-up left out. */
+/* Cost of the flicker sequence of a preset in a scene with a seed, without the warm-up. */
 struct neph_study_cost {
     double density_evaluations; /* per pixel and frame, counted; NaN: not rendered */
-    double traffic_bytes; /* per pixel and frame, of all passes (neph_realtime_stats); NaN, too,
-                             where there are no passes */
-    double gpu_ms;        /* of a frame, the median; NaN, too, where the device has no clock */
+    double traffic_bytes; /* per pixel and frame, over all passes (neph_realtime_stats); NaN: not
+                             rendered, or no passes */
+    double gpu_ms;        /* median of a frame; NaN: not rendered, or the device has no timestamps
+                             */
 };
 
 struct neph_study_scene {
     const char *name, *title;
     bool moves;
-    int frame_count;             /* of the flicker's take */
-    const char *left_out;        /* why nothing was measured; NULL when it was */
+    int frame_count;             /* of the flicker sequence */
+    const char *left_out;        /* the reason why the scene was not measured; NULL: it was */
     const char *reference;       /* "march, 16 rays a pixel, 32 steps" */
-    int picture_count;           /* of all its references */
-    double reference_s, takes_s; /* processor time of these, and of the presets' frames */
+    int picture_count;           /* frames of all its references */
+    double reference_s, takes_s; /* processor time of the references, and of the presets' sequences
+                                    */
 };
 
 struct neph_flicker_study {
     const struct neph_flicker_study_params *params; /* borrowed */
-    struct neph_arena arena;                        /* has all that the study points to */
+    struct neph_arena arena;                        /* owns everything that the study points to */
     char device[128];
     const char *settings[NEPH_STUDY_PRESETS_MAX]; /* of each preset */
     struct neph_study_scene *scenes;
-    struct neph_study_cell *cells; /* by neph_study_cell_at() */
-    struct neph_study_cost *costs; /* by neph_study_cost_at() */
-    int failed_count;              /* takes that broke */
+    struct neph_study_cell *cells; /* see neph_study_cell_at() */
+    struct neph_study_cost *costs; /* see neph_study_cost_at() */
+    int failed_count;              /* failed sequences */
 };
 
-/* Run it. What an engine cannot render leaves its scene out; what breaks is counted, and its cells
- * say why. NEPH_ERR_INTERRUPTED: what is finished stays in the store. For _finish in any case. */
+/* Runs the study. A scene that a preset cannot render is left out. A failed sequence is counted,
+ * and its cells have the reason. NEPH_ERR_INTERRUPTED: finished sequences stay in the store. Call
+ * neph_flicker_study_finish() in any case. */
 enum neph_status neph_flicker_study_run(const struct neph_flicker_study_params *params,
                                         struct neph_store *store, struct neph_flicker_study *study,
                                         struct neph_diag *diag);
 
-/* Room for the scenes, cells and costs of the params, all zero. Errors: NEPH_ERR_MEMORY. */
+/* Allocates the scenes, cells and costs for `params`, all zero. Errors: NEPH_ERR_MEMORY. */
 enum neph_status neph_flicker_study_begin(const struct neph_flicker_study_params *params,
                                           struct neph_flicker_study *study, struct neph_diag *diag);
 void neph_flicker_study_finish(struct neph_flicker_study *study);
 
+/* The cell of a metric, and the cost, of a preset in a scene with a seed. */
 struct neph_study_cell *neph_study_cell_at(const struct neph_flicker_study *study, int scene,
                                            int preset, int seed, int metric);
 struct neph_study_cost *neph_study_cost_at(const struct neph_flicker_study *study, int scene,

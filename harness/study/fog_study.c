@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The fog study: exact rays, error of each fog control, steps over distance.
+ */
 #include "harness/study/fog_study.h"
 
 #include "base/threads.h"
@@ -11,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as seam_m() knows the series of each model. */
 _Static_assert(NEPH_FOG_MODEL_COUNT == 2, "a new kind");
 
 static double mean(struct neph_rgb rgb)
@@ -19,9 +22,9 @@ static double mean(struct neph_rgb rgb)
     return (rgb.r + rgb.g + rgb.b) / 3.0;
 }
 
-/* ---- what exact has -------------------------------------------------------------------------- */
+/* ---- exact rays ------------------------------------------------------------------------------ */
 
-/* A ray from the camera; `near` is its fog before the look's start, by physics. */
+/* A ray from the camera. near_*: its physical fog before the fog model's start distance. */
 struct view {
     struct neph_vec3 origin_m, direction;
     double hit_m, behind;
@@ -31,14 +34,14 @@ struct view {
 
 struct work {
     struct neph_fog_study *study;
-    double start_m; /* of the near fog */
+    double start_m; /* start distance of the fog model; 0: at the camera */
     int picture_count, view_count;
-    struct view *views; /* owned: the picture's, then the sphere's */
+    struct view *views; /* owned: the frame's rays, then those over the sphere */
 };
 
 enum { VIEWS_OF_A_TASK = 256 };
 
-/* Radiance that leaves what a ray hits, seen from so near that no fog is before it. */
+/* Radiance of the surface that a ray hits, evaluated so close that no fog lies in between. */
 static double behind_of(const struct neph_scene *scene, const struct view *view)
 {
     if (isinf(view->hit_m))
@@ -50,7 +53,7 @@ static double behind_of(const struct neph_scene *scene, const struct view *view)
                     .radiance);
 }
 
-/* The fog from a place on is what is left of the whole when that before it is taken away. */
+/* Fog before `start_m`: the whole ray minus the part beyond `start_m`. */
 static void find_near(const struct neph_scene *scene, double start_m, struct view *view)
 {
     view->near_volume = view->volume;
@@ -84,8 +87,8 @@ static void look_at_exact(int task, void *context)
     }
 }
 
-/* The same solid angle around each: a spiral of golden turns (R. Swinbank, R. J. Purser, "Fibonacci
- * grids", Q. J. R. Meteorol. Soc. 132, 2006). */
+/* Directions with equal solid angles: a spiral of golden angles (R. Swinbank, R. J. Purser,
+ * "Fibonacci grids", Q. J. R. Meteorol. Soc. 132, 2006). */
 static struct neph_vec3 direction_over_sphere(int index, int count)
 {
     const double turn_rad = M_PI * (3.0 - sqrt(5.0));
@@ -127,7 +130,7 @@ static void sum_exact(const struct work *work)
     }
 }
 
-/* ---- a row over pictures and sphere ---------------------------------------------------------- */
+/* ---- a row over frame and sphere ------------------------------------------------------------- */
 
 struct seen {
     double transmittance, volume, radiance;
@@ -165,7 +168,7 @@ static void measure_picture(const struct work *work, struct neph_fog_row *row)
     row->radiance_rms = sqrt(squares / pixels) / exact;
 }
 
-/* `none` is the row with all controls off, measured before, or the row itself. */
+/* `none` is the row of this model with all controls off: measured before, or `row` itself. */
 static void measure_sphere(const struct work *work, const struct neph_fog_row *none,
                            struct neph_fog_row *row)
 {
@@ -194,16 +197,16 @@ static void measure_lobe(const struct neph_scene *scene, struct neph_fog_row *ro
         row->lobe_over_sun = mean(row->look.directional_w_per_m2_sr) * sphere_sr / mean(scattered);
 }
 
-/* ---- jumps ----------------------------------------------------------------------------------- */
+/* ---- steps over distance --------------------------------------------------------------------- */
 
 enum { INTERVALS = 100, JUMP_SPHERE = 12 };
 
-/* Something along a ray, by the distance of what is seen. */
+/* Transmittance or fog light along a ray, as a function of the hit distance. */
 struct course {
     const struct neph_scene *scene;
     const struct neph_fog_row *row;
     struct neph_vec3 origin_m, direction;
-    bool is_light; /* the light of the fog; else transmittance */
+    bool is_light; /* light of the fog; otherwise transmittance */
 };
 
 static double value_at(const struct course *course, double distance_m)
@@ -214,8 +217,8 @@ static double value_at(const struct course *course, double distance_m)
     return course->is_light ? mean(light.volume) : light.transmittance;
 }
 
-/* What is left of a step when it is halved until its ends are neighbours, ever on the side of the
- * larger one. */
+/* Finds the step within an interval: halves it 52 times towards the half with the larger change.
+ * Returns the remaining change; a continuous function leaves none. */
 static double jump_within(const struct course *course, double near_m, double far_m, double *at_m)
 {
     double before = value_at(course, near_m), after = value_at(course, far_m);
@@ -229,7 +232,7 @@ static double jump_within(const struct course *course, double near_m, double far
     return fabs(after - before);
 }
 
-/* Where a series gives way to the closed form along a ray. */
+/* Distance at which a model switches between its series and the closed form. */
 static double seam_m(const struct course *course, const struct neph_fog_layer *layer)
 {
     const bool is_unreal = course->row->model == NEPH_FOG_UNREAL;
@@ -250,8 +253,9 @@ static void take_larger(struct jump *jump, double size, double at_m)
         *jump = (struct jump){size, at_m};
 }
 
-/* Steps that stand out of what is smooth are found by halving, those of the series where they must
- * be: they are smaller than what happens around them. */
+/* Finds the largest step along a ray. Steps that exceed the smooth changes are found by halving.
+ * The series' switch distances are evaluated directly, as their steps are smaller than the changes
+ * around. */
 static void find_jump(const struct course *course, struct jump *jump)
 {
     const double first_m = 0.01, step = pow(1e7, 1.0 / INTERVALS); /* up to 100 km */
@@ -272,7 +276,7 @@ static void find_jump(const struct course *course, struct jump *jump)
     }
 }
 
-/* Around the camera, nearly level ahead of it, ahead, and into the sun. */
+/* Directions over the sphere, nearly horizontal ones ahead, straight ahead, and into the sun. */
 static struct neph_vec3 jump_direction(const struct neph_scene *scene, int index)
 {
     static const double rises[] = {1e-4, -1e-4, 1e-3, -1e-3, 1e-2, -1e-2};
@@ -318,7 +322,7 @@ static struct neph_fog_row *add_row(struct neph_fog_study *study, enum neph_fog_
     return row;
 }
 
-/* directional_start is nothing alone. */
+/* The set of one control; directional_start needs `directional` to have an effect. */
 static unsigned alone(enum neph_fog_control control)
 {
     return 1u << control |
@@ -341,10 +345,10 @@ static void add_controls(struct neph_fog_study *study, enum neph_fog_model model
     }
 }
 
-/* Physics' look, of the sun that the fog leaves at the camera. */
+/* The physical parameters, with the sun as dimmed by the fog at the camera. */
 static struct neph_fog_look look_at_the_camera(const struct neph_scene *scene)
 {
-    struct neph_scene dimmed = *scene; /* nothing of it is freed */
+    struct neph_scene dimmed = *scene; /* a shallow copy, which is not freed */
     const double depth = neph_scene_optical_depth(scene, neph_scene_camera(scene, 0.0).position_m,
                                                   scene->sun.direction, 0.0, INFINITY)
                              .r;
@@ -371,7 +375,7 @@ static void measure(const struct work *work)
     for (int i = 0; i < study->row_count; i++) {
         struct neph_fog_row *row = &study->rows[i];
         if (!none || none->model != row->model)
-            none = row; /* the first of its model */
+            none = row; /* the first row of its model */
         measure_picture(work, row);
         measure_sphere(work, none, row);
         measure_lobe(study->params->scene, row);

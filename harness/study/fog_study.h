@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A fog study: what the controls of a scene's fog_look are off by, each alone, against engine
- * exact. In double precision on the CPU (truth/fog_look.h); the shader is held to that elsewhere.
- * Radiances are means of the three channels.
+ * A fog study: the error of each control of a scene's fog_look by itself, against engine `exact`.
+ * Computed in double precision on the CPU (truth/fog_look.h); other tests compare the shader with
+ * that. Radiances are means of the three channels.
  */
 #ifndef NEPH_HARNESS_STUDY_FOG_STUDY_H
 #define NEPH_HARNESS_STUDY_FOG_STUDY_H
@@ -10,39 +10,40 @@
 #include "scenes/scene.h"
 
 enum {
-    /* By model: all off, each control, its near fog by physics, all on, physics' own looks. */
+    /* For each model: all off, each control, the same with physical near fog, all on, and two rows
+     * with physical parameters. */
     NEPH_FOG_ROWS_MAX = NEPH_FOG_MODEL_COUNT * (NEPH_FOG_CONTROL_COUNT + 5),
     NEPH_FOG_ROW_NAME_SIZE = 64,
 };
 
 struct neph_fog_study_params {
-    const struct neph_scene *scene; /* borrowed; with a fog_look, and one that exact can render */
-    int model;                      /* enum neph_fog_model; -1: all that know the fog */
+    const struct neph_scene *scene; /* borrowed; has a fog_look, and `exact` can render it */
+    int model;                      /* enum neph_fog_model; -1: all models that support the fog */
     int width_px, height_px;
-    int directions; /* over the sphere around the camera */
+    int directions; /* number of directions over the sphere around the camera */
 };
 
 struct neph_fog_row {
     enum neph_fog_model model;
     char name[NEPH_FOG_ROW_NAME_SIZE];
     struct neph_fog_look look;
-    bool near_by_physics; /* before the start of the fog it has exact's */
+    bool near_by_physics; /* physical fog before the start distance */
 
-    /* Over the picture: transmittance less exact's, and radiance over exact's mean. */
+    /* Over the frame: transmittance minus exact transmittance; radiance error over the exact mean.
+     */
     double transmittance_bias, transmittance_worst, radiance_bias, radiance_rms;
 
-    /* Over the sphere of directions around the camera, as parts of what exact has: the light of the
-     * fog, and all light that arrives, more or less than exact's; and than the look's with all
-     * controls off, which is what the control gives or takes. */
+    /* Over the sphere around the camera, relative to exact: the error of the fog's light and of all
+     * arriving light; *_alone is the difference from the row with all controls off, the control's
+     * part. */
     double fog_light, all_light, fog_light_alone, all_light_alone;
 
-    /* The largest step over distance along rays from the camera: of transmittance, and of the
-     * light of the fog [W m^-2 sr^-1], and where they are [m]. Below 1e-9: none.
-     * NaN: nobody looked. */
+    /* The largest step over distance along rays from the camera: of transmittance, of the fog's
+     * light [W m^-2 sr^-1], and its distance [m]. Below 1e-9: none. NaN: not measured. */
     double transmittance_jump, transmittance_jump_m, light_jump, light_jump_m;
 
-    /* The glow's lobe over the sphere, per irradiance that the fog scatters of the sun's. 1: as
-     * much as a phase function; NaN: no glow, or no sun. */
+    /* The directional lobe's integral over the sphere per sunlight that the fog scatters. 1: the
+     * lobe conserves energy like a phase function; NaN: no lobe or no sun. */
     double lobe_over_sun;
 };
 
@@ -50,11 +51,11 @@ struct neph_fog_study {
     const struct neph_fog_study_params *params; /* borrowed */
     int row_count;
     struct neph_fog_row rows[NEPH_FOG_ROWS_MAX];
-    double exact_radiance;                   /* mean over the picture [W m^-2 sr^-1] */
-    double exact_fog_light, exact_all_light; /* means over the sphere, the same */
+    double exact_radiance;                   /* mean over the frame [W m^-2 sr^-1] */
+    double exact_fog_light, exact_all_light; /* means over the sphere [W m^-2 sr^-1] */
 };
 
-/* NEPH_ERR_UNSUPPORTED: no look, or no exact answer for the scene. */
+/* NEPH_ERR_UNSUPPORTED: the scene has no fog_look, or `exact` cannot render it. */
 enum neph_status neph_fog_study_run(const struct neph_fog_study_params *params,
                                     struct neph_fog_study *study, struct neph_diag *diag);
 

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Lighting models: parsing, jobs, and the list of all that engines offer.
+ */
 #include "harness/study/light_models.h"
 
 #include "base/exr.h"
@@ -11,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- by name --------------------------------------------------------------------------------- */
+/* ---- parsing --------------------------------------------------------------------------------- */
 
 enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
                                       struct neph_diag *diag)
@@ -29,7 +32,8 @@ struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
     return model;
 }
 
-/* What all models have alike; a preset has its own steps, and is given these. */
+/* Sets the settings that all models share. A preset brings its own steps, which are replaced, too.
+ */
 static enum neph_status set_common(struct neph_light_model *model, int steps,
                                    struct neph_diag *diag)
 {
@@ -66,7 +70,7 @@ static enum neph_status find_engine(const char *name, struct neph_shared_device 
     return NEPH_OK;
 }
 
-/* Each '+' ends a word. */
+/* Words are separated by '+'. */
 enum neph_status neph_light_model_parse(const char *words, int steps,
                                         struct neph_shared_device *device,
                                         struct neph_light_model *model, struct neph_diag *diag)
@@ -120,7 +124,7 @@ enum neph_status neph_light_model_render(const struct neph_light_model *model,
     return status;
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- the list of models ---------------------------------------------------------------------- */
 
 static void list_model(const char *engine, const char *lighting, int *count, FILE *out)
 {

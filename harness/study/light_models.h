@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lighting models by name, for what holds them against the tracer: an engine of the model rung with
- * its settings.
+ * Lighting models by name, for comparisons with the tracer: a model engine with settings.
  */
 #ifndef NEPH_HARNESS_STUDY_LIGHT_MODELS_H
 #define NEPH_HARNESS_STUDY_LIGHT_MODELS_H
@@ -10,8 +9,8 @@
 
 enum { NEPH_LIGHT_MODELS_MAX = 8 };
 
-/* Pictures that an engine which remembers has had before the one that is measured, unless a model
- * says otherwise: with that one, 32 from a cold start. */
+/* Frames that an engine with a history renders before the measured one, unless the model sets
+ * another number. With the measured one: 32 frames from a cold start. */
 enum { NEPH_LIGHT_WARM_UP = 31 };
 
 struct neph_light_model {
@@ -20,14 +19,14 @@ struct neph_light_model {
     struct neph_engine_info info;
 };
 
-/* "NAME", or "NAME+KEY=VALUE+...", where preset=WORD is one, too; with so many steps of every view
- * ray unless it says otherwise; `device`: as of neph_engine_probe(). NEPH_ERR_USAGE: no engine of
- * the model rung, or none of its settings. */
+/* Parses "NAME" or "NAME+KEY=VALUE+...", where preset=WORD is allowed, too. `steps` is the number
+ * of steps of a view ray unless the words set it. `device` as of neph_engine_probe().
+ * NEPH_ERR_USAGE: not a model engine, or not one of its settings. */
 enum neph_status neph_light_model_parse(const char *words, int steps,
                                         struct neph_shared_device *device,
                                         struct neph_light_model *model, struct neph_diag *diag);
 
-/* An engine, as it is by default. */
+/* An engine at its defaults. */
 struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
                                             struct neph_shared_device *device);
 
@@ -35,24 +34,27 @@ struct neph_light_model neph_light_model_of(const struct neph_engine *engine,
 enum neph_status neph_light_model_set(struct neph_light_model *model, const char *key, double value,
                                       struct neph_diag *diag);
 
-/* A model's job of a shot that has all but settings and a time limit; there is no limit. */
+/* The model's job of a shot. The job gets the model's settings and no time limit. */
 struct neph_job neph_light_model_job(const struct neph_light_model *model,
                                      const struct neph_shot *shot);
 
-/* Its frame, from the store or rendered; the time that its rendering took is added to `*seconds`.
- * Errors as of neph_job_run() and neph_outcome_check(). */
+/* The frame of a model, from the store or rendered; its render time is added to `*seconds`. Errors
+ * as of neph_job_run() and neph_outcome_check(). */
 enum neph_status neph_light_model_render(const struct neph_light_model *model,
                                          const struct neph_shot *shot, struct neph_store *store,
                                          struct neph_image **frame, double *seconds,
                                          struct neph_diag *diag);
 
-/* Whether it claims no physics (harness/engines/look.h). */
+/* Whether the model is non-physical (harness/engines/look.h). */
 bool neph_light_model_is_look(const struct neph_light_model *model);
 
-/* All that engines offer, as "A,B", NEPH_LIGHT_MODELS_MAX at most: every engine of the model rung
- * that is no shortcut of another; and every choice of an engine's option `lighting` beyond the
- * first that no engine march_CHOICE stands for. For the caller to free; NULL when memory is short.
- */
+/* All models that engines offer, as "A,B", at most NEPH_LIGHT_MODELS_MAX:
+ *
+ * - every model engine, except real-time methods and engines for one kind of scene;
+ * - every choice of an option `lighting` after the first, except those that an engine march_CHOICE
+ *   provides.
+ *
+ * The caller frees the text; NULL: out of memory. */
 char *neph_light_models_offered(void);
 
 #endif

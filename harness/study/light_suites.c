@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads the suites of light studies and enumerates their sweeps.
+ */
 #include "harness/study/light_suites.h"
 
 #include "harness/data.h"
@@ -20,7 +23,7 @@ int neph_light_sweep_count(const struct neph_light_sweep *sweep)
            at_least_one(sweep->albedo_count) * at_least_one(sweep->density_count);
 }
 
-/* The next digit of an index whose digits count through the lists. */
+/* Takes the next digit of a mixed-radix index: one digit for each list. */
 static double take(const double *list, int count, int *index)
 {
     const int digit = *index % at_least_one(count);
@@ -59,7 +62,7 @@ struct neph_relight neph_light_entry_at(const struct neph_light_entry *entry, in
 
 /* ---- suites ---------------------------------------------------------------------------------- */
 
-/* A list at `key`, each item `each` numbers. */
+/* Reads the list at `key`; each item has `each` numbers. */
 static enum neph_status read_list(const json_t *sweep, const char *key, int each, double *numbers,
                                   int *count, struct neph_diag *diag)
 {
@@ -73,7 +76,7 @@ static enum neph_status read_list(const json_t *sweep, const char *key, int each
         numbers[i] = json_number_value(number);
     }
     return is_fit ? NEPH_OK
-                  : neph_fail(diag, NEPH_ERR_INPUT, "%s is no list of at most %d %s", key,
+                  : neph_fail(diag, NEPH_ERR_INPUT, "%s is not a list of at most %d %s", key,
                               NEPH_LIGHT_SWEEP_MAX, each > 1 ? "pairs" : "numbers");
 }
 
@@ -100,7 +103,7 @@ static enum neph_status read_entry(const json_t *json, struct neph_arena *arena,
     entry->scene = neph_suite_scene(json, arena);
     entry->may_be_absent = true;
     if (count < 1 || count > NEPH_LIGHT_SWEEPS_MAX)
-        status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is no list of 1 to %d",
+        status = neph_fail(diag, NEPH_ERR_INPUT, "sweeps is not a list of 1 to %d",
                            NEPH_LIGHT_SWEEPS_MAX);
     for (int i = 0; i < count && !status; i++, entry->sweep_count++)
         status = read_sweep(json_array_get(sweeps, (size_t)i), &entry->sweeps[i], diag);

@@ -1,9 +1,12 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Sums of a lighting model's error and the bins of pixels.
+ */
 #include "harness/study/light_sums.h"
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when an axis is added, as the table of axes needs a row for it. */
 _Static_assert(NEPH_LIGHT_AXES == 3, "a new kind");
 
 void neph_light_sums_add(struct neph_light_sums *sums, double model, double first, double second)
@@ -35,7 +38,8 @@ double neph_light_bias(const struct neph_light_sums *sums)
     return neph_light_ratio(sums) - 1.0;
 }
 
-/* The truth of N pixels has the variance of their sum; the ratio moves by as much of itself. */
+/* The variance of the summed truth is `noise`; the ratio's relative error is its square root over
+ * the sum. */
 double neph_light_bias_noise(const struct neph_light_sums *sums)
 {
     return neph_light_ratio(sums) * sqrt(sums->noise) / sums->truth;
@@ -50,7 +54,7 @@ double neph_light_rms(const struct neph_light_sums *sums)
 
 /* ---- axes ------------------------------------------------------------------------------------ */
 
-/* ln 10 is where the dense parts begin: a tenth comes through. */
+/* Edges: at ln 10, where the dense parts begin, the transmittance is 1/10. */
 const struct neph_light_axis_row neph_light_axes[NEPH_LIGHT_AXES] = {
     [NEPH_LIGHT_EYE] = {"optical depth towards the eye",
                         {0.01, 0.1, 0.5, M_LN10, 5.0, 10.0, 30.0, INFINITY}},

@@ -1,16 +1,19 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Optical depths and scaled single scattering along a view ray.
+ */
 #include "harness/study/light_view.h"
 
 #include "scenes/media.h"
 #include "scenes/solids.h"
 
-/* Enough that a fit of coefficients to some percent is not about them. */
+/* Enough steps that their error does not affect a fit of coefficients to a few percent. */
 enum { STEPS = 128, BISECTIONS = 40 };
 
 struct ray {
     const struct neph_scene *scene;
     struct neph_vec3 origin_m, direction;
-    double hit_m; /* the first solid */
+    double hit_m; /* distance of the first solid */
 };
 
 static double depth_between(const struct ray *ray, double t0_m, double t1_m)
@@ -18,9 +21,9 @@ static double depth_between(const struct ray *ray, double t0_m, double t1_m)
     return neph_scene_optical_depth(ray->scene, ray->origin_m, ray->direction, t0_m, t1_m).g;
 }
 
-/* ---- places ---------------------------------------------------------------------------------- */
+/* ---- distances along the ray ----------------------------------------------------------------- */
 
-/* A finite distance behind which as good as nothing is left of `depth`. */
+/* A finite distance that contains all but a millionth of `depth`. */
 static double end_of(const struct ray *ray, double depth)
 {
     double end_m = 1.0;
@@ -31,7 +34,7 @@ static double end_of(const struct ray *ray, double depth)
     return end_m;
 }
 
-/* Where the ray has met so much optical depth. */
+/* The distance at which the optical depth is `depth`, by bisection. */
 static double place_of(const struct ray *ray, double depth, double end_m)
 {
     double low_m = 0.0, high_m = end_m;
@@ -72,7 +75,7 @@ static void add_step(double before, double step_depth, double sun_depth,
     }
 }
 
-/* Equal steps, the sun's depth in the middle of each. */
+/* Integrates with equal steps and the sun's optical depth at the middle of each. */
 static void light_ray(const struct ray *ray, double depth, double end_m,
                       double lit[NEPH_LIGHT_SCALES])
 {
@@ -90,14 +93,14 @@ static void light_ray(const struct ray *ray, double depth, double end_m,
 
 double neph_light_lit_at(const double lit[NEPH_LIGHT_SCALES], double scale)
 {
-    const double place = -log(fmax(scale, 1e-300)) / M_LN2; /* k of 2^-k */
+    const double place = -log(fmax(scale, 1e-300)) / M_LN2; /* k in scale = 2^-k */
     const int last = NEPH_LIGHT_SCALES - 2, k = (int)fmin(place, last);
-    if (k == last) /* towards a scale of 0 the integral is linear in the scale itself */
+    if (k == last) /* near a scale of 0 the integral is linear in the scale */
         return lit[last + 1] + (lit[last] - lit[last + 1]) * scale / neph_light_scale(last);
     return lit[k] > 0.0 ? lit[k] * pow(lit[k + 1] / lit[k], place - k) : lit[k + 1] * (place - k);
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the view ray of a pixel ----------------------------------------------------------------- */
 
 struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
                                           const struct neph_pixel_ray *pixel, bool with_lit)
@@ -113,7 +116,8 @@ struct neph_light_view neph_light_view_of(const struct neph_scene *scene,
     if (!(depth > 0.0))
         return view;
     const double end_m = end_of(&ray, depth);
-    const double half = -log1p(0.5 * expm1(-depth)); /* half of 1 - e^-depth is lost before */
+    const double half = -log1p(0.5 * expm1(-depth)); /* optical depth at which half of 1 - e^-depth
+                                                        has been lost */
     view.sun_depth = sun_depth_at(&ray, place_of(&ray, half, end_m));
     if (with_lit)
         light_ray(&ray, depth, end_m, view.lit);

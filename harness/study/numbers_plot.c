@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The chart of post-processing stages.
+ */
 #include "harness/study/numbers_plot.h"
 
 #include "harness/study/svg.h"
@@ -29,7 +32,7 @@ static const struct panel {
 };
 enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
 
-/* log2; NaN where one of the two is none. */
+/* log2 of a row's value over the base row's; NaN where either is missing. */
 static double ratio(const struct neph_numbers_plot *plot, const struct panel *panel, int scene,
                     int row)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * One chain of a post study: frames and reference through it, and the meter behind it.
+ * Measures one chain of a post study: frames and reference pass through the chain, then the meter.
  */
 #include "harness/study/post_measure.h"
 
@@ -23,19 +23,19 @@ static const struct neph_meter_number display_numbers[] = {{"flip_mean", "all"},
 static const char *const scene_extractors[] = {"error", "residual_change", NULL};
 static const char *const display_extractors[] = {"flip", "seen", "residual_change", NULL};
 
-/* A pass of the film through a chain. */
+/* The sequence passing through one chain. */
 struct pass {
     struct neph_vulkan *vulkan;
     const struct neph_post_film *film;
     struct neph_settings settings;
     struct neph_post_eye test_eye, reference_eye;
-    struct neph_image *reference; /* as it was made last; owned */
+    struct neph_image *reference; /* the latest reference after the chain; owned */
     struct neph_mask *mask;       /* owned */
     struct neph_meter *meter;     /* owned */
-    double *ms;                   /* of each test frame; owned */
+    double *ms;                   /* GPU time of each test frame; owned */
 };
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames through the chain ---------------------------------------------------------------- */
 
 static bool does_anything(const struct neph_settings *settings)
 {
@@ -80,7 +80,7 @@ static enum neph_status make(const struct pass *pass, const struct neph_settings
     return NEPH_OK;
 }
 
-/* A reference that stands still is made once. */
+/* Processes the reference of a frame; a static reference only once. */
 static enum neph_status make_reference(struct pass *pass, int number, struct neph_diag *diag)
 {
     const bool stands = pass->film->reference_count == 1;
@@ -111,9 +111,9 @@ static enum neph_status open_meter(struct pass *pass, const char *const *extract
     enum neph_status status = neph_mask_create(pass->reference, "all", NULL, &pass->mask, diag);
     masks[0] = pass->mask;
     params.viewing.frame_rate_hz = pass->film->frame_rate_hz;
-    if (neph_post_is_hdr(&pass->settings)) /* its pictures are light over the peak */
+    if (neph_post_is_hdr(&pass->settings)) /* its values are relative to the peak */
         params.viewing.white_cd_per_m2 = pass->settings.values[POST_PEAK_NITS];
-    params.viewing.pixels_per_degree = 60.0; /* of the flicker study's first display */
+    params.viewing.pixels_per_degree = 60.0; /* as the flicker study's first display */
     for (int i = 0; extractors[i]; i++) {
         const struct neph_extractor *extractor = neph_extractor_find(extractors[i]);
         choices[params.choice_count++] = (struct neph_meter_choice){
@@ -140,7 +140,7 @@ static void finish(struct pass *pass)
     free(pass->ms);
 }
 
-/* ---- a pass ---------------------------------------------------------------------------------- */
+/* ---- a sequence through the chain ------------------------------------------------------------ */
 
 static enum neph_status take_frame(struct pass *pass, int number, const char *const *extractors,
                                    const struct neph_meter_number *wanted, struct neph_diag *diag)
@@ -183,7 +183,7 @@ enum neph_status neph_post_meter(struct neph_vulkan *vulkan, const struct neph_i
     return status;
 }
 
-/* What of a chain works on light. */
+/* Keeps the stages of a chain that work on scene light. */
 static void keep_light(struct neph_settings *settings)
 {
     static const int codes[] = {POST_TONE, POST_FXAA, POST_SHARPEN, POST_AUTO_EXPOSURE};

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * References of sequences: choice of the marcher, its settings, its frames.
+ */
 #include "harness/study/reference.h"
 
 #include "base/files.h"
@@ -10,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the tables of this file need it. */
 _Static_assert(NEPH_REFERENCE_RAYS_COUNT == 2, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
@@ -18,12 +21,12 @@ static const char *const rays_settings[NEPH_REFERENCE_RAYS_COUNT] = {
     [NEPH_REFERENCE_AVERAGED] = "rays_per_px=16",
     [NEPH_REFERENCE_CENTRE] = "rays_per_px=1",
 };
-_Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "what rays_settings says");
+_Static_assert(NEPH_REFERENCE_RAYS_PER_PX == 16, "rays_settings");
 
-/* ---- the model of the test ------------------------------------------------------------------- */
+/* ---- the marcher of a test ------------------------------------------------------------------- */
 
-/* By the test's setting "lighting"; without one a march is its own model, and of a guest nobody
- * knows it: it gets one that has the scene's orders of scattering. */
+/* Chooses the marcher by the test's setting "lighting". A marcher is its own reference. The model
+ * of a user engine is not known; its reference has the scene's orders of scattering. */
 static const struct neph_engine *engine_of(const struct neph_job *test)
 {
     static const char *const marches[] = {
@@ -40,9 +43,9 @@ static const struct neph_engine *engine_of(const struct neph_job *test)
         test->shot.scene->scattering == NEPH_SCATTERING_MULTIPLE ? "march_octaves" : "march");
 }
 
-/* How much light of higher orders is found in a picture is the test's own: it goes on from the
- * picture before, and a picture alone with so little would be noise, or dark. A shadow map of the
- * clouds is a shortcut whose errors are asked for. */
+/* False for settings that the reference does not take over. The number of light paths is the
+ * test's: its light accumulates over frames, and a single frame with so few paths would be noisy or
+ * dark. The cloud shadow map is a shortcut, and its error is to be measured. */
 static bool is_shared(const struct neph_option *option)
 {
     static const char *const own[] = {"light_paths",   "light_rounds",     "light_ahead",
@@ -53,7 +56,7 @@ static bool is_shared(const struct neph_option *option)
     return true;
 }
 
-/* What march and test both can be set to, as the test has it: steps, transmittance, sun. */
+/* The test's values of all settings that both engines have and share: steps, transmittance, sun. */
 static struct neph_settings settings_of(const struct neph_job *test,
                                         const struct neph_engine *march)
 {
@@ -74,14 +77,14 @@ enum neph_status neph_reference_job(const struct neph_job *test, enum neph_refer
     neph_engine_probe(march, test->shot.device, info);
     *job = (struct neph_job){.engine = march, .info = info, .shot = test->shot};
     job->shot.settings = settings_of(test, march);
-    job->shot.seed = 1; /* nothing is random */
+    job->shot.seed = 1; /* the marcher draws no random numbers */
     job->shot.layers = NEPH_LAYERS_ALL;
     return neph_settings_set(march, &job->shot.settings, rays_settings[rays], diag);
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
-/* The first frame from `first` on that shows the same as `frame`. */
+/* The first frame, from `first` on, with the same scene state as `frame`. */
 static int same_as(const struct neph_scene *scene, int first, int frame)
 {
     int same = first;
@@ -90,7 +93,7 @@ static int same_as(const struct neph_scene *scene, int first, int frame)
     return same;
 }
 
-/* Whether anything moves: 1, or as many as there are. */
+/* 1 for a static scene, else `frame_count`. */
 static int path_count(const struct neph_scene *scene, int first, int frame_count)
 {
     for (int i = 1; i < frame_count; i++)
@@ -116,7 +119,7 @@ void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost)
         sum->peak_memory_bytes = cost->peak_memory_bytes;
 }
 
-/* The device is set up for the first picture that the store has not got. */
+/* Opens the sequence, and with it the device, at the first frame that the store does not have. */
 static enum neph_status make_picture(struct neph_job *job, struct neph_store *store,
                                      struct neph_job_result *result, struct neph_diag *diag)
 {
@@ -132,7 +135,7 @@ static enum neph_status make_picture(struct neph_job *job, struct neph_store *st
     return status ? status : neph_outcome_check(result->outcome, result->reason, diag);
 }
 
-/* The picture of the job's frame: its file in the store, for the caller. */
+/* Gets the frame of a job; `*path` is its file in the store, owned by the caller. */
 static enum neph_status take_picture(struct neph_job *job, struct neph_store *store,
                                      struct neph_progress *progress,
                                      struct neph_reference *reference, char **path,
@@ -178,7 +181,7 @@ static enum neph_status make_frames(struct neph_job *job, int frame_count, struc
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the whole reference --------------------------------------------------------------------- */
 
 static enum neph_status describe(const struct neph_job *averaged, struct neph_reference *reference,
                                  struct neph_diag *diag)
@@ -190,7 +193,7 @@ static enum neph_status describe(const struct neph_job *averaged, struct neph_re
     return reference->text && reference->settings ? NEPH_OK : neph_fail_memory(diag);
 }
 
-/* The key of the first averaged picture stands for all settings; the others follow by number. */
+/* The key of the first averaged frame covers all settings; the number of frames completes it. */
 enum neph_status neph_reference_key(const struct neph_job *test, int frame_count,
                                     char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * What sequences of a shortcut are measured against; one policy, at rest and moving, whatever sun
- * and wind do.
+ * The reference of sequences of real-time methods: one definition for static and moving scenes.
  *
- * The reference of a picture is the march of the same moment with the steps and the lighting of the
- * test's own model, its radiance averaged over 16 rays a pixel (renderer/march_average.h), without
- * dither and without history: what any anti-aliasing of this model is after, and nobody's in
- * particular. Beside it stand the centre rays alone, which have the staircase of an edge where the
- * average has its share: how much a number owes to that, the number against them says.
+ * The reference of a frame is the marcher at the same scene state, with the steps and the lighting
+ * of the test's model. Its radiance is the mean of 16 rays per pixel (renderer/march_average.h),
+ * without dither and history: the limit that every anti-aliasing of this model approaches, without
+ * favouring one. A second sequence has only the centre rays. At an edge the centre rays have a
+ * staircase where the average has partial coverage; a metric against both shows how much depends on
+ * that.
  */
 #ifndef NEPH_HARNESS_STUDY_REFERENCE_H
 #define NEPH_HARNESS_STUDY_REFERENCE_H
@@ -18,48 +18,50 @@
 
 enum { NEPH_REFERENCE_RAYS_PER_PX = 16 };
 
-/* Which pictures of a reference. */
+/* The two sequences of a reference. */
 enum neph_reference_rays {
-    NEPH_REFERENCE_AVERAGED, /* the reference */
-    NEPH_REFERENCE_CENTRE,   /* what it is held beside */
+    NEPH_REFERENCE_AVERAGED, /* the reference, 16 rays per pixel */
+    NEPH_REFERENCE_CENTRE,   /* one ray per pixel, for comparison */
     NEPH_REFERENCE_RAYS_COUNT,
 };
 
-/* Start from {0}; free with _finish. */
+/* Initialise with {0}; free with neph_reference_finish(). */
 struct neph_reference {
-    /* Files of the store: one for all where nothing moves, else as many as the test has. */
+    /* Files of the store: one for a static scene, else one for each frame of the test. */
     struct neph_sequence frames[NEPH_REFERENCE_RAYS_COUNT];
     char *text;                   /* "march, 16 rays a pixel, 32 steps"; owned */
-    char *settings;               /* of the averaged ones; owned */
-    char key[NEPH_HASH_HEX_SIZE]; /* of all that the pictures depend on */
-    int picture_count;            /* that differ, of both kinds: rendered or taken from the store */
-    struct neph_cost cost;        /* of all these pictures, when they were rendered */
+    char *settings;               /* of the averaged frames; owned */
+    char key[NEPH_HASH_HEX_SIZE]; /* hash of everything that the frames depend on */
+    int picture_count;            /* distinct frames of both sequences, rendered or from the store
+                                     */
+    struct neph_cost cost;        /* of all these frames, at the time of their rendering */
 };
 
-/* The job of one picture of the reference, with the scene, size and frame of the test, and what it
- * is told of its engine. NEPH_ERR_USAGE as of neph_settings_set(). */
+/* The job of one reference frame, with the scene, size and frame of the test; `info` gets the probe
+ * of its engine. NEPH_ERR_USAGE as of neph_settings_set(). */
 enum neph_status neph_reference_job(const struct neph_job *test, enum neph_reference_rays rays,
                                     struct neph_engine_info *info, struct neph_job *job,
                                     struct neph_diag *diag);
 
-/* How many pictures the reference of so many frames takes: moments that are the same share one. */
+/* Number of distinct frames of a reference, over both sequences: equal scene states share a frame.
+ */
 int neph_reference_picture_count(const struct neph_scene *scene, int first, int frame_count);
 
-/* What a reference's key is, without a picture. */
+/* The key of a reference, without rendering. */
 enum neph_status neph_reference_key(const struct neph_job *test, int frame_count,
                                     char key[NEPH_HASH_HEX_SIZE], struct neph_diag *diag);
 
-/* Find in the store, or render, the reference for `frame_count` pictures from the first of `test`
- * on; the test's engine is a shortcut (engine.h). Each picture is a step of progress. Errors:
- * NEPH_ERR_UNAVAILABLE, NEPH_ERR_UNSUPPORTED, NEPH_ERR_ENGINE as of neph_outcome_check();
- * NEPH_ERR_INTERRUPTED: what is finished stays in the store. */
+/* Finds in the store, or renders, the reference for `frame_count` frames, starting at the test's
+ * first frame. The test's engine is a real-time method. Each frame is a step of the progress.
+ * Errors: NEPH_ERR_UNAVAILABLE, NEPH_ERR_UNSUPPORTED, NEPH_ERR_ENGINE as of neph_outcome_check();
+ * NEPH_ERR_INTERRUPTED: finished frames stay in the store. */
 enum neph_status neph_reference_make(const struct neph_job *test, int frame_count,
                                      struct neph_store *store, struct neph_progress *progress,
                                      struct neph_reference *reference, struct neph_diag *diag);
 
 void neph_reference_finish(struct neph_reference *reference);
 
-/* Add the cost of a frame: times, and the larger memory. */
+/* Adds the times of a frame, and takes the larger memory. */
 void neph_cost_add(struct neph_cost *sum, const struct neph_cost *cost);
 
 #endif

@@ -1,19 +1,23 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Traces the parts of a hemisphere that screen-space methods cannot see.
+ */
 #include "harness/study/screen_lost.h"
 
 #include "scenes/solids.h"
 
 #include <math.h>
 
-/* What a pixel's surface looks from. */
+/* A surface point seen through a pixel. */
 struct site {
     const struct neph_scene *scene;
     const struct neph_camera *camera;
-    double half_width, half_height; /* of the picture; tangents, or metres */
+    double half_width, half_height; /* of the frame; as tangents, or in metres for a parallel
+                                       projection */
     struct neph_vec3 point_m;
 };
 
-/* How far along a ray the picture's four sides let one see. */
+/* Distance at which a ray leaves the frame through one of its four sides. */
 static double leaves_at_m(const struct site *site, struct neph_vec3 direction)
 {
     const struct neph_camera *camera = site->camera;
@@ -40,11 +44,12 @@ static double leaves_at_m(const struct site *site, struct neph_vec3 direction)
     return nearest_m;
 }
 
-/* From where on the ray is hidden from the camera, before its end. A surface hides what is in its
- * solid, so that a ray which meets one from the front is hidden from its end on alone. */
+/* Distance from which on the ray is hidden from the camera; +inf: not before its end. The inside of
+ * a solid counts as hidden, so a ray that hits a front face is hidden only from its end on. */
 static double hidden_from_m(const struct site *site, struct neph_vec3 direction, double end_m)
 {
-    const double touch = 1e-6; /* of the way, and of the distance to the camera */
+    const double touch = 1e-6; /* tolerance, relative to the distance and to the distance from the
+                                  camera */
     const struct neph_camera *camera = site->camera;
     const struct neph_vec3 backward = neph_vec3_scale(camera->forward, -1.0);
     const double eye_m = neph_vec3_length(neph_vec3_sub(site->point_m, camera->position_m));
@@ -66,7 +71,7 @@ static double hidden_from_m(const struct site *site, struct neph_vec3 direction,
 static void follow(const struct site *site, struct neph_vec3 direction, double reach_m,
                    double share, double shares[NEPH_SCREEN_LOSSES])
 {
-    const double far_m = 1e7; /* in place of the whole way, for the shadows */
+    const double far_m = 1e7; /* replaces infinity in the shadow tests */
     const struct neph_hit hit = neph_scene_hit(site->scene, site->point_m, direction);
     const bool meets = hit.solid && hit.t_m <= reach_m;
     const double end_m = fmin(meets ? hit.t_m : reach_m, far_m);
@@ -78,8 +83,8 @@ static void follow(const struct site *site, struct neph_vec3 direction, double r
         shares[NEPH_LOST_OFF] += share;
 }
 
-/* Direction `i` of `n` by the cosine about an axis (T. Duff et al., "Building an Orthonormal Basis,
- * Revisited", JCGT 6(1), 2017), turned by the golden angle. */
+/* Direction `i` of `n`, cosine-distributed about an axis (T. Duff et al., "Building an Orthonormal
+ * Basis, Revisited", JCGT 6(1), 2017) and turned by the golden angle. */
 static struct neph_vec3 cosine_direction(struct neph_vec3 axis, int i, int n)
 {
     const double golden_rad = M_PI * (3.0 - sqrt(5.0));

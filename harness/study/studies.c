@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The step studies that are installed with neph: reading, measuring, writing.
+ */
 #include "harness/study/studies.h"
 
 #include "base/files.h"
@@ -19,7 +22,7 @@ static char *file_of(const struct neph_engine *engine)
     return neph_data_path(neph_path_format("scenes/studies/%s.json", kind).text);
 }
 
-/* The file's content, or an empty one where there is no file. */
+/* The content of a file, or an empty list where the file does not exist. */
 static enum neph_status load(const char *path, json_t **content, struct neph_diag *diag)
 {
     json_error_t error;
@@ -33,10 +36,9 @@ static enum neph_status load(const char *path, json_t **content, struct neph_dia
         *content = loaded;
         return NEPH_OK;
     }
-    neph_fail(diag, NEPH_ERR_INPUT, "%s",
-              loaded ? "these are not the step studies of neph" : error.text);
+    neph_fail(diag, NEPH_ERR_INPUT, "%s", loaded ? "this is no file of step studies" : error.text);
     neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
-    neph_hint(diag, "`neph study --renew` makes the file anew once this one is gone");
+    neph_hint(diag, "remove the file and make it again with `neph study --renew`");
     json_decref(loaded);
     return NEPH_ERR_INPUT;
 }
@@ -88,7 +90,7 @@ enum neph_status neph_studies_make(const struct neph_job *job, struct neph_store
     return status;
 }
 
-/* The place of the scene's entry, or one past the last. */
+/* Index of the scene's entry, or the number of entries. */
 static size_t place_of(const json_t *list, const char *scene)
 {
     size_t i = 0;
@@ -97,7 +99,7 @@ static size_t place_of(const json_t *list, const char *scene)
     return i;
 }
 
-/* A study a line, so that a change can be read. */
+/* Writes one study per line, so that a diff is readable. */
 static enum neph_status write_file(const char *path, const json_t *list, struct neph_diag *diag)
 {
     char *text = neph_format("{\"format\": \"%s\", \"studies\": [\n", format);
@@ -117,7 +119,7 @@ static enum neph_status write_file(const char *path, const json_t *list, struct 
     return status;
 }
 
-/* Put a study in the place of the one of the same scene. */
+/* Adds a study, or replaces the one of the same scene. */
 static enum neph_status keep(const struct neph_job *job, const struct neph_study *study,
                              struct neph_diag *diag)
 {
@@ -140,7 +142,7 @@ static enum neph_status keep(const struct neph_job *job, const struct neph_study
     return status;
 }
 
-/* ---- renewal --------------------------------------------------------------------------------- */
+/* ---- renewing -------------------------------------------------------------------------------- */
 
 struct work {
     double time_limit_s;
@@ -149,7 +151,7 @@ struct work {
     struct neph_progress progress;
 };
 
-/* `*word` says what became of it. */
+/* `*word` is the result for the progress. */
 static enum neph_status renew(const struct work *work, const struct neph_scene *scene,
                               const struct neph_engine *engine, const char **word,
                               struct neph_diag *diag)

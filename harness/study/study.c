@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The step study: levels, extrapolation, choice of a level, JSON.
+ */
 #include "harness/study/study.h"
 
 #include "base/arena.h"
@@ -10,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as the table of names needs it. */
 _Static_assert(NEPH_STUDY_VERDICT_COUNT == 3, "a new kind");
 
 bool neph_study_applies(const struct neph_engine *engine, const struct neph_scene *scene)
@@ -25,15 +28,17 @@ bool neph_study_applies(const struct neph_engine *engine, const struct neph_scen
 
 static int option_index(const struct neph_engine *engine)
 {
-    return neph_option_find(engine->options, engine->step.option); /* a test holds it to be there */
+    return neph_option_find(engine->options, engine->step.option); /* a test checks that it exists
+                                                                      */
 }
 
-/* Pictures of all levels, channels averaged, by seed; seed 1 is missing where nothing is random. */
+/* Frames of all levels by seed, as the mean of the channels. A deterministic engine has only seed
+ * 0. */
 struct pictures {
     size_t pixel_count;
     int seed_count;
     double *grey[NEPH_STUDY_LEVELS_MAX][2];
-    struct neph_arena arena; /* has them */
+    struct neph_arena arena; /* owns the frames */
 };
 
 static enum neph_status take_picture(const struct neph_image *frame, struct pictures *pictures,
@@ -65,9 +70,9 @@ static double blend_pixel(const struct pictures *pictures, const struct blend *b
     return sum;
 }
 
-/* Its mean over the picture and the seeds, and the standard error of that: from the differences of
- * the seeds, pixel by pixel. Levels share their seeds, and with them most of their noise, which
- * therefore cancels from the difference of two levels. */
+/* Mean of a blend over the frame and the seeds, and its standard error from the pixelwise
+ * differences of the seeds. Levels share their seeds and most of their noise, which therefore
+ * cancels in the difference of two levels. */
 static double blend_mean(const struct pictures *pictures, const struct blend *blend, double *noise)
 {
     struct neph_sum sum = {0.0, 0.0}, squares = {0.0, 0.0};
@@ -118,13 +123,15 @@ static enum neph_status render(const struct neph_job *job, struct neph_store *st
     return status;
 }
 
-/* The bias of the finest level. Where the error does not shrink as it should, the limit is in doubt
- * by the last change: first order is what is left to believe in. */
+/* The bias of the finest level. Where the error does not fall with the known order, the
+ * extrapolated limit is uncertain by the last change (as for first order), which is then the bias.
+ */
 static double worst_bias(const struct neph_study *study)
 {
     const struct neph_study_level *finest = &study->levels[study->level_count - 1];
     const bool doubtful = fabs(study->observed_order - study->order) > NEPH_STUDY_ORDER_SLACK;
-    return doubtful ? fabs(finest->bias - finest[-1].bias) : fabs(finest->bias); /* NaN: no */
+    /* a NaN order is not doubtful */
+    return doubtful ? fabs(finest->bias - finest[-1].bias) : fabs(finest->bias);
 }
 
 static enum neph_study_verdict judge(const struct neph_study *study)
@@ -142,7 +149,7 @@ static bool is_good(const struct neph_study_level *level, enum neph_study_verdic
     return verdict == NEPH_STUDY_WITHIN ? bias + noise <= NEPH_STUDY_TOLERANCE : bias <= noise;
 }
 
-/* The coarsest level from which on all are good. */
+/* Chooses the coarsest level from which on all levels are good. */
 static void choose(struct neph_study *study)
 {
     study->verdict = judge(study);
@@ -152,7 +159,7 @@ static void choose(struct neph_study *study)
         study->chosen--;
 }
 
-/* From the last two levels, by the known order. */
+/* Richardson extrapolation from the last two levels with the known order. */
 static struct blend limit_of(const struct neph_study *study, double factor)
 {
     const int last = study->level_count - 1;
@@ -164,7 +171,8 @@ static struct blend limit_of(const struct neph_study *study, double factor)
     return limit;
 }
 
-/* log of the ratio of the last two changes; NaN where they are lost in noise or rounding. */
+/* Log of the ratio of the last two changes over log of the refinement; NaN where noise or rounding
+ * dominates. */
 static double observe_order(const struct pictures *pictures, const struct neph_study *study,
                             double factor)
 {
@@ -227,7 +235,7 @@ enum neph_status neph_study_run(const struct neph_job *job, struct neph_store *s
         extrapolate(&pictures, study, fmax(step->refine, 1.0 / step->refine));
     if (!status && *outcome == NEPH_OUTCOME_RENDERED && study->limit == 0.0) {
         *outcome = NEPH_OUTCOME_CANNOT;
-        snprintf(reason, 1600, "the picture is black: there is nothing to be off from");
+        snprintf(reason, 1600, "the frame is black: a relative bias is undefined");
     }
     neph_arena_finish(&pictures.arena);
     return status;
@@ -300,7 +308,8 @@ static bool read_verdict(const char *name, struct neph_study *study)
     return false;
 }
 
-/* Whether it is of the engine's step, and the setting that was chosen one that the engine takes. */
+/* Whether the study is of the engine's step option and its chosen setting is in the option's range.
+ */
 static bool is_taken(const char *name, const struct neph_study *study,
                      const struct neph_engine *engine)
 {
@@ -325,7 +334,7 @@ enum neph_status neph_study_read(json_t *json, const struct neph_engine *engine,
     if (!has_form || !read_levels(levels, &made) || !read_verdict(verdict, &made) ||
         !is_taken(option, &made, engine))
         return neph_fail(diag, NEPH_ERR_INPUT,
-                         "a step study of %s chooses no setting that it takes", engine->name);
+                         "a step study of %s chooses a setting outside of its range", engine->name);
     made.observed_order = json_is_number(observed) ? json_number_value(observed) : NAN;
     *study = made;
     return NEPH_OK;

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Reads suites of scenes from JSON files.
+ */
 #include "harness/study/suites.h"
 
 #include "harness/data.h"
@@ -17,7 +20,8 @@ static enum neph_status load(const char *file, const char *format, json_t **cont
     enum neph_status status = NEPH_OK;
     if (!loaded || strcmp(neph_json_text(loaded, "format"), format) != 0) {
         status = neph_fail(diag, NEPH_ERR_INPUT, "%s",
-                           loaded ? "these are no suites of this kind of study" : error.text);
+                           loaded ? "this is no file of suites for this kind of study"
+                                  : error.text);
         neph_locate(diag, path, loaded ? 1 : error.line, loaded ? 1 : error.column);
         json_decref(loaded);
     } else {
@@ -27,7 +31,7 @@ static enum neph_status load(const char *file, const char *format, json_t **cont
     return status;
 }
 
-/* Each scene once, over all suites, and with a reason. */
+/* Checks that each scene is in one suite only, once, and has a reason. */
 static enum neph_status check(const json_t *suites, struct neph_diag *diag)
 {
     json_t *seen = json_object();

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * SVG output that the charts of studies share.
+ */
 #include "harness/study/svg.h"
 
 #include <stdbool.h>
@@ -16,14 +19,14 @@ void neph_svg_print_escaped(const char *text, FILE *out)
 /* ---- marks ----------------------------------------------------------------------------------- */
 
 static const char *const shapes[] = {
-    "M-4 0 a4 4 0 1 0 8 0 a4 4 0 1 0 -8 0 z",                         /* a ball */
-    "M-3.5 -3.5 h7 v7 h-7 z",                                         /* a square */
-    "M0 -4.5 L4.3 3.5 H-4.3 z",                                       /* a triangle, up */
-    "M0 -5 L5 0 L0 5 L-5 0 z",                                        /* a diamond */
-    "M0 4.5 L4.3 -3.5 H-4.3 z",                                       /* and down */
-    "M-1.5 -5 h3 v3.5 h3.5 v3 h-3.5 v3.5 h-3 v-3.5 h-3.5 v-3 h3.5 z", /* a cross */
-    "M-5 -1.6 h10 v3.2 h-10 z",                                       /* a bar, flat */
-    "M-1.6 -5 h3.2 v10 h-3.2 z",                                      /* and upright */
+    "M-4 0 a4 4 0 1 0 8 0 a4 4 0 1 0 -8 0 z",                         /* circle */
+    "M-3.5 -3.5 h7 v7 h-7 z",                                         /* square */
+    "M0 -4.5 L4.3 3.5 H-4.3 z",                                       /* triangle, up */
+    "M0 -5 L5 0 L0 5 L-5 0 z",                                        /* diamond */
+    "M0 4.5 L4.3 -3.5 H-4.3 z",                                       /* triangle, down */
+    "M-1.5 -5 h3 v3.5 h3.5 v3 h-3.5 v3.5 h-3 v-3.5 h-3.5 v-3 h3.5 z", /* cross */
+    "M-5 -1.6 h10 v3.2 h-10 z",                                       /* horizontal bar */
+    "M-1.6 -5 h3.2 v10 h-3.2 z",                                      /* vertical bar */
 };
 enum { SHAPES = sizeof(shapes) / sizeof(shapes[0]) };
 _Static_assert(NEPH_SVG_MARKS == 2 * SHAPES, "each of them full and hollow");

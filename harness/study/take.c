@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Captured sequences: rendering, measuring, publication in the store.
+ */
 #include "harness/study/take.h"
 
 #include "base/exr.h"
@@ -19,32 +22,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Part of the key under which measurements are kept; raise it when a metric over time
- * changes, or what documents or records hold. */
+/* Part of the store key of measurements. Raise it when a metric over time changes, or the content
+ * of documents or records. */
 enum { MEASURED_REVISION = 4 };
 
-/* Frames are measured where they are, in memory, up to so many bytes; what comes after waits in
- * files. */
+/* Memory for the frames of a sequence; later frames are written to files until they are measured.
+ */
 static const size_t frames_limit_bytes = (size_t)1 << 30;
 
-/* Readings share a pass over the frames as long as what they keep of them at a time is no more than
- * this; "seen" and "cycles" keep 4 bytes of each pixel and frame. */
+/* Memory for state of the extractors. Measurement sets share a pass over the frames while their
+ * state fits; "seen" and "cycles" need 4 bytes for each pixel and frame. */
 static const size_t kept_limit_bytes = (size_t)1 << 30;
 enum { KEPT_BYTES_MAX = 8 };
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* What engines count in a frame (frame_stats.h) and a record sums over all. */
+/* Counters of an engine for a frame (frame_stats.h), which the record sums over all frames. */
 static const char *const counted_names[] = {"density_evaluations", "traffic_bytes"};
 enum { COUNTED = sizeof(counted_names) / sizeof(counted_names[0]) };
 
 struct frames {
-    struct neph_sequence files; /* where they are, or would be; owned */
-    struct neph_image **images; /* NULL where it is in its file; owned, and each of them */
+    struct neph_sequence files; /* path of each frame, whether written or not; owned */
+    struct neph_image **images; /* NULL: the frame is in its file; array and images owned */
     size_t size_bytes;          /* of the images */
-    size_t bad_values;          /* of all frames, where they are counted */
-    double counted[COUNTED];    /* NaN: a frame has none */
-    double *gpu_ms;             /* of each frame; NaN: the device has no clock; owned */
+    size_t bad_values;          /* over all frames, where they are counted */
+    double counted[COUNTED];    /* sums; NaN: an engine without the counter */
+    double *gpu_ms;             /* of each frame; NaN: no timestamps; owned */
 };
 
 static char *frame_path(const struct neph_take *take, const char *folder, int frame)
@@ -73,7 +76,7 @@ static enum neph_status write_flip(const struct neph_take *take, const struct ne
     return status;
 }
 
-/* What is measured over time is radiance: other layers would only be written, read and measured. */
+/* Removes all layers except radiance, the only one that metrics over time use. */
 static void keep_radiance(struct neph_image *frame)
 {
     for (int c = frame->channel_count - 1; c >= 0; c--) {
@@ -98,7 +101,7 @@ bool neph_take_fits(int width_px, int height_px, int frame_count)
     return frame_bytes <= frames_limit_bytes / (size_t)frame_count;
 }
 
-/* Take a frame over into memory, or into a file when there is no room. */
+/* Takes ownership of a frame: in memory, or written to a file when the limit is reached. */
 static enum neph_status keep_frame(struct frames *frames, int number, struct neph_image *frame,
                                    struct neph_diag *diag)
 {
@@ -114,7 +117,7 @@ static enum neph_status keep_frame(struct frames *frames, int number, struct nep
     return status;
 }
 
-/* The last frame is what the entry of the store is known by. */
+/* Renders one frame. The last frame becomes frame.exr, which identifies the store entry. */
 static enum neph_status render_frame(const struct neph_take *take, const struct neph_job *job,
                                      int number, const char *folder, struct frames *frames,
                                      struct neph_cost *total, struct neph_diag *diag)
@@ -201,7 +204,7 @@ static enum neph_status choose(const struct neph_reading *reading,
     return status;
 }
 
-/* What a document keeps: numbers of all frames, or of the only one. */
+/* The values that a document keeps: over all frames, or of the only frame. */
 struct kept {
     const struct neph_meter_number *numbers;
     bool is_one_frame;
@@ -220,8 +223,8 @@ static bool is_kept(const struct neph_measurement *number, const void *context)
     return false;
 }
 
-/* What is read of hundreds of takes at once is a few numbers of the thousands in each: `kept`, and
- * with NULL all that came of the comparison. */
+/* Writes the document of a measurement set. `kept` selects a few values of thousands, as hundreds
+ * of documents may be read at once; NULL keeps the whole comparison. */
 static enum neph_status write_document(const char *folder, const char *name,
                                        struct neph_compared *compared,
                                        const struct neph_meter_number *kept, struct neph_diag *diag)
@@ -258,7 +261,7 @@ static enum neph_status ask(const struct neph_take *take, const struct neph_read
     return choose(reading, comparison, diag);
 }
 
-/* One pass over the frames for some readings from `first` on. */
+/* Evaluates `count` measurement sets from `first` on in one pass over the frames. */
 static enum neph_status read_off(const struct neph_take *take, int first, int count,
                                  const char *folder, const struct frames *frames,
                                  struct neph_diag *diag)
@@ -297,7 +300,7 @@ static enum neph_status read_all(const struct neph_take *take, const char *folde
 
 /* ---- the store ------------------------------------------------------------------------------- */
 
-/* All that a document depends on, but for the frames. */
+/* Prints everything that a document depends on, except the frames. */
 static void write_reading(const struct neph_reading *reading, FILE *out)
 {
     const struct neph_viewing *viewing = &reading->viewing;
@@ -317,7 +320,7 @@ static void write_reading(const struct neph_reading *reading, FILE *out)
 
 struct entry {
     const struct neph_take *take;
-    char first[NEPH_HASH_HEX_SIZE]; /* the key of the first frame */
+    char first[NEPH_HASH_HEX_SIZE]; /* key of the first frame */
 };
 
 static void write_entry(const void *entry_, FILE *out)
@@ -350,7 +353,7 @@ enum neph_status neph_take_key(const struct neph_take *take, char key[NEPH_HASH_
     return status;
 }
 
-/* What of the pictures the store keeps. */
+/* The images that the store keeps. */
 static json_t *picture_names(const struct neph_take *take)
 {
     json_t *names = json_array();
@@ -361,7 +364,7 @@ static json_t *picture_names(const struct neph_take *take)
     return names;
 }
 
-/* The middle one: drivers translate shaders in some frames. */
+/* The median, as drivers compile shaders in some frames. */
 static double median_gpu_ms(const struct neph_take *take, const struct frames *frames)
 {
     for (int i = 0; i < take->frame_count; i++)
@@ -370,7 +373,7 @@ static double median_gpu_ms(const struct neph_take *take, const struct frames *f
     return neph_percentile(frames->gpu_ms, (size_t)take->frame_count, 0.5);
 }
 
-/* What the store's database has of each job. */
+/* Adds the fields that the store's database has for each job. */
 static void describe_job(const struct neph_job *job, json_t **record)
 {
     const struct neph_shot *shot = &job->shot;
@@ -413,7 +416,7 @@ static enum neph_status show(const struct neph_take *take, const char *folder,
     return take->look ? take->look(take, &seen, take->look_context, diag) : NEPH_OK;
 }
 
-/* Render, measure, show, and keep it in the store. `key` NULL: only render and show it. */
+/* Renders, measures, shows and publishes a sequence. `key` NULL: only renders and shows it. */
 static enum neph_status make(const struct neph_take *take, struct neph_store *store,
                              const char *key, struct neph_diag *diag)
 {
@@ -485,7 +488,8 @@ enum neph_status neph_take_document(const char *folder, const char *reading, jso
 const json_t *neph_take_find(const json_t *document, const char *metric, const char *mask)
 {
     const json_t *list = json_object_get(document, "measurements");
-    for (size_t i = json_array_size(list); i-- > 0;) { /* all frames stand behind single ones */
+    for (size_t i = json_array_size(list); i-- > 0;) { /* values over all frames are listed after
+                                                          those of single frames */
         const json_t *item = json_array_get(list, i);
         if (strcmp(neph_json_text(item, "metric"), metric) == 0 &&
             strcmp(neph_json_text(item, "mask"), mask) == 0 &&

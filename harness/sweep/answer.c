@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The summary lines of `neph sweep`.
+ */
 #include "harness/sweep/answer.h"
 
 #include "base/threads.h"
@@ -9,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Errors at which the cheapest series is printed below the verdict. */
+/* Further errors for which the cheapest series is printed. */
 static const double levels[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5};
 enum {
     LEVELS = sizeof(levels) / sizeof(levels[0]),
@@ -49,7 +52,7 @@ const struct neph_sweep_point *neph_sweep_cheapest(const struct neph_sweep *swee
     return best;
 }
 
-/* The cheapest point of one series; where its cost is not known, the first point. */
+/* The cheapest point of a series within an error; where costs are not known, the first one. */
 static const struct neph_sweep_point *cheapest_of(const struct neph_sweep *sweep, double error,
                                                   enum neph_sweep_cost cost,
                                                   const struct neph_sweep_series *series)
@@ -87,7 +90,7 @@ static int series_count(const struct neph_sweep *sweep)
     return count;
 }
 
-/* Whether both times were measured and their 10 % to 90 % ranges overlap. */
+/* Whether both points were timed and their 10 % to 90 % ranges overlap. */
 static bool is_alike(const struct neph_sweep_point *a, const struct neph_sweep_point *b)
 {
     return a->time.low <= b->time.high && b->time.low <= a->time.high;
@@ -95,7 +98,7 @@ static bool is_alike(const struct neph_sweep_point *a, const struct neph_sweep_p
 
 /* ---- words ----------------------------------------------------------------------------------- */
 
-/* "8 steps", of "steps=8"; "as it is" of a series with one point. */
+/* "8 steps" for "steps=8"; "as it is" for a series of one point. */
 static const char *setting_words(const struct neph_sweep_point *point, char text[TEXT_SIZE])
 {
     const int length = (int)strcspn(point->label, "=");
@@ -111,7 +114,7 @@ static const char *cost_words(const struct neph_sweep_point *point, enum neph_sw
     if (cost == NEPH_SWEEP_COST_TIME)
         snprintf(text, TEXT_SIZE, "%.3g ms a frame", 1e3 * point->time.median);
     else
-        snprintf(text, TEXT_SIZE, "%.3g density evaluations a pixel", point->evaluations);
+        snprintf(text, TEXT_SIZE, "%.3g density evaluations per pixel", point->evaluations);
     return text;
 }
 
@@ -142,7 +145,8 @@ static void answer_found(const struct neph_sweep *sweep, double error, enum neph
                     cost_words(found, cost, price), series_count(sweep), other);
 }
 
-/* A series whose steps converge while its lighting model stays off the truth. */
+/* A point of a series whose steps have converged although its lighting model is not within the
+ * error. */
 static const struct neph_sweep_point *converged(const struct neph_sweep *sweep, double error)
 {
     for (int s = 0; s < sweep->plan->series_count; s++) {
@@ -179,9 +183,9 @@ static void answer_not_found(const struct neph_sweep *sweep, double error,
                         error_words(&best->numbers[NEPH_SWEEP_ERROR], off));
 }
 
-/* ---- below it -------------------------------------------------------------------------------- */
+/* ---- below the verdict ----------------------------------------------------------------------- */
 
-/* A line for each other series that is within the error. */
+/* Adds a line for each other series that is within the error. */
 static void answer_series(const struct neph_sweep *sweep, double error, enum neph_sweep_cost cost,
                           const struct neph_sweep_point *found, struct neph_answer *answer)
 {
@@ -201,7 +205,7 @@ static void answer_series(const struct neph_sweep *sweep, double error, enum nep
     }
 }
 
-/* A line for each larger error at which another point is the cheapest. */
+/* Adds a line for each larger error at which another point is the cheapest. */
 static void answer_levels(const struct neph_sweep *sweep, double error, enum neph_sweep_cost cost,
                           struct neph_answer *answer)
 {
@@ -262,7 +266,7 @@ void neph_sweep_answer(const struct neph_sweep *sweep, double error, struct neph
     answer_truth(sweep, error, answer);
     answer_missing(sweep, answer);
     if (cost == NEPH_SWEEP_COST_TIME && sweep->load > 1.5 * neph_processor_count())
-        neph_answer_add(answer, "times are of a busy machine (load %.1f)", sweep->load);
+        neph_answer_add(answer, "times were measured on a busy machine (load %.1f)", sweep->load);
 }
 
 /* ---- several sweeps -------------------------------------------------------------------------- */
@@ -278,7 +282,8 @@ void neph_stability_answer(const json_t *stability, struct neph_answer *answer)
     neph_answer_add(answer,
                     "the fronts %s: %d of %zu points left a front by more than their intervals, "
                     "%zu are on it in all %d sweeps",
-                    moved > 0 ? "moved" : "hold", moved, json_array_size(points), always, sweeps);
+                    moved > 0 ? "moved" : "are equal", moved, json_array_size(points), always,
+                    sweeps);
     json_array_foreach(points, index, point)
     {
         if (strcmp(neph_json_text(point, "outcome"), neph_stability_words[NEPH_STABILITY_MOVED]))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a sweep answers: which series is the cheapest at an error, and from how many steps on.
+ * The summary lines of a sweep: the cheapest series within an error, and the number of steps it
+ * needs.
  */
 #ifndef NEPH_HARNESS_SWEEP_ANSWER_H
 #define NEPH_HARNESS_SWEEP_ANSWER_H
@@ -9,19 +10,19 @@
 #include "harness/json.h"
 #include "harness/sweep/equal.h"
 
-/* The cheapest point with an error against the truth of no more than `error`, not of the series
- * `except` (NULL: of any); NULL: there is none. */
+/* The cheapest point with at most `error` against the ground truth, among all series but `except`
+ * (NULL: all series); NULL: none. */
 const struct neph_sweep_point *neph_sweep_cheapest(const struct neph_sweep *sweep, double error,
                                                    enum neph_sweep_cost cost,
                                                    const struct neph_sweep_series *except);
 
-/* Time where frames were timed, else evaluations of density. */
+/* Time where frames were timed, else density evaluations. */
 enum neph_sweep_cost neph_sweep_cost_measured(const struct neph_sweep *sweep);
 
-/* "`march`: 8 steps for 1 % of error ...", and what it is based on. */
+/* Adds "`march`: 8 steps for 1 % of error ...", and lines with the basis of that statement. */
 void neph_sweep_answer(const struct neph_sweep *sweep, double error, struct neph_answer *answer);
 
-/* Whether the fronts of several sweeps with other seeds are the same (stability.h). */
+/* Adds whether the fronts of several sweeps with different seeds are equal (stability.h). */
 void neph_stability_answer(const json_t *stability, struct neph_answer *answer);
 
 #endif

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Vega-Lite specifications of the charts of a sweep.
+ */
 #include "harness/sweep/chart.h"
 
 #include "base/files.h"
@@ -13,17 +16,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when an axis is added, as the table of titles needs a row for it. */
 _Static_assert(NEPH_SWEEP_AXIS_COUNT == 3, "a new kind");
 
 const struct neph_sweep_chart neph_sweep_charts[] = {
     {"time_error", "Error against the truth, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_ERROR},
-    {"time_shortcut", "What the shortcut loses of its own model, by time", NEPH_SWEEP_AXIS_TIME,
+    {"time_shortcut", "Error against its own model, by time", NEPH_SWEEP_AXIS_TIME,
      NEPH_SWEEP_SHORTCUT},
     {"time_flicker", "Flicker seen, by time", NEPH_SWEEP_AXIS_TIME, NEPH_SWEEP_FLICKER},
     {"lag_flicker", "Flicker seen against lag", NEPH_SWEEP_AXIS_LAG, NEPH_SWEEP_FLICKER},
     {"work_error", "Error against the truth, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_ERROR},
-    {"work_shortcut", "What the shortcut loses of its own model, by work", NEPH_SWEEP_AXIS_WORK,
+    {"work_shortcut", "Error against its own model, by work", NEPH_SWEEP_AXIS_WORK,
      NEPH_SWEEP_SHORTCUT},
     {"work_flicker", "Flicker seen, by work", NEPH_SWEEP_AXIS_WORK, NEPH_SWEEP_FLICKER},
     {.id = NULL},
@@ -35,18 +38,18 @@ const struct neph_sweep_chart_size neph_sweep_chart_sizes[NEPH_SWEEP_CHART_SIZES
 };
 
 static const char *const axis_titles[] = {
-    [NEPH_SWEEP_AXIS_TIME] = "milliseconds of a picture",
-    [NEPH_SWEEP_AXIS_WORK] = "density evaluations for a pixel of a picture",
+    [NEPH_SWEEP_AXIS_TIME] = "milliseconds per frame",
+    [NEPH_SWEEP_AXIS_WORK] = "density evaluations per pixel and frame",
     [NEPH_SWEEP_AXIS_LAG] = "half-life after a step of the sun [frames]",
 };
 
-/* A little more than the mean of a text in the widest of the fonts that are asked for, of 11 px. */
+/* Average width of a character at 11 px, with some margin, in the widest font of the page. */
 static const double character_px = 6.4;
-static const double name_margin_px = 14.0; /* the page's, right of the plot */
+static const double name_margin_px = 14.0; /* margin of the page, right of the plot */
 
 /* --- points --------------------------------------------------------------------------------- */
 
-/* Logarithmic axes have no 0, no negative numbers, and no place for what was not measured. */
+/* Logarithmic axes show positive, finite values only. */
 static bool is_drawable(double value)
 {
     return isfinite(value) && value > 0.0;
@@ -65,7 +68,7 @@ static struct neph_sweep_value x_of(const struct neph_sweep_point *point, enum n
 struct mark {
     const struct neph_sweep_point *point;
     struct neph_sweep_value x, y;
-    bool is_last; /* of its series: it carries the name */
+    bool is_last; /* last point of its series, which is labelled with the name */
 };
 
 static int list_marks(const struct neph_sweep *sweep, const struct neph_sweep_chart *chart,
@@ -90,7 +93,8 @@ struct range {
     double low, high;
 };
 
-/* With room at both ends, and never less than a factor of four. */
+/* The range of the marks with a margin at both ends, at least a factor of four. `also` is included
+ * unless it is far below. */
 static struct range range_of(const struct mark *marks, int count, bool of_x, double also)
 {
     struct range range = {INFINITY, 0.0};
@@ -99,7 +103,8 @@ static struct range range_of(const struct mark *marks, int count, bool of_x, dou
         range.low = fmin(range.low, value);
         range.high = fmax(range.high, value);
     }
-    if (is_drawable(also) && also > 0.02 * range.low) /* a floor far below is not worth the room */
+    if (is_drawable(also) && also > 0.02 * range.low) /* a noise floor far below would waste the
+                                                         axis */
         range.low = fmin(range.low, also);
     const double room = fmax(0.07 * log(range.high / range.low),
                              0.5 * (log(4.0) - log(range.high / range.low)));
@@ -130,7 +135,7 @@ static const char *family_of(const struct neph_sweep_point *point)
     return strncmp(engine->name, "march", 5) == 0 ? "march" : "other";
 }
 
-/* An end of an interval, held within the plot; null without one. */
+/* An end of an interval, clamped to the plot; null without an interval. */
 static json_t *end_json(double value, struct range range)
 {
     return isfinite(value) ? json_real(fmin(fmax(value, range.low), range.high)) : json_null();
@@ -168,8 +173,8 @@ static int by_x(const void *a_, const void *b_)
     return (a->x.value > b->x.value) - (a->x.value < b->x.value);
 }
 
-/* The front as it is drawn: of all marks of the chart, whatever is on its axes, from the least x
- * on. -1: out of memory. */
+/* Pareto front of all marks on the chart's axes, sorted by x. Returns the number of its points; -1:
+ * out of memory. */
 static int front_marks(const struct mark *marks, int count, struct mark *on_front)
 {
     struct neph_front_point *points = calloc((size_t)count, sizeof(*points));
@@ -189,8 +194,8 @@ static int front_marks(const struct mark *marks, int count, struct mark *on_fron
     return found;
 }
 
-/* From the upper edge down to the first, and from the last on to the right edge; `place` is the
- * order, as two of them stand above each other. */
+/* The front as a polyline: from the upper edge down to its first point, and from its last point to
+ * the right edge. `place` gives the order, as two points have the same x. */
 static json_t *front_json(const struct mark *marks, int count, struct range x, struct range y)
 {
     struct mark *on_front = calloc((size_t)count, sizeof(*on_front));
@@ -206,7 +211,7 @@ static json_t *front_json(const struct mark *marks, int count, struct range x, s
     return list;
 }
 
-/* From half of the first point's error, as its series ought to fall. */
+/* The expected slope of each series, starting at half of the first point's error. */
 static json_t *slopes_json(const struct mark *marks, int count,
                            const struct neph_sweep_chart *chart)
 {
@@ -241,7 +246,7 @@ static json_t *floor_json(double floor, struct range y)
     return list;
 }
 
-/* Marks in pixels of the plot. */
+/* Converts values to pixels of the plot. */
 struct place {
     struct range x, y;
     const struct neph_sweep_chart_size *size;
@@ -257,7 +262,7 @@ static double y_px(const struct place *place, double value)
     return place->size->height_px * (1.0 - place_in(place->y, value));
 }
 
-/* Lines of series and bars of intervals; room for three a mark. */
+/* Adds the lines of series and the bars of intervals, at most three for each mark. */
 static int draw_lines(const struct place *place, const struct mark *marks, int count,
                       struct neph_label_line *lines)
 {
@@ -308,7 +313,7 @@ static double value_at(struct range range, double part)
     return range.low * pow(range.high / range.low, part);
 }
 
-/* From marks to names that stand apart from them. */
+/* Leader lines from marks to distant names. */
 static json_t *leaders_json(const struct place *place, const struct mark *marks,
                             const struct neph_label *labels, int count)
 {
@@ -324,7 +329,7 @@ static json_t *leaders_json(const struct place *place, const struct mark *marks,
     return list;
 }
 
-/* A series has its colour and its dashes on all charts, whichever it is on. */
+/* Domain of the colours and dashes: a series has the same ones in all charts. */
 static json_t *series_json(const struct neph_sweep *sweep)
 {
     json_t *list = json_array();
@@ -333,7 +338,7 @@ static json_t *series_json(const struct neph_sweep *sweep)
     return list;
 }
 
-/* The families that are there, for the legend. */
+/* The families of the marks, for the legend. */
 static json_t *families_json(const struct mark *marks, int count)
 {
     json_t *list = json_array();
@@ -359,7 +364,7 @@ static json_t *layer_named(json_t *spec, const char *name)
     return NULL;
 }
 
-/* An axis of the layer that has them. */
+/* Sets range and title of an axis, in the layer that has the axes. */
 static enum neph_status set_axis(json_t *spec, const char *channel, struct range range,
                                  const char *title, struct neph_diag *diag)
 {
@@ -374,7 +379,7 @@ static enum neph_status set_axis(json_t *spec, const char *channel, struct range
     return status;
 }
 
-/* The scale of a channel of all layers of what is measured, or of the group itself. */
+/* Sets the domain of the colours, and of the dashes of all layers in the group "measured". */
 static enum neph_status set_series(json_t *spec, const struct neph_sweep *sweep,
                                    struct neph_diag *diag)
 {
@@ -498,11 +503,11 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
     fprintf(out, "%s at %d x %d, %s. ", sweep->scene->name, sweep->plan->width_px,
             sweep->plan->height_px, neph_sweep_device(sweep));
     if (chart->y == NEPH_SWEEP_ERROR)
-        fprintf(out, "The truth is %s; what a model leaves out is in these errors. ", sweep->truth);
+        fprintf(out, "The truth is %s; model errors are included. ", sweep->truth);
     if (chart->y == NEPH_SWEEP_FLICKER)
         fprintf(out, "1 is the eye's threshold; over %s. ", sweep->mask);
     if (chart->x == NEPH_SWEEP_AXIS_TIME)
-        fprintf(out, "Medians, 10 and 90 %% of %d rounds that take turns. ",
+        fprintf(out, "Median, 10 %% and 90 %% of the frames of %d rounds. ",
                 sweep->plan->round_count);
     if (chart->y != NEPH_SWEEP_ERROR && sweep->plan->seed_count > 1)
         fprintf(out, "Means over %d seeds. ", sweep->plan->seed_count);
@@ -512,10 +517,10 @@ char *neph_sweep_chart_caption(const struct neph_sweep *sweep, const struct neph
                   isfinite(sweep->points[i].numbers[chart->y].value) &&
                   !is_drawable(sweep->points[i].numbers[chart->y].value);
     if (hidden > 0)
-        fprintf(out, "%d points are exactly 0 and have no place on this axis. ", hidden);
+        fprintf(out, "%d points are exactly 0 and are not shown on this axis. ", hidden);
     if (has_order(sweep, chart))
-        fprintf(out, "Dotted: how fast a series ought to fall. ");
-    fprintf(out, "The band is the front: nothing cheaper is as good.");
+        fprintf(out, "Dotted: expected slope of a series. ");
+    fprintf(out, "The band is the Pareto front: no cheaper point is as good.");
     if (fclose(out) == 0)
         return text;
     free(text);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Choosing a preset from a flicker study: levels, Pareto front, budget, output.
+ */
 #include "harness/sweep/choice.h"
 
 #include "harness/engines/engines.h"
@@ -10,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a measure is added, as the table of measures needs a row for it. */
 _Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
 
 const struct neph_choice_measure neph_choice_measures[NEPH_CHOICE_NUMBERS] = {
@@ -22,9 +25,9 @@ const struct neph_choice_measure neph_choice_measures[NEPH_CHOICE_NUMBERS] = {
                          NEPH_STUDY_SINE, "follow_lag_3_p50", "all", 0},
     [NEPH_CHOICE_ERROR] = {"error", "relative RMSE against its own model", NEPH_STUDY_FLICKER,
                            "rel_rmse", "all", 0},
-    [NEPH_CHOICE_WORK] = {"evaluations", "density evaluations a pixel", NEPH_STUDY_FLICKER, NULL,
+    [NEPH_CHOICE_WORK] = {"evaluations", "density evaluations per pixel", NEPH_STUDY_FLICKER, NULL,
                           NULL, offsetof(struct neph_study_cost, density_evaluations)},
-    [NEPH_CHOICE_TIME] = {"ms", "milliseconds of the device", NEPH_STUDY_FLICKER, NULL, NULL,
+    [NEPH_CHOICE_TIME] = {"ms", "milliseconds on the device", NEPH_STUDY_FLICKER, NULL, NULL,
                           offsetof(struct neph_study_cost, gpu_ms)},
 };
 _Static_assert(NEPH_CHOICE_NUMBERS <= (int)NEPH_FRONT_AXES_MAX, "a front has so many axes");
@@ -98,7 +101,7 @@ enum neph_status neph_choice_make(const struct neph_flicker_study *study,
 
 /* --- the front ------------------------------------------------------------------------------ */
 
-/* Milliseconds are of one device: they take part when they are asked for. */
+/* Times are specific to a device: they are used only when the request names them. */
 static bool is_weighed(const struct neph_choice *choice, int number)
 {
     const bool is_asked = choice->least == NEPH_CHOICE_TIME ||
@@ -133,7 +136,7 @@ static void find_front(struct neph_choice *choice)
 
 /* --- the choice ----------------------------------------------------------------------------- */
 
-/* By what factor the worst of the budgeted numbers is over: 1 is just so. */
+/* Largest ratio of a level to its budget; 1: exactly within. */
 static double excess(const struct neph_choice *choice, int index)
 {
     double worst = 0.0;
@@ -145,7 +148,7 @@ static double excess(const struct neph_choice *choice, int index)
     return worst;
 }
 
-/* The logarithm of the product of all numbers that are weighed. */
+/* Log of the product of all levels in use. */
 static double balance(const struct neph_choice *choice, int index)
 {
     double sum = 0.0;
@@ -197,7 +200,7 @@ static void print_candidates(const struct neph_choice *choice,
     fprintf(out, "\n");
     for (int i = 0; i < choice->candidate_count; i++) {
         const struct neph_choice_candidate *candidate = &choice->candidates[i];
-        const char *name = study->params->presets[i]; /* a long one has a line of its own */
+        const char *name = study->params->presets[i]; /* a long name gets a line of its own */
         fprintf(out, strlen(name) > 24 ? "%s\n%24s" : "%-24s%s", name, "");
         for (int n = 0; n < NEPH_CHOICE_NUMBERS; n++)
             if (isnan(candidate->levels[n]))
@@ -220,7 +223,7 @@ static void print_asked(const struct neph_choice *choice, FILE *out)
     fprintf(out, "\n");
 }
 
-/* "-12 %", "x3.4"; what is far off is only told to be so. */
+/* "-12 %", "x3.4"; extreme changes as a bound. */
 static void change(double decades, char text[16])
 {
     const double ratio = pow(10.0, decades);
@@ -278,10 +281,10 @@ enum neph_status neph_choice_print(const struct neph_choice *choice,
     if (choice->chosen >= 0)
         fprintf(out, "choice: %s\n", study->params->presets[choice->chosen]);
     else if (choice->scene_counts[choice->least] == 0)
-        fprintf(out, "no choice: there is no number of '%s'\n",
+        fprintf(out, "no choice: '%s' was not measured\n",
                 neph_choice_measures[choice->least].name);
     else
-        fprintf(out, "none is within that; nearest is %s\n",
+        fprintf(out, "no preset is within the budget; the nearest is %s\n",
                 study->params->presets[choice->nearest]);
     return print_pairs(choice, study, out, diag);
 }

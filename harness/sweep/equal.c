@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Compares series at equal quality and at equal cost.
+ */
 #include "harness/sweep/equal.h"
 
 #include <math.h>
@@ -26,7 +29,7 @@ double neph_sweep_cost_of(const struct neph_sweep_point *point, enum neph_sweep_
     return cost == NEPH_SWEEP_COST_TIME ? point->time.median : point->evaluations;
 }
 
-/* The points of a series that have both, as its ladder. */
+/* The points of a series that have both a cost and a value. */
 struct ladder {
     double number[NEPH_SWEEP_VALUES_MAX], cost[NEPH_SWEEP_VALUES_MAX];
     int count;
@@ -63,7 +66,7 @@ static int finite_count(const struct neph_sweep_equal *equal)
     return (isfinite(equal->cost_ratio) != 0) + (isfinite(equal->number_ratio) != 0);
 }
 
-/* The best point of a series of which most can be said. */
+/* The best point of a series, among those with the most defined ratios. */
 static struct neph_sweep_equal hold_best(const struct ladder *own, const struct ladder *other)
 {
     struct neph_sweep_equal best = hold(own, other->number[0], other->cost[0]);

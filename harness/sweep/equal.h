@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Series held against each other where they are as good, or as dear.
+ * Compares series at equal quality, and at equal cost.
  */
 #ifndef NEPH_HARNESS_SWEEP_EQUAL_H
 #define NEPH_HARNESS_SWEEP_EQUAL_H
@@ -8,43 +8,45 @@
 #include "harness/json.h"
 #include "harness/sweep/results.h"
 
-/* What a point costs: on one device, or on any. */
+/* Costs of a point: time on one device, or work on any. */
 enum neph_sweep_cost {
-    NEPH_SWEEP_COST_TIME, /* median of a picture [s] */
-    NEPH_SWEEP_COST_WORK, /* evaluations of density for a pixel */
+    NEPH_SWEEP_COST_TIME, /* median time of a frame [s] */
+    NEPH_SWEEP_COST_WORK, /* density evaluations per pixel */
     NEPH_SWEEP_COSTS,
 };
 
 /* NaN: not measured. */
 double neph_sweep_cost_of(const struct neph_sweep_point *point, enum neph_sweep_cost cost);
 
-/* What a series needs where another is. */
+/* A series relative to a base series. */
 struct neph_sweep_equal {
     const struct neph_sweep_series *series;
-    double cost_ratio;   /* its cost over the other's at the same number; NaN: the other has no such
-                            number between two of its points */
-    double number_ratio; /* its number over the other's at the same cost; NaN likewise */
-    double at_number, at_cost; /* of the series: the best of its points of which most can be said */
+    double cost_ratio;   /* cost over the base's cost at the same value; NaN: no two points of the
+                            base enclose the value */
+    double number_ratio; /* value over the base's value at the same cost; NaN: no two points of the
+                            base enclose the cost */
+    double at_number, at_cost; /* the compared point: the best one among those with the most defined
+                                  ratios */
 };
 
-/* Each series with that cost and number against `base`: at the point of least number among those
- * that both ratios can be said of, else one of them, else none. Between points of `base` the
- * logarithm of one is linear in that of the other; beyond them nothing is said, so that a single
- * point of `base` is held against what costs as much. `list` has room for NEPH_SWEEP_SERIES_MAX;
- * the number of entries is returned. */
+/* Compares every series that has this cost and value with `base`. The compared point of a series is
+ * the one with the smallest value for which both ratios are defined, else one of them, else none.
+ * Between points of `base` the logarithms are interpolated linearly; nothing is extrapolated, so a
+ * single point of `base` is only compared at exactly its value or cost. `list` has room for
+ * NEPH_SWEEP_SERIES_MAX. Returns the number of entries. */
 int neph_sweep_equals(const struct neph_sweep *sweep, const struct neph_sweep_series *base,
                       enum neph_sweep_cost cost, enum neph_sweep_number number,
                       struct neph_sweep_equal *list);
 
-/* A value of y at x on the polyline of the points by their x, all in logarithms; NaN outside. */
+/* y at x = `at` on the polyline through the points sorted by x, in logarithms; NaN outside. */
 double neph_sweep_between(const double *x, const double *y, int count, double at);
 
-/* A table for each cost and number in which something can be held against sweep->against (NULL: the
- * first series of which that is so). What the machines are, where they differ, stands below. */
+/* Prints a table for each cost and value that can be compared with sweep->against (NULL: the first
+ * series with a comparison), and the devices where they differ. */
 void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out);
 
 /* [{"cost": "seconds" | "evaluations", "number": "error", "against", "series", "at_cost",
- * "at_number", "cost_ratio", "number_ratio"}, ...], null for "beyond"; for the caller. */
+ * "at_number", "cost_ratio", "number_ratio"}, ...], with null for "beyond"; for json_decref(). */
 json_t *neph_sweep_equals_json(const struct neph_sweep *sweep);
 
 #endif

@@ -1,21 +1,24 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Tables and JSON of the comparison of series.
+ */
 #include "harness/sweep/equal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a cost is added, as the table of costs needs a row for it. */
 _Static_assert(NEPH_SWEEP_COSTS == 2, "a new kind");
 
 static const struct {
-    const char *name, *column; /* of JSON and of the table */
+    const char *name, *column; /* in JSON; in the table */
     double scale;
 } costs[NEPH_SWEEP_COSTS] = {
     [NEPH_SWEEP_COST_TIME] = {"seconds", "ms", 1e3},
     [NEPH_SWEEP_COST_WORK] = {"evaluations", "evals/px", 1.0},
 };
 
-/* What is held against what: the model's gap, and that of the shortcut. */
+/* The compared values: model error, shortcut error, flicker, lag. */
 static const enum neph_sweep_number numbers[] = {NEPH_SWEEP_ERROR, NEPH_SWEEP_SHORTCUT,
                                                  NEPH_SWEEP_FLICKER, NEPH_SWEEP_HALF_LIFE};
 enum { NUMBERS = sizeof(numbers) / sizeof(numbers[0]) };
@@ -39,7 +42,7 @@ static const struct neph_sweep_series *base_of(const struct neph_sweep *sweep,
 
 /* --- the tables ----------------------------------------------------------------------------- */
 
-/* "12.3", or what is said where there is no such point. */
+/* "12.3", or "beyond" where the base has no such point. */
 static void print_ratio(double value, FILE *out)
 {
     if (isfinite(value))
@@ -60,7 +63,7 @@ static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cos
         return false;
     snprintf(at_that, sizeof(at_that), "%s at that", column);
     snprintf(in_that, sizeof(in_that), "%.9s in that", name);
-    fprintf(out, "\n%s and %s: each at its best, over what %s has there\n", name, column,
+    fprintf(out, "\n%s and %s: the best point of each series relative to %s\n", name, column,
             base->name);
     fprintf(out, "%-16s %11s %11s %14s %14s\n", "series", name, column, at_that, in_that);
     for (int i = 0; i < count; i++) {
@@ -73,10 +76,10 @@ static bool print_table(const struct neph_sweep *sweep, enum neph_sweep_cost cos
     return true;
 }
 
-/* Times of two machines say nothing of two programs: each that was timed is named once. */
+/* Names each device with timed points once: times of two machines do not compare two programs. */
 static void print_machines(const struct neph_sweep *sweep, FILE *out)
 {
-    fprintf(out, "Times are of:");
+    fprintf(out, "Times were measured for:");
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_job *job = &sweep->points[i].job;
         bool is_first = sweep->points[i].timed > 0;
@@ -86,7 +89,7 @@ static void print_machines(const struct neph_sweep *sweep, FILE *out)
         if (is_first)
             fprintf(out, " %s on %s;", job->engine->name, job->info->device);
     }
-    fprintf(out, " in rounds that take turns.\n");
+    fprintf(out, " in alternating rounds.\n");
 }
 
 void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)
@@ -96,9 +99,9 @@ void neph_sweep_print_equals(const struct neph_sweep *sweep, FILE *out)
         for (int cost = 0; cost < NEPH_SWEEP_COSTS; cost++)
             printed |= print_table(sweep, (enum neph_sweep_cost)cost, numbers[n], out);
     if (printed)
-        fprintf(out, "\nbeyond: nothing between two points of it is so good, or so dear\n");
+        fprintf(out, "\nbeyond: outside of the points of the compared series\n");
     else if (sweep->against)
-        fprintf(out, "\n%s has no two points to hold anything against\n", sweep->against);
+        fprintf(out, "\n%s has no two points to compare with\n", sweep->against);
     for (int i = 0; i < sweep->point_count; i++)
         is_timed |= sweep->points[i].timed > 0;
     if (printed && is_timed)

@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits exponents of cost over size and judges them.
+ */
 #include "harness/sweep/scaling.h"
 
 #include "metrics/significance.h"
 
 #include <math.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a verdict is added, as the table of words needs a row for it. */
 _Static_assert(NEPH_EXPONENT_VERDICTS == 4, "a new kind");
 
 const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS] = {
@@ -17,7 +20,7 @@ const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS] = {
 
 struct sums {
     int count;
-    double x, y, xx, xy, yy; /* means, and sums of squares about them */
+    double x, y, xx, xy, yy; /* means, and sums of squared deviations */
 };
 
 static struct sums sum_up(const double *x, const double *y, int count)
@@ -44,7 +47,7 @@ struct neph_exponent neph_exponent_fit(const double *x, const double *y, int cou
     if (sums.count < 3 || !(sums.xx > 0.0))
         return (struct neph_exponent){NAN, NAN, NAN, sums.count};
     const double slope = sums.xy / sums.xx, dof = sums.count - 2;
-    /* What rounding leaves of nothing may be below 0. */
+    /* Rounding can make a residual of 0 slightly negative. */
     const double rest = fmax(sums.yy - slope * sums.xy, 0.0);
     const double half = neph_student_critical(0.05, dof) * sqrt(rest / dof / sums.xx);
     return (struct neph_exponent){slope, slope - half, slope + half, sums.count};

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Convergence of steps: errors against the series' own finest point.
+ */
 #include "harness/sweep/finest.h"
 
 #include "base/exr.h"
@@ -14,7 +17,7 @@ static bool has_steps(const struct neph_sweep_point *point)
            !point->missing[0] && point->frame_key[0] && !neph_sweep_is_sequence(point);
 }
 
-/* The number behind "steps=". */
+/* The number in "steps=...". */
 static int step_count(const struct neph_sweep_point *point)
 {
     return atoi(point->label + strcspn(point->label, "=") + 1);
@@ -41,7 +44,7 @@ const struct neph_sweep_point *neph_sweep_converged(const struct neph_sweep *swe
                                                     double error)
 {
     const struct neph_sweep_point *best = NULL;
-    int most_above = 0; /* steps of the finest point that is off by more */
+    int most_above = 0; /* steps of the finest point above the error */
     for (int i = 0; i < sweep->point_count; i++) {
         const struct neph_sweep_point *point = &sweep->points[i];
         if (point->series == series && point->to_finest.value > error &&
@@ -71,7 +74,7 @@ static enum neph_status read_frame(struct neph_store *store, const struct neph_s
     return status;
 }
 
-/* The other points of the series of `finest`. */
+/* Measures the other points of the series of `finest`. */
 static enum neph_status measure_series(struct neph_sweep *sweep,
                                        const struct neph_sweep_point *finest,
                                        const struct neph_sweep_truth *truth,

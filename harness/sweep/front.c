@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Pareto fronts.
+ */
 #include "harness/sweep/front.h"
 
 #include <math.h>
@@ -16,7 +19,7 @@ static bool beats(const struct neph_front_point *a, const struct neph_front_poin
 {
     bool is_less = false;
     for (int i = 0; i < axis_count; i++) {
-        if (!(a->values[i] <= b->values[i])) /* a NaN beats nobody */
+        if (!(a->values[i] <= b->values[i])) /* also false for NaN */
             return false;
         is_less |= a->values[i] < b->values[i];
     }

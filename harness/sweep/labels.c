@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Placement of names on a chart.
+ */
 #include "harness/sweep/labels.h"
 
 #include <math.h>
@@ -7,7 +10,8 @@ struct box {
     double left, top, right, bottom;
 };
 
-/* Directions from the mark; -1, 0, 1: the name's left edge, middle or right edge lies there. */
+/* Directions from the mark; -1, 0, 1: the name's right edge, centre or left edge is at the
+ * distance. */
 static const struct {
     double x, y;
 } ways[] = {{1, 0}, {1, -1}, {1, 1}, {-1, 0}, {-1, -1}, {-1, 1}, {0, -1}, {0, 1}};
@@ -16,8 +20,8 @@ enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
 static const double distances_px[] = {9, 14, 20, 28, 38, 50};
 enum { DISTANCES = sizeof(distances_px) / sizeof(distances_px[0]) };
 
-/* What a line under a name counts for, and a step away from the mark; as areas, in pixels. A name
- * further away than `near_px` gets a line to its mark. */
+/* Costs of a place as areas: a line under a name counts with a width of line_px; each larger
+ * distance adds far_px2. A name farther than near_px gets a leader line. */
 static const double line_px = 3.0, far_px2 = 12.0, near_px = 10.0;
 
 static double overlap(const struct box *a, const struct box *b)
@@ -40,7 +44,7 @@ static struct box mark_of(const struct neph_label *label)
                         label->x_px + NEPH_MARK_RADIUS_PX, label->y_px + NEPH_MARK_RADIUS_PX};
 }
 
-/* The part of a line within a box, 0 to 1 (C. Liang, B. Barsky, ACM TOG 3, 1984). */
+/* The part of a line within a box, 0..1 (C. Liang, B. Barsky, ACM TOG 3, 1984). */
 static double part_within(const struct neph_label_line *line, const struct box *box)
 {
     const double dx = line->x1_px - line->x0_px, dy = line->y1_px - line->y0_px;
@@ -59,7 +63,7 @@ static double part_within(const struct neph_label_line *line, const struct box *
     return fmax(leave - enter, 0.0);
 }
 
-/* The area of a name that lies on marks, on names before it or outside. */
+/* The area of a name that overlaps marks or earlier names, or is outside of the plot. */
 static double hidden(const struct neph_label *labels, int count, int index,
                      const struct neph_label_plot *plot)
 {
@@ -77,7 +81,7 @@ static double hidden(const struct neph_label *labels, int count, int index,
     return area;
 }
 
-/* As an area: lines are `line_px` wide, and a name is the less ready to leave its mark. */
+/* The area of lines under a name. */
 static double crossed(const struct neph_label *label, const struct neph_label_plot *plot)
 {
     const struct box box = box_of(label);

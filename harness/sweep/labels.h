@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where names stand on a chart so that they lie neither on each other nor on marks, and on lines
- * only where there is no other place.
+ * Placement of names on a chart: without overlaps of names and marks, and on lines only where there
+ * is no other place.
  */
 #ifndef NEPH_HARNESS_SWEEP_LABELS_H
 #define NEPH_HARNESS_SWEEP_LABELS_H
 
 #include <stdbool.h>
 
-/* A mark and its name, in pixels of the plot from its upper left corner. */
+/* A mark and its name, in pixels from the plot's upper left corner. */
 struct neph_label {
     double x_px, y_px;   /* of the mark */
-    double width_px;     /* of the name; 0: the mark has none */
-    double dx_px, dy_px; /* found: from the mark to the middle of the name's left edge */
-    bool is_clear;       /* found: it lies on no mark, no name and no edge */
-    bool is_apart;       /* found: so far from its mark that a line has to lead there: from
-                            (x_px, y_px) to (lead_x_px, lead_y_px) */
+    double width_px;     /* of the name; 0: no name */
+    double dx_px, dy_px; /* result: from the mark to the middle of the name's left edge */
+    bool is_clear;       /* result: no overlap with marks, names or the edge */
+    bool is_apart;       /* result: needs a leader line, from (x_px, y_px) to (lead_x_px, lead_y_px)
+                            */
     double lead_x_px, lead_y_px;
 };
 
-/* What names should not lie on: lines between marks, bars of intervals. */
+/* A line that names should not cover: between marks, or of an interval. */
 struct neph_label_line {
     double x0_px, y0_px, x1_px, y1_px;
 };
@@ -29,14 +29,14 @@ struct neph_label_line {
 
 struct neph_label_plot {
     double width_px, height_px;
-    double margin_px; /* by which names may pass the right edge */
+    double margin_px; /* names may extend beyond the right edge by this */
     const struct neph_label_line *lines;
     int line_count;
 };
 
-/* Place the names in their order, each where it hides least: marks, other names and the edge of the
- * plot weigh by their area, lines by a few pixels of their length; of equal places the one nearest
- * to its mark. */
+/* Places the names in their order, each where it covers least. Marks, other names and space outside
+ * of the plot count by area, lines by length times a few pixels; among equal places the nearest
+ * one. */
 void neph_labels_place(struct neph_label *labels, int count, const struct neph_label_plot *plot);
 
 #endif

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The candidate configurations of `neph pick`: pipelines, lighting models, optional parts.
+ */
 #include "harness/sweep/ladder.h"
 
 #include "base/files.h"
@@ -11,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added: the tables of this file and the closed forms depend on it.
+ */
 _Static_assert(NEPH_LADDER_MOTION_COUNT == 3, "a new kind");
 _Static_assert(NEPH_MEDIUM_KIND_COUNT == 8, "a new kind");
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
@@ -39,17 +43,18 @@ const char *neph_ladder_preset(int pipeline)
 const char *const neph_ladder_narrow[] = {"fog_look", "sky", NULL};
 
 const struct neph_ladder_part neph_ladder_motion_parts[] = {
-    {"history follows the wind", "wind=off", NEPH_LADDER_WIND},
-    {"cuts of the camera void the history", "cut_reset=off", NEPH_LADDER_CAMERA},
-    {"disocclusion voids the history", "reject_depth=0", NEPH_LADDER_CAMERA},
-    /* at rims of what stands before a cloud that drifts: 13 % of the flicker of wind_cloud */
+    {"reprojection follows the wind", "wind=off", NEPH_LADDER_WIND},
+    {"camera cuts invalidate the history", "cut_reset=off", NEPH_LADDER_CAMERA},
+    {"disocclusion invalidates the history", "reject_depth=0", NEPH_LADDER_CAMERA},
+    /* at edges in front of a moving cloud: 13 % of the flicker of wind_cloud */
     {"motion of the nearest of five depths", "taa_motion=centre", NEPH_LADDER_ANY},
     {.name = NULL},
 };
 
-/* ---- what a scene has ------------------------------------------------------------------------ */
+/* ---- needs of a scene ------------------------------------------------------------------------ */
 
-/* What is seen of media within the froxels of the camera: optical depths that count. */
+/* Whether media within the froxels' range have a relevant optical depth, on a grid of 4 x 4 rays.
+ */
 static bool sees_near_media(const struct neph_scene *scene, int frame)
 {
     const double end_m = neph_rt_options[RT_FROXEL_END_M].default_value, least = 0.01;
@@ -66,7 +71,7 @@ static bool sees_near_media(const struct neph_scene *scene, int frame)
     return false;
 }
 
-/* In the first picture, the last, or in the middle. */
+/* In the first, the middle or the last frame. */
 static bool has_near_media(const struct neph_scene *scene)
 {
     const int last = scene->frame_count > 0 ? scene->frame_count - 1 : 0;
@@ -74,7 +79,7 @@ static bool has_near_media(const struct neph_scene *scene)
            sees_near_media(scene, last);
 }
 
-/* Whether sunlight goes through a cloud on its way to a solid, or to a fog. */
+/* Whether sunlight passes through a cloud before it reaches a solid or fog. */
 static bool has_cloud_shadows(const struct neph_scene *scene)
 {
     struct neph_bounds clouds;
@@ -87,7 +92,7 @@ static bool has_cloud_shadows(const struct neph_scene *scene)
 }
 
 const struct neph_ladder_air neph_ladder_air_parts[] = {
-    {"near froxels", "froxels=on", has_near_media, "no medium is seen within 64 m of the camera",
+    {"near froxels", "froxels=on", has_near_media, "no medium is visible within 64 m of the camera",
      false},
     {"a shadow map of the clouds", "cloud_shadow=map", has_cloud_shadows,
      "no cloud stands between the sun and a solid or a fog", true},
@@ -104,7 +109,7 @@ bool neph_ladder_takes(const struct neph_ladder_air *part, const struct neph_sce
 
 static const char all_steps[] = "8 16 32 64";
 
-/* As the plan that comes with neph. */
+/* As in the plan that is installed with neph. */
 enum { FRAMES = 48, WARM_UP = 16, TRUTH_SAMPLES = 256, ROUNDS = 3 };
 
 static bool is_same_camera(const struct neph_scene *scene, int frame)
@@ -179,7 +184,7 @@ enum neph_status neph_ladder_add(struct neph_sweep_plan *plan,
     return neph_arena_check(arena, diag);
 }
 
-/* A light of a pipeline: "ours+air, octaves". */
+/* Adds a series named like "ours+air, octaves". */
 static enum neph_status add(struct neph_sweep_plan *plan, const char *pipeline, const char *air,
                             const struct neph_ladder_light *light, struct neph_sweep_series series,
                             const char *steps, struct neph_diag *diag)
@@ -199,8 +204,8 @@ static bool takes_any(const struct neph_scene *scene, const struct neph_ladder_l
     return any;
 }
 
-/* A light of one pipeline, a preset or NULL; of realtime also with the parts of the air, where
- * there are any. */
+/* Adds a lighting model with one pipeline: a preset of realtime, or the marcher (NULL). For
+ * realtime again with the optional parts of the air, where the scene needs any. */
 static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *preset,
                                  const struct neph_ladder_light *light,
                                  const struct neph_scene *scene, struct neph_diag *diag)
@@ -220,7 +225,7 @@ static enum neph_status add_rung(struct neph_sweep_plan *plan, const char *prese
     return status;
 }
 
-/* A late light has no march by itself. */
+/* A late lighting model gets no marcher as pipeline. */
 static enum neph_status add_pipelines(struct neph_sweep_plan *plan,
                                       const struct neph_ladder_light *light,
                                       const struct neph_scene *scene, struct neph_diag *diag)
@@ -232,7 +237,7 @@ static enum neph_status add_pipelines(struct neph_sweep_plan *plan,
     return status || light->is_late ? status : add_rung(plan, NULL, light, scene, diag);
 }
 
-/* The user's own renderer, where there is one. */
+/* Adds the user engine, where one is configured. */
 static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag *diag)
 {
     const struct neph_sweep_series series = {
@@ -242,7 +247,7 @@ static enum neph_status add_guest(struct neph_sweep_plan *plan, struct neph_diag
     return info.available ? neph_ladder_add(plan, &series, NULL, diag) : NEPH_OK;
 }
 
-/* Engines for one kind of scene, where it is of that kind. */
+/* Adds engines for one kind of scene that can render this scene. */
 static enum neph_status add_narrow(struct neph_sweep_plan *plan, const struct neph_scene *scene,
                                    struct neph_diag *diag)
 {

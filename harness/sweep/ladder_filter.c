@@ -1,19 +1,22 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Filters candidates by engine and name, and reports names that match nothing.
+ */
 #include "harness/sweep/ladder_filter.h"
 
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as plans with late lighting depend on the scattering. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* "march" of march and of march_octaves. */
+/* True for `march` itself and engines like march_octaves. */
 static bool is_engine(const char *engine, const char *name)
 {
     const size_t length = strlen(name);
     return strncmp(engine, name, length) == 0 && (!engine[length] || engine[length] == '_');
 }
 
-/* "ours" and "octaves" of "ours, octaves". */
+/* True for a part ("ours" or "octaves" of "ours, octaves") and for the whole name. */
 static bool is_named(const char *series, const char *name)
 {
     const char *comma = strstr(series, ", ");
@@ -49,11 +52,11 @@ void neph_ladder_filter(const struct neph_ladder_filter *filter, struct neph_swe
     plan->series_count = count;
 }
 
-/* ---- names that stand for nothing ------------------------------------------------------------ */
+/* ---- names without a match ------------------------------------------------------------------- */
 
 enum { PLANS = 2 };
 
-/* A name that no series of the plans has; NULL: each is there. */
+/* The first name that matches no series of the plans; NULL: all match. */
 static const char *unknown(const struct neph_sweep_plan plans[PLANS], const char *const *names,
                            int count, bool of_engines)
 {
@@ -71,7 +74,7 @@ static const char *unknown(const struct neph_sweep_plan plans[PLANS], const char
     return NULL;
 }
 
-/* Engines or names of the plans, each once. */
+/* Lists the engines or names of the plans, each once. */
 static void list_names(const struct neph_sweep_plan plans[PLANS], bool of_engines, char text[400])
 {
     text[0] = '\0';

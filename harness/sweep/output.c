@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * JSON of a sweep, and the command lines of its points.
+ */
 #include "harness/sweep/output.h"
 
 #include "base/written.h"
@@ -10,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a value is added, as the table of texts needs a row for it. */
 _Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
 
 const struct neph_sweep_number_text neph_sweep_number_texts[NEPH_SWEEP_NUMBERS] = {
@@ -35,7 +38,7 @@ void neph_sweep_finish(struct neph_sweep *sweep)
     *sweep = (struct neph_sweep){.plan = NULL};
 }
 
-/* --- words ---------------------------------------------------------------------------------- */
+/* --- command lines -------------------------------------------------------------------------- */
 
 struct swept {
     const struct neph_sweep *sweep;
@@ -48,7 +51,8 @@ static void print_command(const void *swept, FILE *out)
     const struct neph_sweep_point *point = ((const struct swept *)swept)->point;
     const struct neph_shot *shot = &point->job.shot;
     const struct neph_engine *engine = point->job.engine;
-    const char *words = point->series->preset; /* its changes follow as settings */
+    const char *words = point->series->preset; /* preset words; their changes are printed as
+                                                  settings */
     char preset[64] = "";
     fprintf(out, "neph render %s -e %s --size %dx%d", sweep->scene->name, engine->name,
             sweep->plan->width_px, sweep->plan->height_px);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The page of a sweep and its charts.
+ */
 #include "harness/sweep/output.h"
 
 #include "base/files.h"
@@ -18,10 +21,10 @@ static const struct neph_page_parts parts = {
 
 /* --- charts --------------------------------------------------------------------------------- */
 
-/* Those that there is something to draw on, and where. */
+/* The charts with points, and their files. */
 struct drawings {
     json_t *specs[NEPH_VEGA_CHARTS_MAX];
-    char *stems[NEPH_VEGA_CHARTS_MAX]; /* a chart's sizes one after the other */
+    char *stems[NEPH_VEGA_CHARTS_MAX]; /* the sizes of a chart are consecutive */
     const struct neph_sweep_chart *charts[NEPH_VEGA_CHARTS_MAX];
     int count;
     bool drawn;

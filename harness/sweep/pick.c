@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * `neph pick`: successive halving over frame sizes, then variants of the choice.
+ */
 #include "harness/sweep/pick.h"
 
 #include "base/files.h"
@@ -16,11 +19,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as add_kept() compares orders of scattering. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
-/* Sizes in which configurations are looked at, the last being the full one: what passes in a small
- * picture may be worse than asked by `slack`, as edges and thin things weigh more there. */
+/* Frame sizes, the last one is the full size. Small frames may exceed the request by a factor
+ * `slack`, as edges and thin objects weigh more in them. */
 static const struct {
     int part;
     double slack;
@@ -31,7 +34,7 @@ enum { LEAST_WIDTH_PX = 64, LEAST_HEIGHT_PX = 36, SAMPLES_MAX = 16384 };
 
 struct entry {
     bool is_there;
-    struct neph_pick_point point; /* as of the largest size that it was looked at in */
+    struct neph_pick_point point; /* measured at the largest size so far */
 };
 
 struct work {
@@ -62,14 +65,14 @@ static struct neph_pick_point point_of(const struct work *work,
     };
     snprintf(made.name, sizeof(made.name), "%.40s%s%.20s", point->series->name,
              point->label[0] ? ", " : "", point->label);
-    if (!neph_sweep_is_sequence(point)) /* one picture is as the next */
+    if (!neph_sweep_is_sequence(point)) /* frames without a history are all equal */
         made.flicker = 0.0;
     if (made.is_closed)
         made.evaluations = 0.0;
     return made;
 }
 
-/* What is asked for in parts of the truth's noise: a quarter of the error. */
+/* Doubles the truth's samples until its noise is below a quarter of the requested error. */
 static void ask_for_samples(struct work *work, double floor)
 {
     const double wanted = 0.25 * work->params->error;
@@ -78,7 +81,8 @@ static void ask_for_samples(struct work *work, double floor)
         *samples *= 2;
 }
 
-/* At least a size at which flicker and tiles mean something, and never more than the full one. */
+/* A side of the reduced frame: at least `least_px`, below which flicker and tiles are not
+ * meaningful, and at most the full side. */
 static int side_px(int full_px, int part, int least_px)
 {
     const int side = full_px / part;
@@ -137,7 +141,7 @@ static double ratio(double value, double most)
     return isnan(most) ? 0.0 : isnan(value) ? INFINITY : value / most;
 }
 
-/* How far from good enough: 1 is just so. */
+/* Largest ratio of a value to its limit; 1: exactly within. */
 static double farness(const struct neph_pick_params *params, const struct neph_pick_point *point)
 {
     const double time = isnan(point->time.median) ? 0.0 : ratio(point->time.median, params->time_s);
@@ -145,13 +149,13 @@ static double farness(const struct neph_pick_params *params, const struct neph_p
                 fmax(ratio(point->error, params->error), ratio(point->flicker, params->flicker)));
 }
 
-/* Evaluations, which are counted; what is not counted comes last. */
+/* Density evaluations; not counted ones sort last. */
 static double cost(const struct neph_pick_point *point)
 {
     return isnan(point->evaluations) ? INFINITY : point->evaluations;
 }
 
-/* The entry of least cost that is left, by the order of the ladder among equals; -1: none. */
+/* The cheapest remaining entry; the first one among equals; -1: none. */
 static int cheapest(const struct work *work, const bool *is_left)
 {
     int best = -1;
@@ -173,9 +177,9 @@ static int nearest(const struct work *work)
     return best;
 }
 
-/* --- the ladder ----------------------------------------------------------------------------- */
+/* --- the search ----------------------------------------------------------------------------- */
 
-/* Through the larger sizes; `*passes` at the end of them. */
+/* Measures an entry at the larger sizes; `*passes`: it stays within the limits. */
 static enum neph_status climb(struct work *work, int index, bool *passes, struct neph_diag *diag)
 {
     enum neph_status status = NEPH_OK;
@@ -188,7 +192,8 @@ static enum neph_status climb(struct work *work, int index, bool *passes, struct
     return status;
 }
 
-/* From the cheapest up, of the series of one sort; `*chosen` is the last that was climbed with. */
+/* Tries the entries of one sort (closed forms or not), cheapest first. `*chosen` is the last one
+ * tried. */
 static enum neph_status walk(struct work *work, bool closed, int *chosen, struct neph_diag *diag)
 {
     bool is_left[NEPH_SWEEP_POINTS_MAX] = {false};
@@ -227,17 +232,17 @@ static enum neph_status start(struct work *work, bool late, struct neph_diag *di
     return status;
 }
 
-/* --- what is left out ----------------------------------------------------------------------- */
+/* --- variants of the choice ----------------------------------------------------------------- */
 
-/* What variants of the choice begin from. */
+/* The choice, from which the variants are derived. */
 struct chosen {
     struct neph_sweep_series series;
-    const struct neph_ladder_light *light; /* NULL: of an engine for one kind of scene */
+    const struct neph_ladder_light *light; /* NULL for an engine of one kind of scene */
     const char *steps;
     bool is_realtime, has_air;
 };
 
-/* The choice with something more, or without something that it has, as one series more. */
+/* Adds a variant as a series: the choice with a further part, or without one of its parts. */
 static enum neph_status add_variant(struct work *work, const char *because, bool is_kept,
                                     struct neph_sweep_series series, const char *steps,
                                     struct neph_diag *diag)
@@ -255,7 +260,7 @@ static enum neph_status add_variant(struct work *work, const char *because, bool
     return neph_ladder_add(&work->plan, &series, steps, diag);
 }
 
-/* The same pipeline with another light. */
+/* Adds the same pipeline with another lighting model. */
 static enum neph_status add_light(struct work *work, const struct chosen *chosen, const char *what,
                                   const struct neph_ladder_light *light, bool is_kept,
                                   struct neph_diag *diag)
@@ -271,7 +276,7 @@ static enum neph_status add_light(struct work *work, const struct chosen *chosen
     return add_variant(work, NULL, is_kept, series, chosen->steps, diag);
 }
 
-/* Lights that have more than the choice's, at the same pipeline and steps. */
+/* Adds the lighting models that model more light, with the same pipeline and steps. */
 static enum neph_status add_lights(struct work *work, const struct chosen *chosen,
                                    struct neph_diag *diag)
 {
@@ -290,7 +295,7 @@ static const struct neph_ladder_light *light_named(const char *name)
     return light;
 }
 
-/* What the choice has and could do without: orders of scattering, every pixel's ray. */
+/* Adds variants without a part of the choice: orders of scattering, a ray for every pixel. */
 static enum neph_status add_kept(struct work *work, const struct chosen *chosen,
                                  struct neph_diag *diag)
 {
@@ -321,7 +326,7 @@ static enum neph_status add_steps(struct work *work, const struct chosen *chosen
     return add_variant(work, NULL, false, series, more, diag);
 }
 
-/* Why parts for motion are left out; NULL: all are there. */
+/* The reason why parts for motion are off; NULL: none is off. */
 static const char *what_rests(const struct work *work)
 {
     const bool camera = neph_ladder_moves(work->scene, NEPH_LADDER_CAMERA);
@@ -329,11 +334,11 @@ static const char *what_rests(const struct work *work)
     if (work->pick->is_still)
         return "nothing moves";
     if (!camera)
-        return wind ? "the camera rests" : "the camera rests, and there is no wind";
+        return wind ? "the camera is static" : "the camera is static, and there is no wind";
     return wind ? NULL : "there is no wind";
 }
 
-/* The pipeline has a planet's air by tables alone; beside it the march has it so, too. */
+/* `realtime` has a planet's atmosphere only from tables; the marcher is compared with the same. */
 static const char *air_of_march(const struct neph_scene *scene)
 {
     struct neph_sky_split split;
@@ -341,7 +346,7 @@ static const char *air_of_march(const struct neph_scene *scene)
     return neph_sky_split(scene, &split, reason, sizeof(reason)) ? "sky=tables" : NULL;
 }
 
-/* What a shortcut saves, and the parts of it for motion. */
+/* Adds the marcher, which shows the shortcut's saving, and the parts for motion. */
 static enum neph_status add_pipeline(struct work *work, const struct chosen *chosen,
                                      struct neph_diag *diag)
 {
@@ -361,8 +366,7 @@ static enum neph_status add_pipeline(struct work *work, const struct chosen *cho
     return status;
 }
 
-/* A part of the air: what it buys where the choice has it, else what it would. A scene that does
- * not need it is asked, too. */
+/* Adds a variant with or without a part of the air, even when the scene does not need the part. */
 static enum neph_status add_air(struct work *work, const struct chosen *chosen,
                                 const struct neph_ladder_air *part, struct neph_diag *diag)
 {
@@ -390,7 +394,7 @@ static bool is_by_itself(const char *engine)
     return strcmp(engine, "command") == 0;
 }
 
-/* Beside an engine that has no ladder. */
+/* Adds a marcher beside an engine without variants. */
 static enum neph_status add_march(struct work *work, const char *because, const char *engine,
                                   const char *steps, int scattering, struct neph_diag *diag)
 {
@@ -401,13 +405,13 @@ static enum neph_status add_march(struct work *work, const char *because, const 
 
 static enum neph_status add_variants(struct work *work, int index, struct neph_diag *diag)
 {
-    /* A copy: the list of series grows. */
+    /* a copy, as the list of series is reallocated */
     struct chosen chosen = {.series = work->plan.series[index / NEPH_SWEEP_VALUES_MAX]};
     const char *engine = chosen.series.engine, *comma = strchr(chosen.series.name, ',');
     char label[NEPH_SWEEP_LABEL_SIZE];
     neph_sweep_value(&chosen.series, index % NEPH_SWEEP_VALUES_MAX, label);
     chosen.steps = label[0] ? strchr(label, '=') + 1 : "32";
-    if (strcmp(engine, "sky") == 0) /* no march has what it renders */
+    if (strcmp(engine, "sky") == 0) /* no marcher renders the same model */
         return NEPH_OK;
     if (is_by_itself(engine))
         return add_march(work, NULL, "march", chosen.steps, -1, diag);
@@ -446,7 +450,7 @@ static enum neph_status weigh_what_is_left_out(struct work *work, int chosen,
     return status;
 }
 
-/* --- the whole ------------------------------------------------------------------------------ */
+/* --- the whole search ----------------------------------------------------------------------- */
 
 static enum neph_status choose(struct work *work, struct neph_diag *diag)
 {
@@ -473,7 +477,7 @@ static enum neph_status choose(struct work *work, struct neph_diag *diag)
     return status || !work->pick->found ? status : weigh_what_is_left_out(work, chosen, diag);
 }
 
-/* Why there is no picture at all: mostly there is no driver. */
+/* The error when no candidate rendered a frame; usually there is no driver. */
 static enum neph_status blame_device(const struct neph_pick_params *params, struct neph_diag *diag)
 {
     struct neph_open_device *device = NULL;
@@ -496,7 +500,7 @@ enum neph_status neph_pick_run(const struct neph_pick_params *params, struct nep
         status = neph_ladder_filter_check(&params->filter, work.scene, diag);
     const bool marches = neph_ladder_wants_engine(&params->filter, "march") ||
                          neph_ladder_wants_engine(&params->filter, "realtime");
-    if (!status && marches) /* any configuration may be measured at full size */
+    if (!status && marches) /* any candidate may be measured at full size */
         status = neph_engine_check_size(neph_engine_find("march"), params->width_px,
                                         params->height_px, diag);
     if (!status) {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The cheapest configuration of a scene that is good enough, and what was left out of it: closed
- * forms first, then the ladder of pipelines, lights and steps from the cheapest up. All of it is
- * looked at in small pictures, what passes there with room to spare in larger ones, and the choice
- * is confirmed at full size (successive halving: K. Jamieson, A. Talwalkar, AISTATS 2016).
+ * Finds the cheapest configuration for a scene that is good enough, and measures its variants.
+ *
+ * Closed forms are tried first, then pipelines, lighting models and steps, cheapest first. All
+ * candidates are measured in small frames. Those that pass with a margin are measured in larger
+ * frames, and the choice is confirmed at full size (successive halving: K. Jamieson, A. Talwalkar,
+ * AISTATS 2016).
  */
 #ifndef NEPH_HARNESS_SWEEP_PICK_H
 #define NEPH_HARNESS_SWEEP_PICK_H
@@ -16,53 +18,57 @@
 
 struct neph_pick_params {
     const char *scene;     /* a name of the catalogue, or a path */
-    double error, flicker; /* the most they may be: rel_rmse against the truth, contrast seen over
-                              threshold; NaN: any */
-    double time_s;         /* of a picture at full size; NaN: not asked, and not timed */
+    double error, flicker; /* limits: relative RMSE against the ground truth, visible contrast over
+                              threshold; NaN: no limit */
+    double time_s;         /* limit of a frame at full size; NaN: no limit, frames are not timed */
     int width_px, height_px;
-    int seed, jobs;                    /* jobs: as neph_sweep_params.jobs */
+    int seed, jobs;                    /* jobs: like neph_sweep_params.jobs */
     double time_limit_s;               /* per child process */
-    struct neph_shared_device *device; /* as neph_shot.device */
+    struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;
     struct neph_times *times; /* borrowed */
     struct neph_ladder_filter filter;
 };
 
-/* One that was looked at. */
+/* A measured candidate. */
 struct neph_pick_point {
     char name[64]; /* "ours, octaves, steps=16" */
     struct neph_configuration configuration;
     double error, flicker;   /* NaN: not measured */
-    double evaluations;      /* of density, for a pixel and picture; NaN: not counted */
+    double evaluations;      /* density evaluations per pixel and frame; NaN: not counted */
     struct neph_spread time; /* NaN: not timed */
-    bool is_closed;          /* no ray is marched */
+    bool is_closed;          /* a closed form, without a marched ray */
 };
 
 enum { NEPH_PICK_LEFT_OUT_MAX = 14 };
 
-/* Something that the choice does without, or that it has and could do without. */
+/* A variant of the choice: with a part that the choice does not have, or without one of its parts.
+ */
 struct neph_pick_left_out {
     char what[96];
-    const char *because;         /* "nothing moves"; NULL: the numbers say so */
-    bool is_kept;                /* the choice has it */
-    struct neph_pick_point with; /* the choice with it; of what is kept, without it */
+    const char *because;         /* reason such as "nothing moves"; NULL: decided by the
+                                    measurements */
+    bool is_kept;                /* the choice has the part */
+    struct neph_pick_point with; /* the measured variant */
 };
 
 struct neph_pick {
-    bool found;                    /* something is good enough */
-    struct neph_pick_point chosen; /* at full size; where nothing is, what comes nearest */
-    struct neph_pick_left_out left_out[NEPH_PICK_LEFT_OUT_MAX]; /* and what is kept */
+    bool found;                    /* a candidate is within the limits */
+    struct neph_pick_point chosen; /* at full size; without a candidate within the limits, the
+                                      nearest one */
+    struct neph_pick_left_out left_out[NEPH_PICK_LEFT_OUT_MAX]; /* parts that the choice does not
+                                                                   have, and parts that it keeps */
     int left_out_count;
-    int looked_at; /* configurations, and pictures or sequences of them at all sizes */
+    int looked_at; /* candidates; `measured`: frames or sequences of candidates, at all sizes */
     int measured;
-    const char *truth; /* its engine */
+    const char *truth; /* name of its engine */
     double floor;      /* its noise at full size */
-    bool is_still;     /* nothing moves in the scene */
+    bool is_still;     /* the scene is static */
     char device[128];
 };
 
-/* Errors as of neph_sweep_run() and, before anything is rendered, of neph_ladder_filter_check() and
- * neph_engine_check_size(). Where nothing is good enough that is no error here. */
+/* Errors as of neph_sweep_run() and, before any rendering, of neph_ladder_filter_check() and
+ * neph_engine_check_size(). It is no error when no candidate is within the limits. */
 enum neph_status neph_pick_run(const struct neph_pick_params *params, struct neph_store *store,
                                struct neph_pick *pick, struct neph_diag *diag);
 

@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The summary lines of `neph pick`.
+ */
 #include "harness/sweep/pick_answer.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a measure is added, as the lines of a preset list all of them. */
 _Static_assert(NEPH_CHOICE_NUMBERS == 6, "a new kind");
 
 enum { TEXT_SIZE = 256, VARIANT_LINES = 3, RIVAL_LINES = 4 };
@@ -37,7 +40,7 @@ static const char *numbers_of(const struct neph_pick_point *point, char text[TEX
     else if (isnan(point->evaluations))
         append(text, ", density evaluations not counted");
     else
-        append(text, ", %.3g density evaluations a pixel", point->evaluations);
+        append(text, ", %.3g density evaluations per pixel", point->evaluations);
     if (!isnan(point->time.median))
         append(text, ", %.3g ms a frame", 1e3 * point->time.median);
     return text;
@@ -55,7 +58,7 @@ static const char *asked_of(const struct neph_pick_params *params, char text[TEX
     return text;
 }
 
-/* Parts that were left out because the numbers allow it. */
+/* Adds lines for parts that the measurements decided about. */
 static void answer_variants(const struct neph_pick *pick, struct neph_answer *answer)
 {
     int lines = 0;
@@ -89,8 +92,7 @@ void neph_pick_answer(const struct neph_pick_params *params, const struct neph_p
     answer_variants(pick, answer);
     neph_answer_add(answer, "truth: %s with a noise of %.2g %%%s; %d x %d pixels; %s", pick->truth,
                     100.0 * pick->floor,
-                    is_uncertain ? ", more than half of the error that was asked for: the error is "
-                                   "not certain"
+                    is_uncertain ? ", more than half of the requested error: the error is uncertain"
                                  : "",
                     params->width_px, params->height_px, pick->device);
 }
@@ -121,7 +123,7 @@ static void append_pair(const char *name, const struct neph_study_pair *pair, ch
                                        pair->has_interval ? pair->high : NAN));
 }
 
-/* What the choice has over another candidate. */
+/* Adds the difference of the choice from another candidate. */
 static enum neph_status answer_rival(const struct neph_choice *choice,
                                      const struct neph_flicker_study *study, int rival,
                                      struct neph_answer *answer, struct neph_diag *diag)
@@ -137,7 +139,7 @@ static enum neph_status answer_rival(const struct neph_choice *choice,
             append_pair(of->name, &pair, text);
     }
     neph_answer_add(answer, "over %s: %s", study->params->presets[rival],
-                    text[0] ? text : "no scene has a number of both");
+                    text[0] ? text : "no scene has both");
     return status;
 }
 
@@ -149,7 +151,7 @@ static void answer_chosen(const struct neph_choice *choice, const struct neph_fl
     const char *name = params->presets[choice->nearest];
     levels_of(choice, choice->nearest, numbers);
     if (choice->scene_counts[choice->least] == 0)
-        neph_answer_add(answer, "no choice: no scene has a number of '%s' for all presets",
+        neph_answer_add(answer, "no choice: no scene has '%s' of all presets",
                         neph_choice_measures[choice->least].name);
     else
         neph_answer_add(answer, "%s%s%s: %s; %d presets over %d scenes and %d seed%s",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What `neph pick` answers: the choice with its numbers, or the best where nothing is good enough.
+ * The summary lines of `neph pick`: the choice with its values, or the nearest candidate.
  */
 #ifndef NEPH_HARNESS_SWEEP_PICK_ANSWER_H
 #define NEPH_HARNESS_SWEEP_PICK_ANSWER_H
@@ -9,7 +9,7 @@
 #include "harness/sweep/choice.h"
 #include "harness/sweep/pick.h"
 
-/* The answer for a configuration; `config` is the path of pick.json. */
+/* The answer for one scene; `config` is the path of pick.json. */
 void neph_pick_answer(const struct neph_pick_params *params, const struct neph_pick *pick,
                       const char *config, struct neph_answer *answer);
 

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Sweep plans: the YAML schema, points of series, settings of points.
+ */
 #include "harness/sweep/plan.h"
 
 #include "base/files.h"
@@ -9,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as scattering_words needs it. */
 _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 #define PLAN(member) offsetof(struct neph_sweep_plan, member)
@@ -17,9 +20,9 @@ _Static_assert(NEPH_SCATTERING_COUNT == 3, "a new kind");
 
 enum { TEXT_MAX = 200, NAME_MAX = 32, SIDE_MAX_PX = 8192, DEPTH_MAX = 4 };
 
-/* --- words ---------------------------------------------------------------------------------- */
+/* --- values of series ----------------------------------------------------------------------- */
 
-/* The first word of `*rest`, which goes on behind it; false: there is none. */
+/* Reads the next word and advances `*rest`; false: no more words. */
 static bool next_word(const char **rest, char *word, size_t size)
 {
     *rest += strspn(*rest, " ");
@@ -87,7 +90,7 @@ static bool names_setting(const char *words, const char *key)
     return found && found[strlen(key)] == '=';
 }
 
-/* Whoever names a light keeps it. */
+/* Sets the plan's lighting, unless the series names one. */
 static enum neph_status set_light(const struct neph_sweep_plan *plan,
                                   const struct neph_sweep_series *series,
                                   const struct neph_engine *engine, struct neph_settings *settings,
@@ -134,7 +137,7 @@ enum neph_status neph_sweep_settings(const struct neph_sweep_plan *plan,
 
 /* --- the file ------------------------------------------------------------------------------- */
 
-/* Settings are checked by the tables of the engines, in both kinds of scenes. */
+/* Checks the settings against the engines' tables, for single and multiple scattering. */
 static enum neph_status check_series(const struct neph_reader *reader,
                                      const struct neph_sweep_plan *plan, int number)
 {
@@ -147,11 +150,11 @@ static enum neph_status check_series(const struct neph_reader *reader,
                            neph_document_quote(series->engine, quote));
     if (!series->varied != !series->values)
         return neph_refuse(reader, neph_at("series[%d]", number).text,
-                           "'vary' and 'values' come together");
+                           "'vary' and 'values' need each other");
     if (neph_sweep_value_count(series) < 1 ||
         neph_sweep_value_count(series) > NEPH_SWEEP_VALUES_MAX)
         return neph_refuse(reader, neph_at("series[%d].values", number).text,
-                           "give 1 to %d values, parted by spaces", NEPH_SWEEP_VALUES_MAX);
+                           "give 1 to %d values, separated by spaces", NEPH_SWEEP_VALUES_MAX);
     for (int i = 0; i < neph_sweep_value_count(series); i++)
         for (size_t k = 0; k < sizeof(both) / sizeof(both[0]); k++) {
             struct neph_settings settings;
@@ -193,7 +196,7 @@ static enum neph_status check_plan(struct neph_reader *reader, enum neph_status 
     return status;
 }
 
-/* One more than enum neph_scattering: 0, what stands where nothing is given, is the scene's own. */
+/* One entry more than enum neph_scattering: 0, the default, is the scene's own scattering. */
 static const char *const scattering_words[] = {"scene", "none", "single", "multiple", NULL};
 
 static enum neph_status read_series(struct neph_reader *reader, const yaml_node_t *node,
@@ -212,25 +215,24 @@ static const struct neph_field series_fields[] = {
      .most = NAME_MAX},
     {"preset", NEPH_TEXT, SERIES(preset), .note = "PRESET or PRESET+KEY=VALUE+...", .least = 1,
      .most = TEXT_MAX, .standard = "none"},
-    {"set", NEPH_TEXT, SERIES(held), .note = "KEY=VALUE, parted by spaces, of all its points",
+    {"set", NEPH_TEXT, SERIES(held), .note = "KEY=VALUE, separated by spaces, for all points",
      .least = 1, .most = TEXT_MAX, .standard = "none"},
-    {"vary", NEPH_TEXT, SERIES(varied), .note = "the setting that changes along the line",
+    {"vary", NEPH_TEXT, SERIES(varied), .note = "the setting that varies along the line",
      .least = 1, .most = NAME_MAX, .standard = "none"},
-    {"values", NEPH_TEXT, SERIES(values), .note = "of that setting, parted by spaces", .least = 1,
-     .most = TEXT_MAX, .standard = "none"},
+    {"values", NEPH_TEXT, SERIES(values), .note = "of that setting, separated by spaces",
+     .least = 1, .most = TEXT_MAX, .standard = "none"},
     {"flicker", NEPH_FLAG, SERIES(flicker),
-     .note = "render a sequence, as is done of engines with a history in any case, and measure "
-             "its flicker",
+     .note = "render a sequence and measure its flicker; engines with a history always render one",
      .standard = "`false`"},
     {"lag_at", NEPH_TEXT, SERIES(lag_at),
-     .note = "those of the values at which sequences with a step of the sun are rendered, too",
-     .least = 1, .most = TEXT_MAX, .standard = "none"},
+     .note = "values for which the lag after a step of the sun is measured, too", .least = 1,
+     .most = TEXT_MAX, .standard = "none"},
     {"scattering", NEPH_WORD, SERIES(scattering),
-     .note = "the scene as if it had these orders of scattering: what is left out is in the error",
+     .note =
+         "render the scene with these orders of scattering; the missing light is part of the error",
      .words = scattering_words, .standard = "`scene`"},
     {"order", NEPH_NUMBER, SERIES(order), "", 0, 8,
-     .note = "error ~ time^-order, drawn beside it as it ought to be; 0: not drawn",
-     .standard = "0"},
+     .note = "error ~ time^-order, drawn as the expected slope; 0: not drawn", .standard = "0"},
     {0},
 };
 
@@ -240,21 +242,22 @@ static const struct neph_record series_record = {
 static const struct neph_field plan_fields[] = {
     {"title", NEPH_TEXT, PLAN(title), .least = 1, .most = TEXT_MAX},
     {"light", NEPH_TEXT, PLAN(light),
-     .note = "X of march_X and of lighting=X: that of series which name none, where a scene has "
-             "all orders of scattering",
+     .note = "X of march_X and of lighting=X, for series that set no lighting, in scenes with all "
+             "orders of scattering",
      .least = 1, .most = NAME_MAX},
-    {"width_px", NEPH_WHOLE, PLAN(width_px), "", 16, SIDE_MAX_PX, .note = "of the pictures"},
-    {"height_px", NEPH_WHOLE, PLAN(height_px), "", 9, SIDE_MAX_PX, .note = "of the pictures"},
+    {"width_px", NEPH_WHOLE, PLAN(width_px), "", 16, SIDE_MAX_PX, .note = "of the frames"},
+    {"height_px", NEPH_WHOLE, PLAN(height_px), "", 9, SIDE_MAX_PX, .note = "of the frames"},
     {"frames", NEPH_WHOLE, PLAN(frame_count), "", NEPH_SWEEP_FRAMES_MIN, 4096,
-     .note = "of sequences, 4 to a cycle"},
-    {"warm_up", NEPH_WHOLE, PLAN(warm_up), "", 0, 4096, .note = "the first of them, not measured"},
+     .note = "of sequences, a multiple of 4"},
+    {"warm_up", NEPH_WHOLE, PLAN(warm_up), "", 0, 4096,
+     .note = "frames at the start that are not measured"},
     {"truth_samples", NEPH_WHOLE, PLAN(truth_samples), "", 4, 1 << 20,
-     .note = "paths per pixel of the reference, where nothing exact is at hand"},
+     .note = "paths per pixel of the truth, where `exact` cannot render the scene"},
     {"rounds", NEPH_WHOLE, PLAN(round_count), "", 1, 99,
-     .note = "in each of which every point is timed once"},
+     .note = "every point is timed once in each round"},
     {"seeds", NEPH_WHOLE, PLAN(seed_count), "", 1, NEPH_SWEEP_SEEDS_MAX,
-     .note = "of each sequence: numbers are means over them, and intervals hold what they differ "
-             "by; of other pictures rounds are seeds",
+     .note = "of each sequence: values are means over seeds, and intervals include their scatter; "
+             "single frames use a seed per round",
      .standard = "1"},
     {"series", NEPH_LIST, PLAN(series), .least = 1, .most = NEPH_SWEEP_SERIES_MAX,
      .count_at = PLAN(series_count), .record = &series_record},
@@ -274,7 +277,7 @@ static enum neph_status read_text(const char *path, const char *text, size_t siz
     return status;
 }
 
-/* A file of the user's, or one that comes with neph. */
+/* The user's file, or a plan that is installed with neph. */
 static char *find_file(const char *path_or_name)
 {
     if (neph_path_exists(path_or_name))

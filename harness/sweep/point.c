@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Measures one point of a sweep: error, flicker, lag, density evaluations.
+ */
 #include "harness/sweep/point.h"
 
 #include "base/exr.h"
@@ -17,20 +20,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a value is added, as this file measures each of them. */
 _Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
 
-/* A take with a step is as long as in a flicker study. */
+/* A sequence with a step is as long as in a flicker study. */
 enum { STEP_FRAMES = 80 };
 
 static const char *const of_flicker[] = {"seen", "flicker", "error", NULL};
 static const char *const of_error[] = {"error",
-                                       NULL}; /* of a sequence whose flicker nobody asks for */
+                                       NULL}; /* of a sequence without a measured flicker */
 static const char *const of_lag[] = {"lag", NULL};
 static const char *const at_step[] = {"lag.step_frame=32", NULL};
-_Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "what at_step says");
+_Static_assert(NEPH_STUDY_EVENT_FRAME == 32, "at_step");
 
-/* Where there are edges in depth, methods fail there. */
+/* The mask of flicker: depth edges, where methods fail, or all pixels of a scene without edges. */
 static const char *const masks[] = {"depth_edge", "all"};
 
 static const struct neph_meter_number kept_of_flicker[] = {
@@ -63,7 +66,7 @@ bool neph_sweep_is_sequence(const struct neph_sweep_point *point)
     return point->job.engine->remembers || point->series->flicker || point->series->lag_at;
 }
 
-/* --- numbers -------------------------------------------------------------------------------- */
+/* --- values --------------------------------------------------------------------------------- */
 
 static struct neph_sweep_value value_of(const json_t *found)
 {
@@ -77,7 +80,7 @@ static struct neph_sweep_value value_of(const json_t *found)
     };
 }
 
-/* By the first mask that the scene has. */
+/* With the first mask that the scene has. */
 static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep_number number)
 {
     const char *metric = neph_sweep_number_texts[number].metric;
@@ -87,7 +90,7 @@ static struct neph_sweep_value number_in(const json_t *document, enum neph_sweep
     return value_of(found);
 }
 
-/* Paths of traced light and cells of diffused light ask for densities that no counter sees. */
+/* Paths of traced light and cells of diffused light evaluate densities that are not counted. */
 static bool is_counted(const struct neph_job *job)
 {
     static const char *const uncounted[] = {"traced", "diffused"};
@@ -129,7 +132,7 @@ enum neph_status neph_sweep_point_count(const char *frame_path, struct neph_swee
 
 /* --- sequences ------------------------------------------------------------------------------ */
 
-static const double reference_typical_s = 1.0; /* of a frame */
+static const double reference_typical_s = 1.0; /* per frame */
 
 static enum neph_status have_reference(struct neph_sweep_bench *bench, const struct neph_job *job,
                                        int frame_count, struct neph_reference *reference,
@@ -154,8 +157,8 @@ static struct neph_viewing viewing_of(const struct neph_scene *scene)
     return viewing;
 }
 
-/* What one seed's sequence has: numbers of the document, and the error of its last picture, whose
- * evaluations are the point's where `counts`. */
+/* Reads the values of one seed's sequence: those of the document, and the error of its last frame,
+ * whose evaluations are the point's where `counts`. */
 static enum neph_status read_sequence(struct neph_sweep_bench *bench,
                                       struct neph_sweep_point *point, const struct neph_take *take,
                                       const char *folder, bool counts,
@@ -166,7 +169,8 @@ static enum neph_status read_sequence(struct neph_sweep_bench *bench,
     const struct neph_path last = neph_path_in(folder, "frame.exr");
     enum neph_status status = neph_take_document(folder, take->readings[0].name, &document, diag);
     if (!status) {
-        if (!point->job.engine->is_guest) /* whose own model nobody knows */
+        if (!point->job.engine->is_guest) /* the model of a user engine is not known, and so is its
+                                             shortcut error */
             numbers[NEPH_SWEEP_SHORTCUT] = number_in(document, NEPH_SWEEP_SHORTCUT);
         numbers[NEPH_SWEEP_FLICKER] = number_in(document, NEPH_SWEEP_FLICKER);
         numbers[NEPH_SWEEP_FOUR] = number_in(document, NEPH_SWEEP_FOUR);
@@ -220,7 +224,7 @@ static enum neph_status measure_sequence(struct neph_sweep_bench *bench,
     return status;
 }
 
-/* The scene with a step of its sun; NULL: it cannot have one. */
+/* The scene with a step of its sun; NULL: the scene has no sun to step. */
 static enum neph_status have_step(struct neph_sweep_bench *bench, const struct neph_scene *scene,
                                   const struct neph_scene **step, struct neph_diag *diag)
 {
@@ -234,8 +238,8 @@ static enum neph_status have_step(struct neph_sweep_bench *bench, const struct n
     return status;
 }
 
-/* What never arrives counts with all pictures since the step (neph metrics lag), and has no
- * half-life. */
+/* A half-life that is never reached is reported as the number of frames after the step (neph
+ * metrics lag); it becomes NaN. */
 static struct neph_sweep_value arrived(struct neph_sweep_value half_life)
 {
     return half_life.value < STEP_FRAMES - NEPH_STUDY_EVENT_FRAME
@@ -276,7 +280,7 @@ static enum neph_status measure_lag(struct neph_sweep_bench *bench, struct neph_
     return status;
 }
 
-/* --- pictures ------------------------------------------------------------------------------- */
+/* --- single frames -------------------------------------------------------------------------- */
 
 enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
                                          struct neph_sweep_point *point, int round,
@@ -302,7 +306,7 @@ enum neph_status neph_sweep_point_render(const struct neph_sweep_bench *bench,
     return status;
 }
 
-/* What breaks or cannot be had is this point's matter alone. */
+/* Whether an error concerns this point only. */
 static bool is_of_the_point(enum neph_status status)
 {
     return status == NEPH_ERR_ENGINE || status == NEPH_ERR_UNSUPPORTED || status == NEPH_ERR_GATE ||

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Seeds of repetitions, and means over them.
+ */
 #include "harness/sweep/repeat.h"
 
 #include "metrics/significance.h"
@@ -21,7 +24,7 @@ static double mean_of(const struct neph_sweep_value *values, int count)
     return sum / count;
 }
 
-/* How far an end of the interval over seeds is from their mean; 0: there is one seed. */
+/* Half width of the interval over seeds; 0 for one seed. */
 static double reach_of_seeds(const struct neph_sweep_value *values, int count, double mean)
 {
     double squares = 0.0;
@@ -32,7 +35,8 @@ static double reach_of_seeds(const struct neph_sweep_value *values, int count, d
     return neph_student_critical(alpha, count - 1) * sqrt(squares / (count - 1) / count);
 }
 
-/* How far the ends are from the values, by their mean; 0 where a value has no interval. */
+/* Mean distance of one end of the frames' intervals from their values; 0 for a value without one.
+ */
 static double reach_of_picture(const struct neph_sweep_value *values, int count, bool up)
 {
     double sum = 0.0;

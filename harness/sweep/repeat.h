@@ -1,23 +1,22 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a point has of several seeds: a number that another seed would change has an interval that
- * says by how much.
+ * Repetitions of a point with several seeds: their seeds, and the mean with its interval.
  */
 #ifndef NEPH_HARNESS_SWEEP_REPEAT_H
 #define NEPH_HARNESS_SWEEP_REPEAT_H
 
 #include "harness/sweep/results.h"
 
-/* The truth's two pictures are these repetitions; those of points are before them. */
+/* Repetition numbers of the ground truth's two frames; those of points are lower. */
 enum { NEPH_SWEEP_TRUTH_REPEAT = 1000 };
 
-/* The seed of a repetition, from 0 on, in a sweep of that seed. Sweeps with other seeds, up to
- * 2^20, share none of theirs: they are independent. */
+/* The seed of a repetition (from 0) in a sweep. Sweeps with different seeds, up to 2^20, share no
+ * seed and are independent. */
 uint64_t neph_sweep_seed(uint64_t seed, int repeat);
 
-/* One value of `count` >= 1 of independent seeds: their mean. Its interval holds what differs over
- * the picture, which is that of each, and what differs over seeds, Student's, 95 %: variances of
- * both add up. One value stays as it is. NaN where one of them is. */
+/* The mean of `count` >= 1 values from independent seeds. Its interval combines the interval of
+ * each value over the frame with the 95 % interval over seeds (Student's t): their variances add
+ * up. A single value is returned as it is. NaN where one of the values is. */
 struct neph_sweep_value neph_sweep_repeated(const struct neph_sweep_value *values, int count);
 
 #endif

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Scenes resampled to a given number of voxels.
+ */
 #include "harness/sweep/scaled.h"
 
 #include "scenes/bake.h"
@@ -6,7 +9,7 @@
 
 #include <stdlib.h>
 
-/* The scene comes first. */
+/* `scene` is the first member, so that a pointer to it is a pointer to the struct. */
 struct scaled {
     struct neph_scene scene;
     int bake_count;
@@ -51,7 +54,7 @@ enum neph_status neph_scaled_make(const struct neph_scene *scene, int nodes,
         if (!neph_medium_is_fog(&scene->media[m]))
             status = sample(scene, nodes, scaled, &scaled->scene.media[m], count, diag);
     if (!status && scaled->bake_count == 0)
-        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s has fog alone, which has no voxels",
+        status = neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s has only fog, which has no voxels",
                            scene->name);
     if (!status)
         status = neph_scene_hash(&scaled->scene, diag);

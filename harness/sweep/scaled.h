@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * A scene whose media are voxels, as many as one likes: what a volume of that size costs.
+ * A scene with its media resampled to voxel grids of a chosen size, to measure the cost over size.
  */
 #ifndef NEPH_HARNESS_SWEEP_SCALED_H
 #define NEPH_HARNESS_SWEEP_SCALED_H
 
 #include "scenes/scene.h"
 
-/* Every medium but fog is sampled anew with so many nodes along its longest side; `*count` receives
- * how many there are in all. With a hash of its own. It borrows what else is large from `scene`,
- * which must outlive it. Free with neph_scaled_destroy(). NEPH_ERR_UNSUPPORTED: there is no medium
- * but fog, which has no voxels. */
+/* Resamples every medium except fog with `nodes` nodes along its longest side. `*count` is the
+ * number of nodes of all grids. The scene gets its own hash and borrows large data from `scene`,
+ * which must outlive it. Free with neph_scaled_destroy(). NEPH_ERR_UNSUPPORTED: the only medium is
+ * fog, which has no voxels. */
 enum neph_status neph_scaled_make(const struct neph_scene *scene, int nodes,
                                   struct neph_scene **made, double *count, struct neph_diag *diag);
 
-/* NULL is fine. */
+/* NULL is allowed. */
 void neph_scaled_destroy(struct neph_scene *made);
 
 #endif

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Cost over problem size: points of each axis, counting, timing, exponents.
+ */
 #include "harness/sweep/scaling.h"
 
 #include "base/exr.h"
@@ -15,45 +18,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when an axis is added, as the table of axes needs a row for it. */
 _Static_assert(NEPH_SCALING_AXES == 5, "a new kind");
 
-/* Fixed costs make what is small dearer, so that times may grow more slowly than the work. */
+/* Fixed costs make small problems relatively more expensive, so times may grow more slowly than
+ * work. */
 const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES] = {
-    [NEPH_SCALING_PIXELS] = {"pixels",
-                             "pixels of a picture",
-                             {0.25, 0.375, 0.5, 0.75, 1.0},
-                             {1, 1},
-                             {0, 1},
-                             "every pixel or tile has a ray of its own; what a picture costs "
-                             "besides is the same for all sizes"},
-    [NEPH_SCALING_STEPS] = {"steps",
-                            "steps of a ray",
-                            {8, 16, 32, 64, 128},
-                            {1, 1},
-                            {0, 1},
-                            "a step asks once; what a ray costs besides is the same for all"},
-    [NEPH_SCALING_VOXELS] = {"voxels",
-                             "voxels of the media",
-                             {24, 32, 48, 64, 96, 128},
-                             {0, 0},
-                             {0, 1.0 / 3.0},
-                             "a step looks at the same few voxels, however many there are; a "
-                             "cache holds less of more, at worst in proportion to those along a "
-                             "ray"},
+    [NEPH_SCALING_PIXELS] =
+        {"pixels",
+         "pixels of a frame",
+         {0.25, 0.375, 0.5, 0.75, 1.0},
+         {1, 1},
+         {0, 1},
+         "every pixel or tile has its own ray; fixed costs of a frame are the same for all sizes"},
+    [NEPH_SCALING_STEPS] =
+        {"steps",
+         "steps of a ray",
+         {8, 16, 32, 64, 128},
+         {1, 1},
+         {0, 1},
+         "every step evaluates the density once; fixed costs of a ray are the same for all"},
+    [NEPH_SCALING_VOXELS] =
+        {"voxels",
+         "voxels of the media",
+         {24, 32, 48, 64, 96, 128},
+         {0, 0},
+         {0, 1.0 / 3.0},
+         "a step reads the same few voxels in a grid of any size; caches cover a smaller part of a "
+         "large grid, at worst in proportion to the voxels along a ray"},
     [NEPH_SCALING_DEPTH] = {"density",
-                            "density, times that of the scene",
+                            "density, relative to the scene's",
                             {0.25, 0.5, 1, 2, 4},
                             {-1, 0},
                             {-1, 0},
-                            "nothing asks twice because there is more of it; a ray that ends "
-                            "where nothing gets through ends the sooner"},
+                            "a denser medium needs no further evaluations; rays that end at a low "
+                            "transmittance end earlier"},
     [NEPH_SCALING_PICTURES] = {"pictures",
-                               "pictures in a row",
+                               "frames in a row",
                                {4, 8, 16, 32, 64},
                                {1, 1},
                                {1, 1},
-                               "a history costs the same in every picture"},
+                               "a history costs the same in every frame"},
 };
 
 enum {
@@ -61,7 +66,7 @@ enum {
     ROUNDS = 3,
     POINTS_MAX = NEPH_SCALING_AXES * NEPH_SCALING_VALUES_MAX * NEPH_SCALING_SERIES
 };
-enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress */
+enum { KIND_POINT, KIND_PICTURES, KIND_ROUND }; /* of progress steps */
 
 int neph_scaling_value_count(const struct neph_scaling_axis *axis)
 {
@@ -71,14 +76,14 @@ int neph_scaling_value_count(const struct neph_scaling_axis *axis)
     return count;
 }
 
-/* A scene as an axis has it at a value: all series share it. */
+/* The scene at a value of an axis, shared by all series. */
 struct scene_at {
-    struct neph_scene *made; /* owned; NULL: the scene itself */
+    struct neph_scene *made; /* owned; NULL: the unchanged scene */
     double x;
     char missing[256];
 };
 
-/* A point of a line, and which it is of those that are rendered. */
+/* A point of a line, and the index of the rendered point with its result. */
 struct use {
     struct neph_scaling_point *into;
     int point;
@@ -88,11 +93,12 @@ struct work {
     const struct neph_scaling_params *params;
     struct neph_store *store;
     struct neph_scene *scene;
-    struct neph_sweep_plan plan; /* its series are those of the scaling */
+    struct neph_sweep_plan plan; /* has the series of the scaling */
     struct neph_engine_info infos[NEPH_SCALING_SERIES];
     struct scene_at scenes[NEPH_SCALING_AXES][NEPH_SCALING_VALUES_MAX];
-    struct neph_sweep_point *points; /* those that are rendered and timed one by one */
-    char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* of their jobs */
+    struct neph_sweep_point *points;               /* points that are rendered and timed */
+    char keys[POINTS_MAX + 1][NEPH_HASH_HEX_SIZE]; /* store keys of their jobs; one more for the
+                                                      search */
     int point_count;
     struct use uses[POINTS_MAX];
     int use_count;
@@ -172,7 +178,7 @@ static enum neph_status set_value(enum neph_scaling_axis_id axis, double value,
     return NEPH_OK;
 }
 
-/* Lines that meet have their point in common: it is rendered and timed once. */
+/* Finds or adds a point: a point that lies on two lines is rendered and timed once. */
 static enum neph_status have_point(struct work *work, const struct neph_sweep_series *series,
                                    const struct neph_job *job, int *index, struct neph_diag *diag)
 {
@@ -244,7 +250,7 @@ static enum neph_status count_point(struct work *work, struct neph_sweep_point *
     return status;
 }
 
-/* Pictures in a row: what is spent by the 4th, the 8th, ... */
+/* Renders frames in a row and records the accumulated cost at the 4th, the 8th, ... frame. */
 static enum neph_status count_pictures(struct work *work, struct neph_scaling_line *line,
                                        struct neph_diag *diag)
 {
@@ -275,7 +281,8 @@ static enum neph_status count_pictures(struct work *work, struct neph_scaling_li
     return status;
 }
 
-/* In a worker: its points' frames are in the store then. In the process itself: all points. */
+/* Renders points so that their frames are in the store. In worker 0, the main process, this reads
+ * all points. */
 static enum neph_status count_points(struct neph_worker *worker, void *context,
                                      struct neph_diag *diag)
 {
@@ -299,7 +306,7 @@ static enum neph_status count_all(struct work *work, struct neph_diag *diag)
         if (scaling->lines[i].axis == NEPH_SCALING_PICTURES) {
             work->progress.kind = KIND_PICTURES;
             status = count_pictures(work, &scaling->lines[i], diag);
-            neph_progress_tick(&work->progress, "pictures in a row");
+            neph_progress_tick(&work->progress, "frames in a row");
         }
     return status;
 }
@@ -329,7 +336,7 @@ static void fill_lines(struct work *work)
     }
 }
 
-/* --- the whole ------------------------------------------------------------------------------ */
+/* --- judgement, plan, run ------------------------------------------------------------------- */
 
 void neph_scaling_judge(struct neph_scaling *scaling)
 {
@@ -449,7 +456,7 @@ enum neph_status neph_scaling_load(const char *path, json_t **document, struct n
         return neph_fail(diag, NEPH_ERR_INPUT, "'%s': %s", path, error.text);
     if (strcmp(neph_json_text(loaded, "format"), "neph-scaling-1") != 0) {
         json_decref(loaded);
-        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' holds no scaling", path);
+        return neph_fail(diag, NEPH_ERR_INPUT, "'%s' is no file of `neph study scaling`", path);
     }
     *document = loaded;
     return NEPH_OK;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a picture costs against how much there is of it: pixels, steps, voxels, optical depth and
- * pictures in a row, each by itself, with the exponents that come of it and those that ought to.
- * Density evaluations are counted and the same on every device; times are those of one.
+ * Cost of a frame over problem size: pixels, steps, voxels, density and frames in a row, each
+ * varied by itself, with the fitted and the expected exponents. Density evaluations are counted and
+ * equal on every device; times are those of one device.
  */
 #ifndef NEPH_HARNESS_SWEEP_SCALING_H
 #define NEPH_HARNESS_SWEEP_SCALING_H
@@ -13,35 +13,35 @@
 
 /* --- exponents ------------------------------------------------------------------------------ */
 
-/* cost ~ x^value. NaN: fewer than three points with a logarithm, or all at one x. The interval is
- * Student's, 95 %, of the scatter about the line: of what is counted it says how straight that is.
- */
+/* cost ~ x^value. NaN: fewer than three usable points, or all at one x. The interval is Student's
+ * 95 % from the scatter about the line; for counted work, which has no noise, it shows the
+ * deviation from a power law. */
 struct neph_exponent {
     double value, low, high;
-    int count; /* points in it */
+    int count; /* number of points used */
 };
 
-/* The straight line through the logarithms of least squares. Points whose x or y is not above 0 are
- * left out. */
+/* Least-squares line through the logarithms. Points with x or y of 0 or less are skipped. */
 struct neph_exponent neph_exponent_fit(const double *x, const double *y, int count);
 
-/* Exponents that are as they should be; `low` may be -INFINITY. */
+/* Expected exponents; `low` may be -INFINITY. */
 struct neph_exponent_range {
     double low, high;
 };
 
-/* Exponents that differ by less are called the same: a factor of 1.26 over a decade. */
+/* Exponents that differ by less count as equal: a factor of 1.26 over a decade. */
 #define NEPH_EXPONENT_SAME 0.1
 
 enum neph_exponent_verdict {
-    NEPH_EXPONENT_NONE,     /* there is no exponent */
-    NEPH_EXPONENT_EXPECTED, /* the interval lies within the range, NEPH_EXPONENT_SAME wider */
-    NEPH_EXPONENT_OTHER,    /* it lies outside */
-    NEPH_EXPONENT_UNTOLD,   /* it is wider than that */
+    NEPH_EXPONENT_NONE,     /* no exponent */
+    NEPH_EXPONENT_EXPECTED, /* the interval is within the range, widened by NEPH_EXPONENT_SAME */
+    NEPH_EXPONENT_OTHER,    /* the interval is outside of it */
+    NEPH_EXPONENT_UNTOLD,   /* the interval overlaps its edge */
     NEPH_EXPONENT_VERDICTS,
 };
 extern const char *const neph_exponent_verdict_words[NEPH_EXPONENT_VERDICTS];
 
+/* Compares the interval of an exponent with the expected range. */
 enum neph_exponent_verdict neph_exponent_judge(const struct neph_exponent *exponent,
                                                struct neph_exponent_range range);
 
@@ -49,13 +49,13 @@ enum neph_exponent_verdict neph_exponent_judge(const struct neph_exponent *expon
 
 struct neph_scaling_params {
     const char *scene;       /* a name of the catalogue, or a path */
-    const char *preset;      /* of realtime, beside the march: "NAME" or "NAME+KEY=VALUE+..." */
-    int width_px, height_px; /* the largest */
-    int seed, jobs;          /* jobs: processes that render what is counted; 0: one */
+    const char *preset;      /* of realtime, beside the marcher: "NAME" or "NAME+KEY=VALUE+..." */
+    int width_px, height_px; /* largest size */
+    int seed, jobs;          /* jobs: processes that render the counted frames; 0: one */
     bool untimed, quiet;
     struct neph_times *times;          /* NULL when untimed */
-    bool retimes;                      /* what was timed before is timed again */
-    struct neph_shared_device *device; /* as neph_shot.device */
+    bool retimes;                      /* time again what was timed before */
+    struct neph_shared_device *device; /* like neph_shot.device */
 };
 
 enum neph_scaling_axis_id {
@@ -71,23 +71,24 @@ enum { NEPH_SCALING_VALUES_MAX = 6, NEPH_SCALING_SERIES = 2 };
 
 struct neph_scaling_axis {
     const char *name, *title;
-    double values[NEPH_SCALING_VALUES_MAX]; /* ends with a 0, or is full */
-    struct neph_exponent_range work, time;  /* as they ought to be */
-    const char *reason;                     /* of both */
+    double values[NEPH_SCALING_VALUES_MAX]; /* ends with a 0 unless it is full */
+    struct neph_exponent_range work, time;  /* expected exponents */
+    const char *reason;                     /* reason for both */
 };
 extern const struct neph_scaling_axis neph_scaling_axes[NEPH_SCALING_AXES];
 int neph_scaling_value_count(const struct neph_scaling_axis *axis);
 
 struct neph_scaling_point {
-    double x;                /* pixels, steps, voxels, a factor of all extinctions, pictures */
-    double evaluations;      /* of density, of a picture or of all of them; NaN: not counted */
-    struct neph_spread time; /* likewise [s]; NaN: not timed */
+    double x;                /* pixels, steps, voxels, factor of all extinctions, or frames */
+    double evaluations;      /* density evaluations of a frame, or of all frames in a row; NaN: not
+                                counted */
+    struct neph_spread time; /* of the same [s]; NaN: not timed */
 };
 
 struct neph_scaling_line {
     enum neph_scaling_axis_id axis;
     int series;
-    char missing[256]; /* why there is none; "" */
+    char missing[256]; /* reason why there are no points; "" */
     struct neph_scaling_point points[NEPH_SCALING_VALUES_MAX];
     int count;
     struct neph_exponent work, time;
@@ -96,24 +97,25 @@ struct neph_scaling_line {
 
 struct neph_scaling {
     char scene[64], scene_hash[NEPH_HASH_HEX_SIZE], device[128];
-    int width_px, height_px; /* of the largest picture */
+    int width_px, height_px; /* of the largest frame */
     char series[NEPH_SCALING_SERIES][256];
     struct neph_scaling_line lines[NEPH_SCALING_AXES * NEPH_SCALING_SERIES];
     int line_count;
-    bool has_closed_form; /* engine exact marches no ray in it, whatever there is of it */
+    bool has_closed_form; /* `exact` has a closed form: its cost does not depend on the sizes */
 };
 
-/* Frames go through the store, times into params->times. NEPH_ERR_USAGE: there is no such preset;
- * NEPH_ERR_UNAVAILABLE: there is no device; NEPH_ERR_INTERRUPTED: what is finished stays. */
+/* Runs all axes. Frames go through the store, times into params->times. NEPH_ERR_USAGE: no such
+ * preset; NEPH_ERR_UNAVAILABLE: no device; NEPH_ERR_INTERRUPTED: finished frames stay in the store.
+ */
 enum neph_status neph_scaling_run(const struct neph_scaling_params *params,
                                   struct neph_store *store, struct neph_scaling *scaling,
                                   struct neph_diag *diag);
 
-/* Exponents and verdicts from the points. */
+/* Computes exponents and verdicts from the points. */
 void neph_scaling_judge(struct neph_scaling *scaling);
 
-/* The JSON of an earlier run, {"format": "neph-scaling-1", ...}, docs/sweep.md; to json_decref.
- * NEPH_ERR_INPUT: the file holds none. */
+/* Reads the JSON of an earlier run, {"format": "neph-scaling-1", ...} (docs/sweep.md), for
+ * json_decref(). NEPH_ERR_INPUT: another file. */
 enum neph_status neph_scaling_load(const char *path, json_t **document, struct neph_diag *diag);
 
 #endif

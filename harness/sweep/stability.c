@@ -1,10 +1,13 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Compares the Pareto fronts of several sweeps.
+ */
 #include "harness/sweep/stability.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when an outcome is added, as the table of words needs a row for it. */
 _Static_assert(NEPH_STABILITY_OUTCOMES == 5, "a new kind");
 
 const char *const neph_stability_words[NEPH_STABILITY_OUTCOMES] = {
@@ -59,8 +62,8 @@ static bool is_beaten(const struct neph_sweep *sweep, int point, enum neph_sweep
     return false;
 }
 
-/* By the least part that it would have to be cheaper or better, so that nothing beats it; better,
- * where what beats it costs the same. */
+/* Smallest relative reduction of cost or value that puts the point on the front; of the value only
+ * where the costs are equal. */
 static double off_in(const struct neph_sweep *sweep, const struct neph_sweep_point *point,
                      enum neph_sweep_cost cost, enum neph_sweep_number number)
 {

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Sweeps: points of a plan, ground truth, measurements, worker processes.
+ */
 #include "harness/sweep/sweep.h"
 
 #include "base/clock.h"
@@ -18,14 +21,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KIND_TRUTH, KIND_POINT, KIND_REFERENCE, KIND_ROUND }; /* of progress */
+enum { KIND_TRUTH, KIND_POINT, KIND_REFERENCE, KIND_ROUND }; /* of progress steps */
 
-/* Guesses on two cores. */
+/* Expected seconds of a step, on two cores. */
 static const double truth_typical_s = 60.0, point_typical_s = 6.0, round_typical_s = 20.0;
 
-/* --- pictures ------------------------------------------------------------------------------- */
+/* --- frames --------------------------------------------------------------------------------- */
 
-/* Motion ends with the scene. */
+/* Chooses the number of frames: at most the scene's where it moves. */
 static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag *diag)
 {
     const struct neph_sweep_plan *plan = sweep->plan;
@@ -39,13 +42,13 @@ static enum neph_status choose_frames(struct neph_sweep *sweep, struct neph_diag
     sweep->frame = sweep->frame_count - 1;
     if (sweep->frame_count - plan->warm_up >= NEPH_SWEEP_FRAMES_MIN)
         return NEPH_OK;
-    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d pictures, of which %d are warm-up",
+    neph_fail(diag, NEPH_ERR_UNSUPPORTED, "%s moves for %d frames, of which %d are warm-up",
               sweep->scene->name, sweep->scene->frame_count, plan->warm_up);
     if (most >= NEPH_SWEEP_FRAMES_MIN)
-        neph_hint(diag, "a plan with a warm_up of %d or less has %d to measure",
+        neph_hint(diag, "a plan with a warm_up of %d or less leaves %d to measure",
                   most - NEPH_SWEEP_FRAMES_MIN, NEPH_SWEEP_FRAMES_MIN);
     else
-        neph_hint(diag, "flicker is of %d pictures or more", NEPH_SWEEP_FRAMES_MIN);
+        neph_hint(diag, "flicker needs %d frames or more", NEPH_SWEEP_FRAMES_MIN);
     return NEPH_ERR_UNSUPPORTED;
 }
 
@@ -60,7 +63,7 @@ static bool is_wanted(const struct neph_sweep_params *params, int series, int pl
     return wanted && (!params->wanted || params->wanted[series * NEPH_SWEEP_VALUES_MAX + place]);
 }
 
-/* Only engines of the plan are probed, once: some take a second to tell their version. */
+/* Probes an engine when the plan uses it, once: some take a second to report their version. */
 static const struct neph_engine_info *info_of(const struct neph_sweep_params *params,
                                               const struct neph_sweep *sweep,
                                               const struct neph_engine *engine)
@@ -165,7 +168,7 @@ static bool has_series(const struct neph_sweep_plan *plan, const char *name)
     return false;
 }
 
-/* Names that the plan has not got are told before anything is rendered. */
+/* Refuses unknown names of series before any rendering. */
 static enum neph_status check_only(const struct neph_sweep_params *params, struct neph_diag *diag)
 {
     const struct neph_sweep_plan *plan = params->plan;
@@ -187,7 +190,7 @@ static enum neph_status check_only(const struct neph_sweep_params *params, struc
 
 /* --- measuring ------------------------------------------------------------------------------ */
 
-/* Points with the same steps behind each other share their reference. */
+/* Sorts points with the same label behind each other, as these share their reference. */
 static int by_reference(const void *a_, const void *b_)
 {
     const struct neph_sweep_point *a = *(struct neph_sweep_point *const *)a_,
@@ -214,7 +217,7 @@ static enum neph_status measure_point(struct neph_sweep_bench *bench,
     return status;
 }
 
-/* Points in the order in which they share references; to free. NULL: memory is short. */
+/* Points in an order in which they share references, to free; NULL: out of memory. */
 static struct neph_sweep_point **order_points(const struct neph_sweep *sweep)
 {
     const size_t count = (size_t)sweep->point_count, size = sizeof(struct neph_sweep_point *);
@@ -267,7 +270,7 @@ static enum neph_status make_truth(const struct neph_sweep_params *params, struc
     progress->kind = KIND_TRUTH;
     neph_progress_begin(progress, "truth");
     struct neph_shot shot = sweep->points[0].job.shot;
-    shot.scene = sweep->scene; /* with all its orders, whatever that series has */
+    shot.scene = sweep->scene; /* with all its scattering, whatever the first series has */
     shot.frame = sweep->frame;
     const enum neph_status status = neph_sweep_truth_make(params->plan, &shot, store, truth, diag);
     if (status)
@@ -307,7 +310,7 @@ static enum neph_status prepare(const struct neph_sweep_params *params, struct n
     return status ? status : fill_points(params, sweep, diag);
 }
 
-/* What a sweep has, and those who help with it. */
+/* A sweep and the progress of its workers. */
 struct whole {
     const struct neph_sweep_params *params;
     struct neph_store *store;
@@ -356,7 +359,7 @@ static enum neph_status run_whole(const struct whole *whole, struct neph_diag *d
 
 /* --- several processes ---------------------------------------------------------------------- */
 
-/* Where the points of a group begin, which share a reference; `count`: there are no more groups. */
+/* Start of a group of points that share a reference; `count`: there are no more groups. */
 static int start_of_group(struct neph_sweep_point *const *order, int count, int group)
 {
     int start = 0;
@@ -368,14 +371,15 @@ static int start_of_group(struct neph_sweep_point *const *order, int count, int 
     return start;
 }
 
-/* A picture that is rendered whole may be timed by what it costs then: it is rendered alone. */
+/* A single frame may be timed by its rendering, so the main process renders it without other load.
+ */
 static bool is_for_workers(const struct neph_sweep_point *point)
 {
     return neph_sweep_is_sequence(point) || neph_flight_applies(point->job.engine);
 }
 
-/* The groups of a worker: their frames are in the store then, for the process that started it. No
- * error is taken, as the truth is made by that process. */
+/* Renders the groups of a worker, so that their frames are in the store for the main process. No
+ * error is measured here, as only the main process has the ground truth. */
 static enum neph_status run_groups(const struct whole *whole, struct neph_worker *worker,
                                    struct neph_diag *diag)
 {

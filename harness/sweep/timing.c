@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * Times of a sweep's points, in rounds.
+ */
 #include "harness/sweep/point.h"
 
 #include "harness/sweep/repeat.h"
@@ -7,30 +10,31 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a value is added, as rounds repeat the error only. */
 _Static_assert(NEPH_SWEEP_NUMBERS == 5, "a new kind");
 
-enum { WARM_UP_FRAMES = 16 }; /* four turns of the four frames: a history */
+enum { WARM_UP_FRAMES = 16 }; /* four cycles of four frames fill a history */
 
-/* What is gathered of a point over the rounds. */
+/* Times and errors of a point over the rounds. */
 struct timed {
-    struct neph_job job; /* with its sequence, of what flies */
+    struct neph_job job; /* with its open sequence, for frames in flight */
     bool flies;
     long picture;
     struct neph_flown flown;
-    double *seconds; /* of pictures that are rendered one at a time, */
+    double *seconds; /* of single frames; errors likewise */
     struct neph_sweep_value *errors;
-    struct neph_cost last; /* of the last of them */
+    struct neph_cost last; /* of the latest single frame */
     int rendered;
 };
 
-/* Those that can be timed and were not before. */
+/* Whether a point is to be timed: it can be rendered and has no stored time. */
 static bool is_due(const struct neph_sweep_point *point)
 {
     return !point->missing[0] && point->timed == 0;
 }
 
-/* Whose rounds are seeds of the error: what was timed before has them, too, from the store. */
+/* Whether the rounds are seeds of the error. Points with a stored time get these frames, too, from
+ * the store. */
 static bool has_seeds(const struct neph_sweep_point *point)
 {
     return !point->missing[0] && point->job.engine->stochastic &&
@@ -99,7 +103,7 @@ static enum neph_status run_round(struct neph_sweep_bench *bench, struct neph_sw
     return status;
 }
 
-/* --- what came of it ------------------------------------------------------------------------ */
+/* --- results -------------------------------------------------------------------------------- */
 
 static void conclude_time(struct timed *timed, struct neph_sweep_point *point)
 {
@@ -126,7 +130,7 @@ static enum neph_status conclude(const struct neph_sweep_bench *bench, struct ti
                                        : NEPH_OK;
 }
 
-/* --- all ------------------------------------------------------------------------------------ */
+/* --- all points ----------------------------------------------------------------------------- */
 
 static enum neph_status run_rounds(struct neph_sweep_bench *bench, struct neph_sweep_point *points,
                                    struct timed *all, int count, struct neph_diag *diag)

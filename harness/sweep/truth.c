@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * The ground truth of a sweep, and errors against it.
+ */
 #include "harness/sweep/truth.h"
 
 #include "base/exr.h"
@@ -11,12 +14,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A new kind does not compile before this file was looked through for it. */
+/* Fails to compile when a kind is added, as has_interval() interprets them. */
 _Static_assert(NEPH_INTERVAL_KIND_COUNT == 5, "a new kind");
 
 static const char *const candidates[] = {"exact", "tracer"};
 
-/* --- pictures ------------------------------------------------------------------------------- */
+/* --- frames --------------------------------------------------------------------------------- */
 
 static enum neph_status render(const struct neph_engine *engine,
                                const struct neph_engine_info *info, const struct neph_shot *shot,
@@ -45,17 +48,18 @@ static enum neph_status check_light(const struct neph_image *image, double *mean
     float *planes[3];
     double sum = 0.0;
     if (!neph_image_rgb(image, NULL, planes))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame of the truth has no radiance");
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < count; i++)
             sum += planes[c][i];
     *mean = sum / (3.0 * (double)count);
-    return *mean > 0.0 ? NEPH_OK
-                       : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
-                                   "the truth of this scene is black: nothing is off by a part");
+    return *mean > 0.0
+               ? NEPH_OK
+               : neph_fail(diag, NEPH_ERR_UNSUPPORTED,
+                           "the truth of this scene is black: a relative error is undefined");
 }
 
-/* The mean of both into the first; half their difference is its noise. */
+/* Averages both frames into the first; half their difference is the noise. */
 static enum neph_status merge(struct neph_image *first, const struct neph_image *second,
                               double *noise, struct neph_diag *diag)
 {
@@ -63,7 +67,7 @@ static enum neph_status merge(struct neph_image *first, const struct neph_image 
     float *a[3], *b[3];
     double squares = 0.0, mean = 0.0;
     if (!neph_image_rgb(first, NULL, a) || !neph_image_rgb(second, NULL, b))
-        return neph_fail(diag, NEPH_ERR_INTERNAL, "a picture of the truth has no radiance");
+        return neph_fail(diag, NEPH_ERR_INTERNAL, "a frame of the truth has no radiance");
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < count; i++) {
             const double half = 0.5 * ((double)a[c][i] - b[c][i]);
@@ -79,7 +83,7 @@ static enum neph_status merge(struct neph_image *first, const struct neph_image 
 static const char *clear_mask(const struct neph_image *image, struct neph_diag *diag,
                               enum neph_status *status)
 {
-    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* linear errors do not ask for it */
+    const struct neph_viewing viewing = NEPH_VIEWING_DEFAULTS; /* not used by linear errors */
     struct neph_measurements list = {0};
     *status = neph_measure(image, image, "error", &viewing, &list, diag);
     const bool has_edges = neph_measurement_find(&list, "radiance", "rel_rmse", "non_edge");
@@ -139,8 +143,8 @@ enum neph_status neph_sweep_truth_make(const struct neph_sweep_plan *plan,
         snprintf(why + used, sizeof(why) - used, "%s%s: %s", i > 0 ? "; " : "", engine->name,
                  info.available ? reason : info.missing);
     }
-    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "scene %s has no truth to sweep against: %s",
-                     shot->scene->name, why);
+    return neph_fail(diag, NEPH_ERR_UNSUPPORTED, "scene %s has no truth: %s", shot->scene->name,
+                     why);
 }
 
 void neph_sweep_truth_finish(struct neph_sweep_truth *truth)

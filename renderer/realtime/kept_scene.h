@@ -44,7 +44,7 @@ enum neph_status neph_rt_kept_scene_take(struct neph_rt_kept_scene *kept,
                                          uint32_t alike, bool is_alone, uint32_t *given,
                                          struct neph_diag *diag);
 
-/* The same for the composed frame before anti-aliasing. It needs media that only absorb
+/* Keeps or takes the composed frame before anti-aliasing. It needs media that only absorb
  * (neph_rt_device.is_dark) and intermediate targets that no later frame reads: rays without noise
  * then give the same bits for each place of the jitter, once every texel has its ray. Call it after
  * neph_rt_kept_scene_take(), when RT_STEADY of the frame is known. */

@@ -49,7 +49,7 @@
  *        pixels are the mean of all their frames, at half resolution and in the anti-aliasing, and
  *        that mean follows slow light. Elsewhere the anti-aliasing is fast and follows the medium.
  * fsr2   after AMD's FidelityFX Super Resolution 2, and
- * svgf   after Schied et al., HPG 2017: docs/taau.md lists the differences from the originals.
+ * svgf   after Schied et al., HPG 2017: docs/realtime.md lists the differences from the originals.
  */
 #include "renderer/realtime/options.h"
 

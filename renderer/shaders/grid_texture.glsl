@@ -6,7 +6,7 @@
 // the edge extends beyond its faces.
 //
 // The error comes from the unit's interpolation weights, 8 bits on GPUs, and from the texel format
-// (docs/shortcuts.md).
+// (docs/realtime.md).
 #ifndef NEPH_GRID_TEXTURE_GLSL
 #define NEPH_GRID_TEXTURE_GLSL
 

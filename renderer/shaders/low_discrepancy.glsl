@@ -3,8 +3,8 @@
 // Low-discrepancy samples of the unit square: the first two dimensions of I. M. Sobol's sequence
 // (1967), with hash-based Owen scrambling.
 //
-// Of 2^k points, starting at any multiple of 2^k, exactly one lies in each of the 2^k elementary
-// rectangles of any one shape:
+// Any 2^k points that start at a multiple of 2^k are stratified: exactly one lies in each of the
+// 2^k elementary rectangles of any one shape:
 //
 //   k = 2:   +---+---+   +-------+   +-+-+-+-+
 //            |   |   |   +-------+   | | | | |

@@ -141,8 +141,8 @@ void pass_clear_steps(ViewRay ray, Steps steps, float place, uint end, inout uin
 
 vec4 ahead[2]; // densities of the block of eight steps around step i
 
-// The same for a texture: eight fetches are issued together, because a GPU would otherwise wait for
-// each.
+// Moves `i` on as pass_clear_steps() does, in a texture. Eight fetches are issued together, because
+// a GPU would otherwise wait for each.
 void pass_clear_texels(ViewRay ray, Steps steps, float place, uint end, inout uint i)
 {
     TextureRay way = texture_ray(ray.origin_m, ray.direction);

@@ -97,7 +97,7 @@ vec3 lamp_step_light(Lamp lamp, LampPass pass, Mixture mixture, ViewRay ray, Str
     return sum;
 }
 
-// The same for all lights. Before and after, the globals belong to the step's own mixture.
+// Light of all lights in a step. Before and after, the globals belong to the step's own mixture.
 vec3 lamps_step_light(Mixture mixture, ViewRay ray, Stretch stretch, float start_m, float length_m,
                       vec3 step_depth)
 {

@@ -10,7 +10,7 @@
 //               light
 //               /|\           h: height of the triangle over the step
 //              / | \          theta1 - theta0: angle at the light
-//             /  |h \
+//             /  |h \         (an angle)
 //   ray ----|----+---|---->
 //
 // so a step that passes close to a light neither misses it nor overestimates it. All other
@@ -152,7 +152,7 @@ vec3 lamp_light(Lamp lamp, LampPass pass, vec3 extinction_per_m, ViewRay ray, fl
     return sum / max(extinction_per_m, LEAST);
 }
 
-// The same for all lights, in a froxel with the mixture that was sampled last.
+// Light of all lights in a froxel with the mixture that was sampled last.
 vec3 lamps_light(Mixture mixture, ViewRay ray, float start_m, float length_m, vec3 step_depth)
 {
     vec3 sum = vec3(0.0);

@@ -423,7 +423,7 @@ vec3 kept_octave_scattering(vec3 optical_depth)
     return sum;
 }
 
-// The same as one sum for all channels; the kept phase functions include a^i.
+// Octaves as one sum for all channels; the kept phase functions include a^i.
 vec3 summed_octave_scattering(float optical_depth)
 {
     float sum = 0.0, attenuation = 1.0; // b^i

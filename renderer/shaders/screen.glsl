@@ -35,7 +35,7 @@ layout(std430, binding = 5) readonly buffer ScreenView {
     // In the order of the table of options; choices as whole numbers.
     float settings[SCREEN_SETTING_COUNT];
     uint size_px[2];
-    // Of the image plane: tangents (perspective camera) or metres (orthographic).
+    // Half the size of the image plane: tangents (perspective camera) or metres (orthographic).
     float half_size[2];
     uint is_orthographic;
     uint frame; // for the noise

@@ -108,7 +108,7 @@
 #define SCREEN_GI_A 15 // after smoothing pass 1, 3, ..
 #define SCREEN_GI_B 16 // after smoothing pass 2, 4, ..
 #define SCREEN_LIT 17 // RGB: radiance with all light of diffuse surfaces
-// The same for a white metal.
+// Light of a white metal: the buffers of the reflections, as above.
 #define SCREEN_SSR_RAW 18
 #define SCREEN_SSR_MEAN 19
 #define SCREEN_SSR_A 20

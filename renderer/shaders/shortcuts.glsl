@@ -2,7 +2,7 @@
 //
 // Approximations of the ray marcher, each enabled by a bit of a specialization constant (struct
 // neph_shortcuts): growing steps, empty-space skipping, early ray termination. The ones for sun
-// rays are in sun_cache.glsl and cloud_shadow.glsl. Measurements: docs/shortcuts.md.
+// rays are in sun_cache.glsl and cloud_shadow.glsl. Measurements: docs/realtime.md.
 #ifndef NEPH_SHORTCUTS_GLSL
 #define NEPH_SHORTCUTS_GLSL
 

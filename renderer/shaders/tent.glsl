@@ -3,8 +3,8 @@
 // A layer around a sphere with a tent profile over altitude, and its integral along a ray.
 //
 //   density 1         .
-//                    / \
-//                   /   \
+//                    / \       peak
+//                   /   \      at the centre
 //   density 0  ____/     \____      over altitude
 //                  |--|
 //                  half_width_m

@@ -35,7 +35,7 @@ const float ROULETTE = 0.05;
 // the variance of the pixel would not show.
 const float SUN_ROULETTE = 0.2;
 
-// The same for light of lamps that is scattered on the view ray, with a lower threshold: behind an
+// The threshold for light of lamps that is scattered on the view ray is lower: behind an
 // optical depth of 10 a roulette at 0.2 keeps one ray in 4,000, and the variance of a pixel does
 // not show the loss.
 const float LAMP_ROULETTE = 0.01;

@@ -14,12 +14,13 @@ HEAD = """\
 name: foliage
 title: Leaves of one pixel at random over a tenth of the view, before a cloud
 description: >
-  500 squares that cover exactly one pixel each at 320x180, at random over a tenth of the middle
-  100 x 50 pixels and at random between 8 and 12 m, before a cloud some eight times as bright as the
-  fog before them. A tile of 4 x 4 pixels there holds one or two: its nearest and farthest depth lie
-  at single pixels, few rays of a coarse grid meet one, and what one frame finds the next one loses.
-  The sun stands above, and cloud and fog end before and behind the leaves, so that no shadow falls
-  into them. Nothing moves. Truth: exact.
+  500 leaves of exactly one pixel each at 320x180, at random over a tenth of the view and at 8 to 12
+  m, before a brighter cloud: few rays of a coarse grid meet one, and the next frame loses it again.
+  The reference is engine `exact`.
+# They cover a tenth of the middle 100 x 50 pixels; the cloud is about eight times as bright as the
+# fog before them. A tile of 4 x 4 pixels has one or two leaves: its nearest and farthest depth lie
+# at single pixels. The sun is above, and cloud and fog do not reach the leaves: no shadow falls
+# into them.
 # One pixel is 0.004 of the distance: tan(fov / 2) = 90 * 0.004.
 camera: {position_m: [0, 2, 0], look_at_m: [0, 2, -10], vertical_fov_deg: 39.597752709049864}
 frames: {count: 64, rate_hz: 30}

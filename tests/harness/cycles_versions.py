@@ -1,25 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""How far Blenders are from the truth, by hand: several seeds of each scene of the catalogue.
+"""The errors of different Blenders, run by hand: several seeds of each scene of the catalogue.
 
     cycles_versions.py NEPH OUTPUT.json [--blender PATH]... [--scene NAME]... [--seeds N]
                        [--samples N] [--size WxH] [--modes default,biased]
 
-Mode "default" is without steps where a Blender has that, "biased" in steps.
+Mode "default" marches without steps where a Blender supports this, "biased" marches in steps.
 
-For each Blender and scene it renders the radiance by N seeds in one process with the spec that
-`neph export` writes and scripts/blender_render.py, and compares means over the image with `exact`,
-where that can, or with the tracer by four seeds. A row has
+For each Blender and scene it renders the radiance with N seeds in one process, from the
+specification that `neph export` writes, by scripts/blender_render.py. It compares means over the
+image with `exact`, where that supports the scene, or with the tracer's mean of four seeds. A row
+has
 
     bias     mean of the seeds over the reference, less 1
-    error    standard error of that, from the scatter of the seeds (and of the tracer's)
+    error    standard error of the bias, from the scatter of the seeds (and of the tracer's)
     z        bias / error
-    spread   scatter of the seeds' means over what the noise of single pixels would make of it if
-             pixels were independent of each other: 1 where they are
+    spread   scatter of the seeds' means, divided by the scatter that independent pixels with the
+             same noise would give: 1 if pixels are independent
     noise    relative standard deviation of a pixel at these samples, root mean square
     negative pixels below 0, of all seeds, and their sum over the sum of all
     cpu_s    processor time of one radiance image, without start-up
-    T        rms and largest error of the transmittance against `exact`, where that can
+    T        rms and largest error of the transmittance against `exact`, where it supports it
 """
 import argparse
 import datetime
@@ -39,7 +40,7 @@ from frames import read_exr  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts/blender_render.py"
 
-# Runs inside Blender: the project's script but for its last line, then every seed.
+# Runs inside Blender: the project's script without its last line, then every seed.
 LOOP = """
 import json, sys, time
 code = open("blender_render.py").read()
@@ -83,7 +84,7 @@ def mean(plane):
 
 
 class Reference:
-    """Means per colour, their standard errors, and the transmittance."""
+    """Means of each colour, their standard errors, and the transmittance."""
 
     def __init__(self, neph, scene, size, folder):
         self.transmittance = None
@@ -113,7 +114,8 @@ def passes_of(spec, kind):
 
 
 def render(blender, spec, files, mode, seeds, samples, folder):
-    """Planes of grey radiance by seed, transmittance, seconds of a radiance image."""
+    """Returns planes of grey radiance by seed, the transmittance, and the seconds of a radiance
+    image."""
     folder.mkdir()
     for path in files:
         (folder / path.name).write_bytes(path.read_bytes())
@@ -127,7 +129,7 @@ def render(blender, spec, files, mode, seeds, samples, folder):
     (folder / "plan.json").write_text(json.dumps(plan))
     run([blender, "-b", "--factory-startup", "-noaudio", "-t", "2", "--python-exit-code", "7",
          "--python", "loop.py"], cwd=folder,
-        env={k: v for k, v in os.environ.items() if k != "PWD"})  # which Blender believes
+        env={k: v for k, v in os.environ.items() if k != "PWD"})  # Blender would use it
     told = json.loads((folder / "seconds.json").read_text())
 
     def planes(number, seed):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph ablate` as a user runs it, in small pictures: what parts change, files, reuse, refusals."""
+"""`neph ablate` as a user runs it, with small frames: effects of parts, files, reuse, refused
+arguments."""
 import csv
 import json
 import math
@@ -9,7 +10,8 @@ import xml.etree.ElementTree
 
 from neph_case import StudyCase
 
-# A wall half before a blob that fills the picture: an edge, and every ray meets the medium.
+# A wall in half of the frame, before a blob that fills the frame: an edge, and a medium on every
+# ray.
 REST = """
 name: rest
 title: a test
@@ -50,10 +52,10 @@ class Ablate(StudyCase):
         arguments = (*self.scenes, "--takes", "flicker")
         text, found = self.ablate(*arguments, "--all")
         for word in ("preset ours, 32x16, 3 steps", "Scenes: rest backlit.", "\n| split | ",
-                     "\n- split: lowers density evaluations a pixel (-94 %)",
+                     "\n- split: lowers density evaluations per pixel (-94 %)",
                      "not in this preset: upscale_dither"):
             self.assertIn(word, text)
-        # A ray in 4x4 pixels; every ray has its steps.
+        # One ray in 4x4 pixels; the number of steps of a ray is unchanged.
         evaluations = self.effect(found, "split", "in_preset", "evaluations")
         for decades in evaluations["scenes"].values():
             self.assertAlmostEqual(decades, -math.log10(16), delta=1e-9)
@@ -94,7 +96,7 @@ class Ablate(StudyCase):
         _, found = self.ablate(self.scenes[0], "--takes", "step", "--jobs", "2")
         half_life = self.effect(found, "split", "in_preset", "half_life")
         self.assertEqual((list(half_life["scenes"]), half_life["interval"]), (["rest"], None))
-        self.assertGreater(half_life["decades"], 0.0)  # every pixel sees new light at once
+        self.assertGreater(half_life["decades"], 0.0)  # every pixel has the new light at once
 
     def test_the_list_says_who_claims_what(self):
         done = self.neph("ablate", "--list", "--preset", "ue")
@@ -111,7 +113,7 @@ class Ablate(StudyCase):
             (64, ("'bux'", "box"), (rest, "--only", "box,bux")),
             (64, "'box' is twice", (rest, "--only", "box,box")),
             (64, ("override=none", "--list"), (rest, "--preset", "ue", "--only", "override")),
-            (64, ("'sine'", "flicker and step"), (rest, "--takes", "sine")),
+            (64, ("'sine'", "flicker or step"), (rest, "--takes", "sine")),
             (64, "multiple of 4", (rest, "--frames", "18")),
             (64, ("'0'", "1..64"), (rest, "--seeds", "0")),
             (66, "no_such", ("no_such",)),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph bake`, run as a user would: files, the printed error, and what goes wrong."""
+"""`neph bake` as a user runs it: files, the printed error, and refused arguments."""
 import math
 import pathlib
 import shutil
@@ -42,7 +42,7 @@ class Bake(neph_case.NephCase):
         return path
 
     def transmittance(self, name, medium, engine="exact", *settings):
-        """Of each pixel, row 0 on top."""
+        """The transmittance of each pixel, first row on top."""
         self.neph("render", self.write_scene(name, medium), "-e", engine, "--size", "11x9", "-q",
                   "-o", self.folder / "out", *settings)
         frame = self.folder / "out" / f"{name}_{engine}_0000.exr"
@@ -110,8 +110,8 @@ class Bake(neph_case.NephCase):
             self.assertAlmostEqual(found[4 * 11 + 5], math.exp(-depth * voxel_m), delta=1e-6)
 
     def turned(self):
-        """The entry of the block on its side, where node (i, j, k) is at (i, k, -j), and its
-        transmittance by engine exact. The block has three different sides."""
+        """Returns the scene entry of the block turned on its side, where node (i, j, k) is at (i,
+        k, -j), and its transmittance by engine exact. The block has three different sides."""
         entry = self.baked_entry("block.vdb").replace(
             "}", ", up: z, origin_m: [0, 2, 2.5], albedo: [0, 0, 0]}")
         return entry, self.transmittance("turned", entry)
@@ -127,8 +127,8 @@ class Bake(neph_case.NephCase):
     @night.of_the_night
     def test_other_engines_see_it_there_too(self):
         entry, expected = self.turned()
-        # Another node would be off by 1e-2. Floats: 1.2e-7 and 4e-6 were measured. POV-Ray sums up
-        # steps: 2.4e-5.
+        # A neighbouring node would differ by 1e-2. Float engines: 1.2e-7 and 4e-6 were measured.
+        # POV-Ray sums steps: 2.4e-5.
         for engine, delta in (("tracer", 1e-6), ("cycles", 4e-5), ("povray", 2e-4)):
             with self.subTest(engine):
                 self.assert_close(self.transmittance("turned", entry, engine), expected, delta)
@@ -144,7 +144,7 @@ class Bake(neph_case.NephCase):
         self.assertEqual(bakes["povray"]["grid"], "64 x 64 x 64 nodes")
         self.assertGreater(bakes["povray"]["transmittance_max"], 1e-5)
         self.assertLess(bakes["povray"]["transmittance_max"], 1e-2)
-        # now from the store
+        # from the store
         self.assertIn("of 64 x 64 x 64 nodes: off by up to", self.neph(*request).stdout)
 
     def test_wrong_requests_say_the_way_out(self):

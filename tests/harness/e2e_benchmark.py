@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph benchmark`: what its numbers mean to each other. No absolute times: machines differ."""
+"""`neph benchmark`: relations between its numbers. No absolute times: machines differ."""
 import json
 import math
 import unittest
@@ -21,12 +21,12 @@ class Benchmark(NephCase):
         return done
 
     def measured(self, *arguments):
-        """What it says in JSON and on stderr."""
+        """Returns its JSON and stderr."""
         done = self.benchmark(*arguments, "--json")
         return json.loads(done.stdout), done.stderr
 
     def error_of_black(self, scene, size):
-        """The relative RMSE of a black picture: the RMS of the march's over its mean."""
+        """The relative RMSE of a black frame: the RMS of the march's frame over its mean."""
         self.neph("render", scene, "-e", "march", "--size", size, "-o", self.folder)
         channels = frames.read_exr(self.folder / f"{scene}_march_0000.exr")[2]
         values = [value for name in "RGB" for value in channels[name]]
@@ -45,18 +45,18 @@ class Benchmark(NephCase):
                 rungs = engine["rungs"]
                 self.assertEqual(len(rungs), 4)
                 for rung in rungs:
-                    # Noise alone. Two seeds of 2304 pixels, a quarter of them with noise, know its
-                    # variance to 8 %; how many samples they get depends on the machine's speed.
+                    # Noise only. Two seeds of 2304 pixels, a quarter of them with noise, determine
+                    # its variance to 8 %; the number of samples depends on the machine's speed.
                     self.assertLess(abs(rung["error2"] / rung["noise2"] - 1.0), 0.5)
                     self.assertGreater(rung["render_s"], 0.0)
-                # Noise^2 x samples is the same on all rungs.
+                # Noise^2 x samples is constant.
                 work = [rung["noise2"] * rung["samples"] for rung in rungs]
                 self.assertLess(max(work) / min(work), 2.0)
                 for name in ("cost_s", "times"):
                     value = engine[name]
                     self.assertTrue(0.0 < value["low"] <= value["value"] <= value["high"])
-                # Unbiased: Student with 7 degrees of freedom passes 3 x 2.4 standard errors once in
-                # 5000.
+                # Unbiased: Student's t with 7 degrees of freedom exceeds 3 x 2.4 standard errors
+                # once in 5000.
                 bias = engine["bias"]
                 half = bias["high"] - bias["value"]
                 self.assertLess(abs(bias["value"]), 3.0 * half)
@@ -65,8 +65,9 @@ class Benchmark(NephCase):
         self.assertAlmostEqual(tracer["times"]["value"] / ratio, 1.0, places=6)
 
     def check_rmse_times(self, engine):
-        """A time within the ladder lies between the longest rung that is worse and the next one:
-        on a busy machine more samples may take less time, so rungs go by their times."""
+        """A time within the measured range lies between the longest measurement with a larger error
+        and the next one. On a busy machine more samples may take less time, so the order is by
+        time."""
         self.assertEqual([t["rmse"] for t in engine["rmse_times"]], [0.03, 0.01])
         for time in engine["rmse_times"]:
             errors = sorted((r["render_s"], r["error2"]) for r in engine["rungs"])
@@ -80,7 +81,7 @@ class Benchmark(NephCase):
                 self.assertEqual(worse, [])
             elif time["found"] == "beyond":
                 self.assertGreater(errors[-1][1], time["rmse"] ** 2)
-            else:  # an unbiased engine's bias is never known to be 1 %
+            else:  # the bias of an unbiased engine is never known to be 1 %
                 self.assertEqual(time["found"], "unknown")
                 self.assertTrue(errors[-1][1] > time["rmse"] ** 2 or not worse)
 
@@ -94,7 +95,7 @@ class Benchmark(NephCase):
             self.assertEqual(done.stdout.count(words), 2, done.stdout)
 
     def test_the_answer_is_which_engine_is_faster(self):
-        """Ten lines at most, the verdict first, with its interval; -q prints the verdict only."""
+        """At most ten lines, the verdict first, with its interval; -q prints only the verdict."""
         words = ("gaussian_blob", "--resolution", "12", "-e", "tracer,oracle", "--size", "16x9",
                  "--seconds", "0.1")
         number = "[0-9.e+-]+"
@@ -114,7 +115,7 @@ class Benchmark(NephCase):
         self.assertLessEqual(lines.count("\n"), 10)
 
     def test_a_ladder_up_to_a_stated_error(self):
-        """Both errors that are reported lie on it, whatever the machine's speed."""
+        """The reported errors are within the measured range, whatever the machine's speed."""
         found, _ = self.measured("gaussian_blob", "--resolution", "12", "-e", "oracle", "--size",
                                  "16x9", "--error", "0.01")
         engine, = found["engines"]
@@ -128,7 +129,7 @@ class Benchmark(NephCase):
                        said="--seconds and --error")
 
     def passes(self, scene, *settings):
-        """Of fixed, by name: their milliseconds a picture."""
+        """The milliseconds per frame of the passes of preset fixed, by name."""
         words = [word for setting in settings for word in ("-s", f"realtime:{setting}")]
         found, _ = self.measured(scene, "-e", "realtime", "--preset", "fixed", "--size", "32x18",
                                  "--repeat", "8", *words)
@@ -137,7 +138,8 @@ class Benchmark(NephCase):
         return {p["pass"]: 1e3 * p["gpu_s"]["median"] for p in engine["passes"]}
 
     def check_arithmetic(self, engine, ceilings):
-        """In the time of all passes whose evaluations are counted, whatever the density is."""
+        """The arithmetic fits the time of all passes with counted evaluations, whatever the density
+        is."""
         march, = [p for p in engine["passes"] if p["pass"] == "march"]
         names = ["march", *filter(None, march["evaluations_with"].split(", "))]
         seconds = sum(p["gpu_s"]["median"] for p in engine["passes"] if p["pass"] in names)
@@ -145,19 +147,19 @@ class Benchmark(NephCase):
                                (ceilings["multiply_adds_per_s"] * seconds), 1.0, places=9)
 
     def test_a_shadow_map_has_a_line_of_its_own(self):
-        """Under a sun that moves all of it is filled for each picture."""
+        """With a moving sun the whole map is filled for each frame."""
         passes = self.passes("shadow_crawl", "cloud_shadow=map", "sun=marched",
                              "cloud_shadow_texels=64")
         self.assertGreater(passes["cloud shadow"], 0.0)
 
     def test_a_scene_that_rests_is_timed_when_that_is_known(self):
-        """However few pictures are timed; all are of one kind."""
+        """Few timed frames are enough; all are of one kind."""
         found, told = self.measured("gaussian_blob", "-e", "realtime", "-p", "ours", "--size",
                                     "32x18", "--repeat", "3", "--no-ceilings", "--seconds", "1")
         self.assertIn("--seconds has no effect", told)
         engine, = found["engines"]
         march, = [p for p in engine["passes"] if p["pass"] == "march"]
-        self.assertEqual((march["ceiling"], march["share"]), (None, None))  # of a formula
+        self.assertEqual((march["ceiling"], march["share"]), (None, None))  # a formula
         self.assertEqual((engine["preset"], engine["changes"], engine["steady_from"]),
                          ("ours", "", 0))
         self.assertNotIn("gradient", [p["pass"] for p in engine["passes"]])
@@ -200,7 +202,7 @@ class Benchmark(NephCase):
         for ceiling in ("copy_bytes_per_s", "buffer_samples_per_s", "buffer_chain_per_s",
                         "multiply_adds_per_s", "exponentials_per_s"):
             self.assertGreater(flown["ceilings"][ceiling], 0.0)
-        # Of the formats that some engine samples.
+        # Of the formats that any engine samples.
         textures = flown["ceilings"]["texture_samples_per_s"]
         self.assertEqual((textures["r32f"], textures["r16f"]), (None, None))
         self.assertGreater(textures["r8"], 0.0)
@@ -234,7 +236,7 @@ class Benchmark(NephCase):
                                        places=9)
                 self.assertAlmostEqual(rays["multiply_adds"] * share * ceiling /
                                        flown["ceilings"]["multiply_adds_per_s"], 1.0, places=9)
-        # A ray for each 4 x 4 pixels.
+        # One ray per 4 x 4 pixels.
         counts = [[p["density_evaluations"] for p in e["passes"] if p["pass"] == "march"][0]
                   for e in (march, realtime)]
         self.assertLess(counts[1], counts[0] / 8)
@@ -243,7 +245,7 @@ class Benchmark(NephCase):
 
     @night.of_the_night
     def test_a_screen_has_a_line_for_each_pass(self):
-        """What it is off by is against its own defaults."""
+        """Its error is against its own defaults."""
         found, _ = self.measured("surface_rough", "-e", "screen", "-p", "fast", "--size", "32x18",
                                  "--repeat", "4", "--no-ceilings")
         engine, = found["engines"]
@@ -259,8 +261,8 @@ class Benchmark(NephCase):
 
     @night.of_the_night
     def test_a_chain_has_a_line_for_each_stage(self):
-        """The scene's own: its frames are two thirds of the size, and the eye, bloom, the table,
-        FXAA, upscale and sharpening are nine stages."""
+        """The scene's own chain: its frames are two thirds of the size. Adaptation, bloom, the
+        lookup table, FXAA, upscale and sharpening are nine stages."""
         scene = SCENES.parent / "studies/display/walk_out.yaml"
         words = (scene, "-e", "march", "--size", "48x27", "--repeat", "5", "--no-ceilings",
                  "-s", "march:steps=4")
@@ -298,7 +300,7 @@ class Benchmark(NephCase):
 
     def test_wrong_requests_are_refused_in_words(self):
         for arguments, code, word in (
-                (("slab_multiple_thin", "-e", "exact"), 64, "no chance"),
+                (("slab_multiple_thin", "-e", "exact"), 64, "is deterministic"),
                 (("slab_multiple_thin", "-e", "magic"), 64, "neph engines"),
                 (("slab_multiple_thin", "--seconds", "nan"), 64, "0.01..10000"),
                 (("slab_multiple_thin", "-e", "march", "--repeat", "0"), 64, "1.."),

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Several Blenders, and bad ones, on the command line. Shell scripts play them: they tell a version
-and leave prepared images. What the trial of one found lies in the cache folder already, but where
-the trial is what fails."""
+"""Several Blenders, and broken ones, on the command line. Shell scripts replace them: they print a
+version and write prepared images. The cache folder already has the results of their trials, except
+where the trial itself fails."""
 import json
 import re
 import sys
@@ -34,7 +34,8 @@ class Blenders(neph_case.NephCase):
         self.surroundings = {**neph_case.os.environ, "XDG_CACHE_HOME": str(self.folder)}
 
     def blender(self, name, version, found=None, radiance=1.0, transmittance=0.5, parts=1):
-        """A folder with a Blender; `found`: by its trial, which it else does not pass."""
+        """A folder with a Blender; `found`: the cached result of its trial, which it would not pass
+        itself."""
         folder = self.folder / name
         folder.mkdir()
         files = {"radiance": image(radiance, "Combined", "VolumeDir", "VolumeInd"),
@@ -101,7 +102,7 @@ class Blenders(neph_case.NephCase):
         self.assertNotRegex("images/fog/cycles:5.2.png", allowed)
 
     def validate(self, blender, engine="cycles"):
-        """What the report says of it; the verdict is no pass."""
+        """Returns the report's text about it; the verdict is not a pass."""
         done = self.neph("validate", SCENE, "-e", "exact", "-e", engine, *SIZE, "-q", "--json",
                          "--no-charts", "-s", f"{engine}:step=1", "-o", self.folder / "out",
                          code=None, NEPH_BLENDER=str(blender))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""scripts/budget.py: what it reads, how it sums and scales, and what is over. No absolute times."""
+"""scripts/budget.py: input, sums, scaling, and tests over the budget. No absolute times."""
 import os
 import pathlib
 import subprocess
@@ -23,7 +23,7 @@ tests            2     min    tests
 program          1000  bytes  program
 first_march      400   ms     a frame   # and a comment
 """
-# This machine is half as fast as that of the limits, its cores in company a quarter as fast.
+# This machine is half as fast as the limits' machine, and a quarter as fast with all cores busy.
 REFERENCES = {"reference_one": 4, "reference_all": 16}
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Lists of packages, and scripts/matrix with a debootstrap and chroots that are small scripts."""
+"""Lists of packages, and scripts/matrix with small scripts in place of debootstrap and chroots."""
 import contextlib
 import importlib.machinery
 import importlib.util
@@ -22,7 +22,8 @@ DEBOOTSTRAP = """#!/bin/sh
 [ "$2" != broken ] || { echo no such release; exit 1; }
 mkdir -p "$3/etc/dpkg/dpkg.cfg.d" "$3/usr/sbin" "$3/root"
 """
-# The last argument is what scripts/matrix runs in a chroot, the one before it the chroot.
+# The last argument is the command that scripts/matrix runs in a chroot, the one before it the
+# chroot.
 UNSHARE = """#!/bin/sh
 while [ $# -gt 2 ]; do shift; done
 case "$1 $2" in

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A nightly of a renderer of one's own in CI systems: the files to copy, their script, JUnit."""
+"""Nightly runs of a user's renderer in CI systems: the files to copy, their script, JUnit."""
 import json
 import os
 import pathlib
@@ -80,7 +80,7 @@ class Files(unittest.TestCase):
         self.assertEqual(save["with"]["key"], restore["with"]["key"])
         self.assertTrue(save["with"]["key"].startswith(restore["with"]["restore-keys"]))
         self.assertEqual(gitlab["cache"]["paths"], CACHED)
-        # Also of a night that fails: the store has its frames, and the page says why.
+        # Also after a failed run: the store has its frames, and the page has the reason.
         self.assertEqual(save["if"], "always()")
         self.assertEqual(named["actions/upload-artifact"]["if"], "always()")
         self.assertEqual((gitlab["cache"]["when"], gitlab["artifacts"]["when"]),
@@ -188,14 +188,14 @@ class OnlyEngine(neph_case.NephCase):
 
 @night.of_the_night
 class Script(unittest.TestCase):
-    """The script part of both files on runners that begin with nothing but the cache."""
+    """The script part of both files, on runners that start with only the cache."""
 
     def setUp(self):
         self.folder = neph_case.scratch(self.addCleanup)
         self.cache = self.folder / "cache"
 
     def run_job(self, name, extinction="0.05", code=0, **environment):
-        """A checkout, the cached folders, the script, and the cache saved."""
+        """A checkout, the cached folders, the script, and the saved cache."""
         checkout = self.folder / name
         (checkout / "nephelometer").mkdir(parents=True)
         for part in ("scripts", "docs"):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Engine `command`: programs of a user's take part like engines of ours, and what they do wrong is
-said and harms nothing else."""
+"""Engine `command`: a user's programs take part like built-in engines, and their faults are
+reported and affect nothing else."""
 import json
 import math
 import os
@@ -31,7 +31,7 @@ solids:
 frames: {count: 8, rate_hz: 30}
 """
 
-# What a test does in place of rendering; the example's files are at hand as `fog`.
+# The program of a test; the example's files can be imported as `fog`.
 PROGRAM = """#!/usr/bin/env python3
 import json, os, sys, time
 sys.dont_write_bytecode = True
@@ -81,7 +81,8 @@ class Command(neph_case.NephCase):
         self.neph("render", "--scene", self.scene, "-e", "exact", "--size", "24x16", "-q", "-o",
                   "frames")
         numbers = self.compare("frames/even_fog_exact_0000.exr", "frames/even_fog_command_0000.exr")
-        # Depth is the same double rounded to float; from there on Python reckons in double.
+        # Depth is the same double, rounded to float; the further computation in Python is in
+        # double.
         self.assertEqual(numbers["depth", "max_abs"], 0.0)
         self.assertLess(numbers["transmittance", "max_abs"], 2.0 ** -23)
 
@@ -108,7 +109,7 @@ data = open("frame.exr", "rb").read()
 data = data[:8] + fog.attribute("stats.rays", "string", b"384") + data[8:]
 open("frame.exr", "wb").write(data)
 """)
-        # The attribute moves the lines by its length: the table of offsets is written anew.
+        # The attribute shifts the lines by its length: the table of offsets is rewritten.
         program.write_text(program.read_text().replace("data = data[:8]", """import struct
 more = len(fog.attribute("stats.rays", "string", b"384"))
 start = data.index(struct.pack("<ii", 0, 12 * width)) - 8 * height
@@ -152,7 +153,7 @@ data = data[:8]"""))
         self.assertIn("nowhere --version", done.stdout)
 
     def test_what_it_leaves_in_place_of_a_file_is_its_failure(self):
-        """Exit code 3 whatever it is; neither 74 nor 65, and nothing that hangs."""
+        """Exit code 3 for every kind of file; neither 74 nor 65, and no hang."""
         later = "if job['picture'] == 0: write(1.0)\nelse: write(1.0); "
         for body, words, frames in (
                 ("os.mkdir('frame.exr')", "'frame.exr' is a folder", 1),
@@ -177,7 +178,8 @@ data = data[:8]"""))
                     shutil.rmtree(kept)
 
     def test_a_picture_is_made_whatever_the_last_one_has_left(self):
-        """Folders, pipes and links where neph writes next; and the link's target stays whole."""
+        """Folders, pipes and links at the paths that neph writes next; the target of a link stays
+        unchanged."""
         precious = self.folder / "precious"
         precious.write_text("mine")
         for body in ("for name in ('job.json', 'depth.exr'): os.unlink(name); os.mkdir(name)",
@@ -220,7 +222,7 @@ os.chmod("frame.exr", 0o640)
         self.assertEqual(self.folder.stat().st_mode, folder)
 
     def exceed(self, body, words):
-        """An engine that writes too much fails, and little of it is in the store."""
+        """An engine that writes too much fails, and only a small part of it is stored."""
         found = self.json("validate", self.scene, "-e", "exact", "-e", "command", "--size", "24x16",
                           "-q", "-o", "out", "--no-charts", program=self.program(body), code=1)
         frame = found["scenes"][0]["frames"][1]
@@ -324,7 +326,7 @@ media:
 
     @night.of_the_night
     def test_it_is_swept_and_a_step_of_the_sun_reaches_it(self):
-        """A variant of a scene is its file, but for the sun and the camera, which the job has."""
+        """A variant of a scene is its file, except for the sun and camera, which are in the job."""
         self.scene.write_text(SCENE.replace("background", "sun: {direction: [0, 1, 0], "
                                             "irradiance_w_per_m2: [1, 1, 1]}\nbackground")
                               .replace("scattering: none", "scattering: single")
@@ -341,7 +343,7 @@ rounds: 1
 series:
 - {name: mine, engine: command, set: a=0.05, vary: b, values: 0.25, flicker: true, lag_at: 0.25}
 """)
-        seen = tempfile.NamedTemporaryFile(dir="/dev/shm")  # where a confined program may write
+        seen = tempfile.NamedTemporaryFile(dir="/dev/shm")  # writable when confined
         self.addCleanup(seen.close)
         program = self.program(f"""
 light = job["sun"]["irradiance_w_per_m2"][0]
@@ -351,12 +353,12 @@ write(light * job["settings"]["b"])
         found = self.json("sweep", self.scene, "--plan", plan, "-o", "out", "-q", program=program)
         mine, = found["points"]
         self.assertIsNone(mine["missing"])
-        self.assertIsNone(mine["shortcut"]["value"])  # nobody knows its own model
+        self.assertIsNone(mine["shortcut"]["value"])  # its own model is unknown
         self.assertLess(mine["flicker"]["value"], 0.01)
         self.assertGreater(mine["seconds"], 0.0)
         self.assertIn("-e command", mine["command"])
         suns = pathlib.Path(seen.name).read_text().split()
-        self.assertEqual(suns.count("4.0"), 48)  # of 80 pictures, from the 32nd on
+        self.assertEqual(suns.count("4.0"), 48)  # of 80 frames, from the 32nd on
 
     @night.of_the_night
     def test_it_is_tried_where_methods_fail(self):
@@ -367,7 +369,7 @@ write(light * job["settings"]["b"])
             results = json.loads(done.stdout)["results"]
             return done.returncode, {(row["column"], row["measure"]): row["verdict"]
                                      for row in results}
-        code, found = verdicts('write(job["settings"]["a"])')  # where there is no light at all
+        code, found = verdicts('write(job["settings"]["a"])')  # where there is no light
         self.assertEqual(code, 1)
         self.assertEqual(found["command+a=0.05", "error"], "fail")
         self.assertEqual(found["command+a=0.05", "bad_values"], "pass")

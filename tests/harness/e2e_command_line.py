@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The command line, run as a user would: results, errors, exit codes, kill -9, missing engines."""
+"""The command line as a user runs it: results, errors, exit codes, kill -9, missing engines."""
 import json
 import pathlib
 import shutil
@@ -13,7 +13,7 @@ import neph_case
 import night
 from neph_case import NEPH, ROOT
 
-# The truth and another, neither of them Vulkan's
+# The truth and another engine, both without Vulkan
 ON_THE_CPU = ["-e", "exact", "-e", "oracle", "--no-charts", "-q", "--size"]
 
 
@@ -64,7 +64,7 @@ media:
             self.neph("render", scene, "-e", engine, "--size", "15x9", "-o", self.folder / "out",
                       code=3, said=("pixel (7, 4) is infinite", "lights[0]"))
             self.assertEqual(list(self.folder.glob("out/*.exr")), [])
-        # no ray of this frame meets the light
+        # no ray of this frame meets a light
         self.neph("render", scene, "-e", "exact", "--size", "16x9", "-o", self.folder / "out")
         scene.write_text(text.replace("LIGHT", "3"))
         self.neph("render", scene, "-e", "exact", "--size", "15x9", "-o", self.folder / "out")
@@ -89,7 +89,7 @@ media:
         options = ["--size", "16x9", "-q", "-o", self.folder]
         by_oracle = ["-e", "oracle", *options]
         sums = self.folder / "sums"
-        for samples in (8, 24):  # a finished render is given more samples
+        for samples in (8, 24):  # a finished render gets more samples
             self.neph("render", "voxel_grid", *by_oracle, "-s", f"samples={samples}",
                       "--checkpoint", sums)
         in_two = self.folder / "in_two.exr"

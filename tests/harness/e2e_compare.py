@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Before and after: `neph flicker BEFORE AFTER` and `neph compare -r REFERENCE BEFORE AFTER` as a
-user runs them, and attacks on what they call better."""
+user runs them, and attempts to obtain a wrong "better"."""
 import json
 import random
 import re
@@ -17,13 +17,13 @@ PLACES = ("worst_tile_x", "worst_tile_y", "seen_period", "coherent_radius", "fli
 
 
 def encoded(value):
-    """Codes of sRGB."""
+    """sRGB codes."""
     return round(255 * (1.055 * value ** (1 / 2.4) - 0.055))
 
 
 class Compare(neph_case.NephCase):
     def write(self, folder, value_at, count=COUNT, kind="exr", width=WIDTH, height=HEIGHT):
-        """`value_at(frame, x, y)` of each frame."""
+        """Writes frames with the values `value_at(frame, x, y)`."""
         path = self.folder / folder
         path.mkdir()
         for frame in range(count):
@@ -60,10 +60,10 @@ class Compare(neph_case.NephCase):
                                        "flicker; bias and lag are not known")
             self.assertLessEqual(len(lines), 10)
             x, y = map(int, re.search(r"worst at \((\d+), (\d+)\)", lines[0]).groups())
-            self.assertTrue(abs(x - 36) <= 8 and abs(y - 8) <= 8, lines[0])  # the disk, and a tile
+            self.assertTrue(abs(x - 36) <= 8 and abs(y - 8) <= 8, lines[0])  # the disk, +- a tile
             self.assertRegex(self.line("flicker", after, before), "; worse, p < 0.001, in 64 of 64")
             self.assertRegex(self.line("flicker", before, before), r"^test: .*, other: .*; equal;")
-            # What a shell makes of patterns.
+            # The words that a shell makes of patterns.
             words = [*sorted(before.iterdir()), *sorted(after.iterdir())]
             self.assertEqual(self.line("flicker", *words), lines[0] + "\n")
 
@@ -76,7 +76,7 @@ class Compare(neph_case.NephCase):
         text = self.line("compare", "-r", reference, before, after)
         self.assertRegex(text, r"^after: rel_rmse 0\.\d+, before: 0\.\d+; better, p < 0.001, in "
                                r"\d+ of 64 frames$")
-        # Without -r the first operand is the reference, and is told.
+        # Without -r the first operand is the reference, and the output says so.
         named, first = (self.neph("compare", *words, after).stdout.splitlines()
                         for words in (("-r", reference), (reference,)))
         self.assertEqual(first[1], f"reference: {reference}")
@@ -101,7 +101,7 @@ class Compare(neph_case.NephCase):
         for name in PLACES:
             self.assertNotIn(name, rows)
             self.assertIn(name, {row["metric"] for row in found["measurements"]})
-        for row in found["measurements"]:  # nothing that only a reference tells
+        for row in found["measurements"]:  # no measure that needs a reference
             self.assertNotRegex(row["metric"], "^(reference_|age_._bias|phase_age|half_life|resid)")
         table = self.neph("flicker", before, after, "--all").stdout
         self.assertRegex(table.splitlines()[0], "; better, ")
@@ -111,9 +111,10 @@ class Compare(neph_case.NephCase):
     # ---- attacks -----------------------------------------------------------------------------
 
     def test_noise_is_not_better(self):
-        """All tiles go up and down together: over tiles the one is surely better, over time not."""
+        """All tiles change together: over tiles one test is significantly better, over time it is
+        not."""
         sure = 0
-        for seed in (10, 20, 30):  # one pair in twenty is told apart by chance; none of these
+        for seed in (10, 20, 30):  # one pair in twenty differs by chance; none of these
             first, second = (self.jitter(f"{seed}_{part}", seed + part) for part in (0, 1))
             found = self.json("flicker", first, second)
             row = next(row for row in found["versus"] if row["metric"] == "seen_contrast")
@@ -143,7 +144,7 @@ class Compare(neph_case.NephCase):
         first = self.blinking("first", 0.2, 1)
         second = self.blinking("second", 0.2, 2)
         small = self.write("small", lambda frame, x, y: 0.5, width=8, height=8)
-        frames.grey_exr(second / "f.063.exr", 8, 8, [0.5] * 64)  # the last one
+        frames.grey_exr(second / "f.063.exr", 8, 8, [0.5] * 64)  # the last frame
         maps = self.folder / "maps"
         pictures = self.write("pictures", lambda frame, x, y: 0.5, kind="png")
         for words, said in (((first, small), "48x32"), ((first, second), "f.063.exr"),
@@ -154,7 +155,7 @@ class Compare(neph_case.NephCase):
             done = self.neph("flicker", *words, "--maps", maps, code=None, said=said, silent=True)
             self.assertIn(done.returncode, (64, 65), words)
         self.neph("compare", "-r", first, second, code=65, said="f.063.exr", silent=True)
-        self.assertFalse(maps.exists())  # it is made before the first frame is measured
+        self.assertFalse(maps.exists())  # it is created before the first frame is measured
         self.neph("flicker", first, "-m", "std_p95", "--maps", maps)
         self.assertTrue(maps.exists())
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph conform`: a device against itself agrees, and whatever is changed in a folder is found."""
+"""`neph conform`: a device agrees with itself, and every change in a folder is found."""
 import json
 import shutil
 import unittest

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Each example of each --help can be pasted into a shell: by day all of them are parsed and the
-cheap ones run, by night all of them run, each at a small size.
+"""Each example of each --help can be pasted into a shell. By day all of them are parsed and the
+cheap ones run; by night all of them run. Each runs at a small size.
 
-An example runs in a folder with the files that examples name. Words that make it small stand behind
-it: an option that is given twice has its last value, and lists grow."""
+An example runs in a folder with the files that examples name. Words that reduce its cost are
+appended: a repeated option has its last value, and lists grow."""
 import os
 import pathlib
 import re
@@ -19,8 +19,8 @@ from neph_case import NEPH, ROOT
 
 SIZE = "--size 16x9"
 STUDY = f"{SIZE} --steps 4"
-# (pattern of the command, words behind it, exit codes, whether it runs by day). The first pattern
-# that fits counts. Exit code 1 is a verdict, 2 an engine or frames that lack something.
+# (pattern of the command, appended words, exit codes, whether it runs by day). The first matching
+# pattern applies. Exit code 1 is a verdict, 2 an engine or frames that lack data.
 RULES = [
     (r"validate .*--suite physics --only", "--samples 2 -q", {0, 1}, False),
     (r"validate .*--suite physics", "--only furnace_box_4 -e exact -q", {0, 1}, True),
@@ -69,7 +69,7 @@ RULES = [
     (r"nightly .*slurm", "", {0, 1, 69}, False),
     (r"nightly .*--against", "--only catalog --size 8x5 -q", {1, 66}, False),
     (r"nightly", "--only failure\\ fog_none --minutes 1 --once -q", {0, 1}, False),
-    (r"baseline .*--night", "", {0, 65, 66}, False),  # another night than there is
+    (r"baseline .*--night", "", {0, 65, 66}, False),  # a run that does not exist
     (r"baseline", "", {0, 66}, True),
     (r"store", "", {0, 66}, True),
     (r"scenes .*--new", "--force", {0}, True),
@@ -128,7 +128,7 @@ def examples():
 
 
 def command_of(line, words):
-    """The example with words behind it, before a redirection; comments and devices are left out."""
+    """Inserts the words after the example, before a redirection; removes comments and devices."""
     line = re.sub(r"\s+#.*", "", line.strip()).replace("NEPH_VULKAN_DEVICE=nvidia ", "")
     line, arrow, to = line.partition(" > ")
     return f"{line} {words}{arrow}{to}"
@@ -142,7 +142,7 @@ def rule_of(command):
 
 
 def make_frames(folder):
-    """The frames that examples name: a fence in noise that moves from frame to frame."""
+    """The frames that examples name: a fence in noise that changes from frame to frame."""
     def values(frame):
         return [0.2 + 0.1 * (i % 3) + 0.01 * ((7 * i + 5 * frame) % 11) for i in
                 range(WIDTH * HEIGHT)]
@@ -212,14 +212,14 @@ class Examples(unittest.TestCase):
     def test_every_example_is_parsed(self):
         for _, line in self.examples:
             done = self.paste(command_of(line, "--help"), {0})
-            self.assertEqual(done.stderr, "", line)  # no old name
+            self.assertEqual(done.stderr, "", line)  # no deprecated name
 
     def run_those(self, by_day):
         ran = 0
         for verb, line in self.examples:
             words, codes, is_by_day = rule_of(line.strip())
             if is_by_day == by_day:
-                (self.folder / "my_fog.yaml").write_text(FOG)  # which an example writes anew
+                (self.folder / "my_fog.yaml").write_text(FOG)  # which an example rewrites
                 with self.subTest(verb=verb, example=line):
                     self.paste(command_of(line, words), codes)
                     ran += 1

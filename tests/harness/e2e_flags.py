@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""One vocabulary of flags over all verbs, as docs/flags.md has it; old names warn."""
+"""The vocabulary of flags over all verbs, as in docs/flags.md; deprecated names warn."""
 import collections
 import pathlib
 import re
@@ -12,10 +12,10 @@ from neph_case import ROOT
 OPTION = re.compile(r"^  (?:-(?P<letter>\S), |    )--(?P<name>[\w-]+)(?:=(?P<argument>\S+))?"
                     r"(?: +(?P<text>.*))?$")
 TEXT_COLUMN = 29
-# Verbs with one table of options, or one after the other in one folder.
+# Verbs that share a table of options, or run one after the other in one folder.
 FAMILIES = {"export": "render", "flicker": "compare"}
-# Names that look like the plural of another and have a meaning of their own: how many frames, seeds
-# or steps of a ray there are; a list of masks.
+# Names that look like the plural of another and have a meaning of their own: the number of frames,
+# seeds or steps of a ray; a list of masks.
 PLURALS = {"frames", "seeds", "steps", "masks"}
 
 Flag = collections.namedtuple("Flag", "verb letter argument text")
@@ -28,7 +28,7 @@ def ask(*words):
 
 
 def verbs():
-    """The words of each verb; a kind of study is one."""
+    """The words of each verb; each kind of study counts as one."""
     names = re.findall(r"^  (\w+) +", ask().split("\n\n`neph")[0], re.MULTILINE)
     kinds = re.findall(r"^  (\w+) +", ask("study").split("\n\nExamples")[0], re.MULTILINE)
     return [(name,) for name in names if name != "study"] + [("study", kind) for kind in kinds]
@@ -51,14 +51,14 @@ def options(words):
 
 
 def rows(heading):
-    """The cells of the table behind a heading of the page."""
+    """The cells of the table below a heading of the page."""
     text = (ROOT / "docs/flags.md").read_text().split(heading)[1]
     table = re.search(r"\n\|.*?\n\n", text, re.DOTALL)[0].strip().splitlines()[2:]
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in table]
 
 
 def documented():
-    """{name: (letter, argument, defaults)} of the page."""
+    """{name: (letter, argument, defaults)} on the page."""
     found = {}
     for flag, defaults, _ in rows("# One vocabulary"):
         option = re.fullmatch(r"`(?:-(\w), )?--([\w-]+)(?:=(\S+))?`", flag)
@@ -67,7 +67,8 @@ def documented():
 
 
 def form(argument):
-    """One form for what settings are of: an engine that may be left out, an extractor, a chain."""
+    """One form for the argument of settings: an engine that may be omitted, an extractor, a
+    chain."""
     return re.sub(r"^(\[ENGINE:\]|ENGINE:|EXTRACTOR:)?KEY=VALUE$", "KEY=VALUE", argument or "")
 
 
@@ -85,7 +86,7 @@ class Flags(unittest.TestCase):
         cls.flags = dict(cls.flags)
 
     def shared(self):
-        """Names that more than one family of verbs has."""
+        """Names that belong to more than one family of verbs."""
         return {name: flags for name, flags in self.flags.items()
                 if len({FAMILIES.get(flag.verb, flag.verb) for flag in flags}) > 1}
 
@@ -155,6 +156,54 @@ class Flags(unittest.TestCase):
             self.assertEqual(done.stderr, f"neph {verb}: --{old} is now --{new}; the old spelling "
                              "goes with the next release\n")
             self.assertEqual(neph_case.run(*verb.split(), f"--{new}{value}", "--help").stderr, "")
+
+
+def commands():
+    """(page, words) of every command of neph that a page shows in a block of code or in a line."""
+    pages = [ROOT / "README.md", ROOT / "scenes/README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    for path in pages:
+        text = path.read_text().replace("\\\n", " ")
+        blocks = re.findall(r"^```\w*\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+        lines = [line for block in blocks for line in block.splitlines()]
+        lines += [line.replace("\n", " ") for line in re.findall(r"`(neph [^`]+)`", text)]
+        for line in lines:
+            found = re.search(r"(?:^|[|&;(] ?|\w=\S+ )neph ((?:study )?[a-z]+\b[^|&;>#]*)", line)
+            if found:
+                yield path.name, found[1].split()
+
+
+class Pages(unittest.TestCase):
+    maxDiff = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.verbs = {" ".join(words): options(words) for words in verbs()}
+
+    def test_commands_of_the_pages_exist(self):
+        wrong, count = [], 0
+        for page, words in commands():
+            verb = " ".join(words[:2]) if words[0] == "study" else words[0]
+            flags = self.verbs.get(verb)
+            if flags is None:
+                if words[0] != "study" or len(words) > 1 and words[1].islower():
+                    wrong.append(f"{page}: neph {' '.join(words)}: no such verb")
+                continue
+            letters = {flag.letter for flag in flags.values()}
+            for word in words:
+                name = re.match(r"--([\w-]+)|-(\w)", word)
+                count += name is not None
+                if name and not (name[1] in {*flags, "help"} or name[2] in letters):
+                    wrong.append(f"{page}: neph {' '.join(words)}: no {word}")
+        self.assertEqual(wrong, [])
+        self.assertGreater(count, 50)
+
+    def test_the_manual_has_every_flag(self):
+        text = (pathlib.Path(neph_case.NEPH).parent / "neph.1").read_text().replace("\\-", "-")
+        for verb, flags in self.verbs.items():
+            section = text.split(f"\n.SH NEPH {verb.upper()}\n")[1].split("\n.SH ")[0]
+            for name, flag in flags.items():
+                argument = f"={flag.argument}" if flag.argument else ""
+                self.assertIn(f"--{name}{argument}", section, verb)
 
 
 class Commands(neph_case.NephCase):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph fly` on a display of its own: what is on the screen, what keys do, what it writes and how
-it ends."""
+"""`neph fly` on a virtual display: the screen's content, the effect of keys, its files and its
+exit."""
 import collections
 import math
 import os
@@ -17,9 +17,9 @@ import neph_case
 HAS_WINDOW = os.environ["NEPH_HAS_WINDOW"] == "1"
 WIDTH, HEIGHT = 32, 18
 SIZE = f"{WIDTH}x{HEIGHT}"
-ZOOM = 20  # which makes it 640 pixels wide
+ZOOM = 20  # which makes the window 640 pixels wide
 
-# Fog before a tower under a bright sky: its shaders are those of e2e_realtime.
+# Fog before a tower under a bright sky, with the same shaders as e2e_realtime.
 TOWER = """
 name: tower
 title: a test
@@ -156,11 +156,12 @@ class Flight(neph_case.NephCase):
                                  "tower_fly_2.png", "tower_path.yaml", "tower_path_2.yaml"})
 
     def test_the_error_is_against_march_which_a_wipe_has_on_its_right(self):
-        """Every pixel every frame is march: it has no error, and looks the same beside it."""
+        """Preset off, every pixel in every frame, equals the march: no error, and equal sides of
+        the wipe."""
         for preset, name, is_march in (("0", "off", True), ("1", "seed", False)):
             for picture in self.folder.glob("tower_fly*"):
                 picture.unlink()
-            flown = self.fly(f"{preset} p c p c w x", 8)  # not yet at rest: one ray a pixel
+            flown = self.fly(f"{preset} p c p c w x", 8)  # still converging: one ray a pixel
             self.assertEqual(flown["engine"], f"realtime {name}")
             self.assertEqual(flown["error"]["rays_per_px"], 1)
             self.assertEqual(flown["error"]["rel_bias"] == 0, is_march)

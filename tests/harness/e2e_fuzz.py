@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""scripts/fuzz with programs that stand for the fuzzers: what it counts, keeps and says."""
+"""scripts/fuzz with scripts in place of the fuzzers: its counts, stored files and messages."""
 import concurrent.futures
 import json
 import os
@@ -20,7 +20,7 @@ ROOT = pathlib.Path(os.environ.get("NEPH_SOURCE_DIR")
 
 BUILD = pathlib.Path(os.environ.get("NEPH", ROOT / "build/release/neph")).parent
 
-# As libFuzzer speaks; a corpus of one file more each time.
+# The output of libFuzzer; a corpus that grows by one file each time.
 QUIET = """#!/bin/sh
 for word; do case $word in -*) ;; *) corpus=$word; break ;; esac; done
 echo x > "$corpus/$(ls "$corpus" | wc -l)"
@@ -95,7 +95,8 @@ class Fuzz(unittest.TestCase):
 
     @night.of_the_night
     def test_what_the_fuzzers_are_made_of_is_C_to_clang_too(self):
-        """Else scripts/fuzz does not build; gcc takes what is no constant for one."""
+        """Otherwise scripts/fuzz does not build: gcc accepts some expressions as constants that
+        clang refuses."""
         clang, commands = shutil.which("clang"), BUILD / "compile_commands.json"
         if not clang or not commands.exists():
             self.skipTest("clang is not installed, or the build has no compile_commands.json")

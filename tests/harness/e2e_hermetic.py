@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Nothing of the user's changes a picture: the same frames, bit by bit, among hostile settings of
-POV-Ray, Blender, Python, OpenColorIO, Mesa and Vulkan as among none."""
+"""The user's environment does not change a frame: frames are bit-identical with hostile settings of
+POV-Ray, Blender, Python, OpenColorIO, Mesa and Vulkan and without any."""
 import os
 import pathlib
 import unittest
@@ -12,9 +12,9 @@ import neph_case
 CLEAN = {name: os.environ[name] for name in ("PATH", "NEPH_DATA_DIR", "MESA_SHADER_CACHE_DIR")
          if name in os.environ}
 
-# A quarter of the picture, black outside; the command line that neph gives has no word on it.
+# A quarter of the frame, black elsewhere; neph's command line does not set these options.
 POVRAY_INI = "Start_Column=5\nEnd_Row=4\nLibrary_Path=/nonexistent\n"
-# Runs when Blender or Python starts, and lets a later render be of another strength.
+# Runs when Blender or Python starts, and changes the exposure of a later render.
 BLENDER_SCRIPT = """
 import pathlib
 pathlib.Path({trace!r}).open("a").write(__file__ + chr(10))
@@ -38,7 +38,7 @@ class Hermetic(neph_case.NephCase):
         self.trace = self.folder / "trace"
 
     def hostile(self):
-        """An environment in which everything asks for something else; the working folder as
+        """An environment in which every setting is changed; the working folder has settings as
         well."""
         home = self.folder / "home"
         script = BLENDER_SCRIPT.format(trace=str(self.trace))
@@ -52,7 +52,7 @@ class Hermetic(neph_case.NephCase):
                  '"1.0.0", "layer": {"name": "VK_LAYER_evil", "type": "GLOBAL", "library_path": '
                  '"/nonexistent.so", "api_version": "1.3.0", "implementation_version": "1", '
                  '"description": "evil", ' '"disable_environment": {"NO_EVIL": "1"}}}')
-        # Mesa's cache is a new one: nothing is there that was translated among none of these.
+        # A new cache for Mesa: it has no shader compiled without these settings.
         return {**CLEAN, "MESA_SHADER_CACHE_DIR": str(home / "mesa"), "HOME": str(home),
                 "POVINI": str(self.folder / "povini.ini"), "POVINC": "/nonexistent",
                 "XDG_CONFIG_HOME": str(self.folder / "config"),
@@ -68,7 +68,8 @@ class Hermetic(neph_case.NephCase):
                 "VK_LOADER_DEBUG": "layer"}
 
     def render(self, scene, engine, output, environment, *settings):
-        """The channels of a frame with what decides them, and what was said."""
+        """Returns the channels of a frame, with the attributes that determine them, and the
+        messages."""
         done = self.neph("render", scene, "-e", engine, "--size", "8x8", "-q", "-o", output,
                          *settings, surroundings=environment)
         *picture, texts = frames.read_exr(self.folder / output / f"{scene}_{engine}_0000.exr")
@@ -104,7 +105,7 @@ class Hermetic(neph_case.NephCase):
         self.assertEqual(said, "")
 
     def test_an_engine_behind_a_wrapper_dies_with_neph(self):
-        """kill -9 of neph, while a script in front of the engine waits for it in another
+        """SIGKILL of neph, while a script in front of the engine waits for it in another
         session."""
         bin_first = self.put_program(
             "povray",
@@ -126,7 +127,7 @@ class Hermetic(neph_case.NephCase):
         try:
             return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[
                 0] not in "ZX"
-        # gone before it was opened, or before it was read
+        # the process ended before its file was opened, or before it was read
         except (FileNotFoundError, ProcessLookupError):
             return False
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The arrows of the house: an include names a folder, and never one above its own."""
+"""The dependencies between folders: an include never names a folder above its own."""
 import os
 import pathlib
 import re
@@ -19,7 +19,8 @@ INCLUDE = re.compile(r'^#include "([a-z_/]+\.h)"', re.MULTILINE)
 
 
 def sources(folder):
-    """Of the program: a check_*.c beside a pass is a test, and includes what tests may."""
+    """Sources of the program. A check_*.c next to a pass is a test, and may include test
+    headers."""
     return [path for path in sorted((ROOT / folder).rglob("*.[ch]"))
             if not path.name.startswith("check_")]
 
@@ -40,14 +41,14 @@ class House(unittest.TestCase):
         self.assertGreater(seen, 100)
 
     def test_every_folder_of_the_harness_is_a_room(self):
-        # The linker holds the walls between them: a room is linked with those below it alone.
+        # The linker enforces the order: each room is linked only with the rooms below it.
         rooms = re.findall(r"^neph_room\((\w+)", (ROOT / "harness/CMakeLists.txt").read_text(),
                            re.MULTILINE)
         folders = {path.name for path in (ROOT / "harness").iterdir() if path.is_dir()}
         self.assertEqual(folders | {"common"}, set(rooms))
 
     def test_no_two_files_need_each_other(self):
-        # A .c counts as its .h: what it includes, the pair needs.
+        # A .c file counts as its .h: the pair needs the includes of both.
         needs = {}
         for folder in MAY_INCLUDE:
             for path, names in includes(folder).items():
@@ -81,8 +82,9 @@ class House(unittest.TestCase):
         self.assertEqual(users, ["options.c"])
 
     def test_no_shader_rounds_by_a_drivers_two_conversions(self):
-        # A driver may leave both out: from_halves() of halves.glsl reads what was a half for a
-        # moment. halves.comp, which asks whether a NaN stays one, may be told either.
+        # A driver may remove both conversions: from_halves() of halves.glsl reads a value that was
+        # a half for a moment. halves.comp tests whether a NaN stays a NaN; both results are valid
+        # there.
         users = [path.name for path in sorted((ROOT / "renderer/shaders").iterdir())
                  if re.search(r"\bunpack(Half2x16)?\(\s*pack", path.read_text())]
         self.assertEqual(users, ["halves.comp"])

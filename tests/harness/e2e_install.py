@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What `cmake --install` leaves works from where it lies, and its manual says what --help says."""
+"""An installation (`cmake --install`) works from its location, and its manual equals --help."""
 import os
 import pathlib
 import shutil
@@ -30,7 +30,7 @@ class Install(unittest.TestCase):
         cls.prefix = (cls.folder / "opt/neph").rename(cls.folder / "moved")
         cls.neph = cls.prefix / "bin/neph"
         cls.data = cls.prefix / "share/nephelometer"
-        for path in (cls.data / "scenes").glob("*/*.yaml"):  # it shows whose scenes are listed
+        for path in (cls.data / "scenes").glob("*/*.yaml"):  # marks this folder
             if path.stem not in KEPT:
                 path.unlink()
 

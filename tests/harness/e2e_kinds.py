@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""No silent default in a table of kinds: a new phase function, medium, solid, ... does not compile
-before each place that decides by its kind was looked through. Decisions are switches without a
-default (-Wswitch-enum); files with tables of kinds, and files that compare them, state how many
-kinds they know. By night each enum gets one more kind, and each such file must not compile."""
+"""Tables of kinds have no silent default: a new phase function, medium, solid, ... does not compile
+before every decision by its kind was reviewed. Decisions are switches without a default
+(-Wswitch-enum). Files with tables of kinds, and files that compare kinds, state the known number of
+kinds. By night each enum gets one more kind, and none of these files may compile."""
 import collections
 import json
 import os
@@ -20,9 +20,9 @@ ROOT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"])
 BUILD = pathlib.Path(os.environ["NEPH"]).parent
 FOLDERS = ("base", "scenes", "metrics", "truth", "renderer", "harness")
 
-# Enums where what is not one kind is treated as another: of these, files that compare a kind state
-# the number, too. Of the others a comparison asks for one value (`outcome ==
-# NEPH_OUTCOME_RENDERED`), and a new value is not that one.
+# Enums where a comparison with one kind treats all others alike: files that compare them state the
+# number of kinds, too. For all other enums a comparison tests for one value (`outcome ==
+# NEPH_OUTCOME_RENDERED`), and a new value is different from it.
 COMPARED = ("neph_medium_kind", "neph_solid_kind", "neph_scattering",
             "neph_pattern", "neph_sheet_pattern", "neph_fog_model", "neph_march_lighting",
             "neph_march_mode", "neph_variant_kind", "neph_povray_kind", "neph_png_space",
@@ -33,10 +33,10 @@ COMPARED = ("neph_medium_kind", "neph_solid_kind", "neph_scattering",
             "neph_interval_kind", "neph_rt_rays", "neph_sky_refill", "neph_view_kind",
             "neph_ladder_motion")
 
-# Sums whose places are reckoned from one another, and no kinds.
+# Sums with computed positions, not kinds.
 NO_KINDS = ("neph_flicker_sum",)
 
-# Tables in which a kind needs no row: a pass has a shader of its own only for some devices.
+# Tables in which a kind needs no row: a pass has a special shader only for some devices.
 PARTIAL = {"neph_rt_device_kind": "pass.c"}
 
 
@@ -59,7 +59,8 @@ class Enum:
         self.tables, self.switches, self.comparisons = set(), set(), set()
 
     def find_places(self, words):
-        """`words`: what stands in a place of that sort, and the files."""
+        """The files with a decision of one sort by this enum. `words`: names in such decisions,
+        with files."""
         return set().union(*(words[name] for name in self.names if name in words))
 
     def state(self):
@@ -110,14 +111,14 @@ class Kinds(unittest.TestCase):
         self.assertIn("-Wswitch-enum", (ROOT / "CMakeLists.txt").read_text())
 
     def test_phase_functions_are_told_apart_by_their_rows(self):
-        """A kind is its file and its line of the registry. Elsewhere it is only asked whether light
-        is scattered evenly, and which kinds another program has."""
+        """A phase function is its file and its line of the registry. Other files only test whether
+        scattering is isotropic, and which kinds another program supports."""
         for path, text in self.sources.items():
             self.assertNotRegex(text, r"case NEPH_PHASE_|\[NEPH_PHASE_(?!(KIND_)?COUNT)[A-Z_]+\] =|"
                                       r"[=!]= NEPH_PHASE_(?!ISOTROPIC)", path)
 
     def compile_with_one_more(self, enum):
-        """The files with decisions that compile all the same."""
+        """Returns the files with decisions that still compile."""
         commands = {entry["file"]: entry for entry in
                     json.loads((BUILD / "compile_commands.json").read_text())}
         header = (ROOT / enum.header).read_text()
@@ -130,7 +131,7 @@ class Kinds(unittest.TestCase):
             changed.write_text(header[:at] + "NEPH_ONE_MORE_KIND, " + header[at:])
             for path in sorted(enum.stating() | enum.switches):
                 entry = commands.get(str(ROOT / path))
-                if path == enum.header or not entry:  # a header: its files are among the others
+                if path == enum.header or not entry:  # a header: its files are in the list, too
                     continue
                 words = shlex.split(entry["command"])
                 words = words[:words.index("-o")] + ["-Werror", "-fsyntax-only", str(ROOT / path)]
@@ -141,7 +142,7 @@ class Kinds(unittest.TestCase):
         return passed
 
     def test_a_phase_function_without_its_files_does_not_build(self):
-        """One more line in the registry: C wants its row, shaders a line of each function."""
+        """One more line in the registry: C needs a row, shaders need a case of each function."""
         commands = {entry["file"]: entry for entry in
                     json.loads((BUILD / "compile_commands.json").read_text())}
         entry = commands[str(ROOT / "scenes/phase.c")]

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The validation layers and each family of kernels, by night: core and synchronization checks, then
-the checks that the layer adds to shaders (NEPH_VULKAN_VALIDATION=1 and =shaders). Any message fails
-the frame. By hand, on any machine with the layers, such as a newer Mesa's:
+"""The validation layers on each family of kernels, by night: core and synchronization checks, then
+the layer's checks inside shaders (NEPH_VULKAN_VALIDATION=1 and =shaders). Any message fails the
+frame. By hand, on any machine with the layers, for example with a newer Mesa:
 
     NEPH=build/release/neph NEPH_SOURCE_DIR=. python3 tests/harness/e2e_layers.py
 """
@@ -11,7 +11,7 @@ import unittest
 
 import neph_case
 
-# Words of `neph render` for each family of kernels. Frames are a few work groups large.
+# Arguments of `neph render` for each family of kernels. Frames have a few work groups.
 MARCHES = {
     "fog": "two_layer_fog -e march",
     "point lights": "spot_fence -e march",

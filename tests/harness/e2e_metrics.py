@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph compare`, `neph flicker` and `neph metrics` as a user of another renderer would run
-them."""
+"""`neph compare`, `neph flicker` and `neph metrics` as a user of another renderer runs them."""
 import csv
 import json
 import math
@@ -22,7 +21,7 @@ INF = math.inf
 
 
 def values_of(document, **only):
-    """{(metric, mask): value} of the numbers of all frames, or of the only frame."""
+    """{(metric, mask): value} of all frames, or of the only frame."""
     rows = document["measurements"]
     overall = [row for row in rows if "frame" not in row] or rows
     return {(row["metric"], row["mask"]): row["value"] for row in overall
@@ -176,19 +175,19 @@ class Metrics(neph_case.NephCase):
         self.assertRegex(table, r"radiance +all +rel_rmse +2.5000")
 
     def test_better_and_worse_go_by_the_metric(self):
-        # Noise at each pixel, twice as strong in one: tiles tell the two apart.
+        # Noise in each pixel, twice as strong in one test: tiles distinguish the two.
         draw = random.Random(42)
         grain = [[draw.gauss(0, 1) for _ in range(WIDTH)] for _ in range(HEIGHT)]
         reference = self.write("reference.exr", lambda x, y: 1.0)
         weak, strong = (self.write(f"{name}.exr", lambda x, y: 1.0 + part * grain[y][x])
                         for name, part in (("weak", 0.02), ("strong", 0.04)))
-        for metric in ("rel_rmse", "pu_psnr"):  # one is better when small, one when large
+        for metric in ("rel_rmse", "pu_psnr"):  # smaller is better, larger is better
             for test, other, word in ((weak, strong, "better"), (strong, weak, "worse")):
                 text = self.neph("compare", reference, test, "--versus", other, "-m", metric,
                                  "-q").stdout
                 self.assertRegex(text, rf"^{test.name}: {metric} [0-9.]+.*, {other.name}: [0-9.]+"
                                        rf"( dB)?; {word}, p < 0.001\n$")
-        # No direction: a gain of the shift is neither good nor bad.
+        # No direction: a shift's gain is neither good nor bad.
         text = self.neph("compare", reference, weak, "--versus", strong, "-m", "shift_gain",
                          "-q").stdout
         self.assertRegex(text, "^weak.exr: shift_gain .*; (higher|lower|equal|not told apart)")
@@ -328,18 +327,18 @@ class Metrics(neph_case.NephCase):
                                                ("encoding", "string", b"linear")])
         for pair in ((plain, aces), (aces, plain), (aces, aces)):
             self.neph("compare", *pair, code=65, said="red (0.713, 0.293)", silent=True)
-        # a text does not make a picture of it
+        # a text attribute does not mark a display image
         done = self.neph("compare", plain, named, "--exposure", 1, "-m", "mae")
         self.assertNotIn("alpha", done.stdout)
         self.neph("compare", plain, wide, code=65,
-                  said="pixel aspect ratio of the reference is 1, that of the other image 2")
+                  said="pixel aspect ratio of the reference is 1, of the other image 2")
         self.assertIn("pixels are taken for square",
                       self.neph("compare", wide, wide, "-m", "mae").stdout)
         for pair in ((plain, alpha), (alpha, plain)):
             self.assertIn("not measured: alpha",
                           self.neph("compare", *pair, "-m", "mae").stdout)
         (self.folder / "some").mkdir()
-        for frame in range(3):  # the one in the middle has alpha
+        for frame in range(3):  # the middle frame has alpha
             write(f"some/f{frame}.exr", "RGBA" if frame == 1 else "RGB")
         self.assertIn("not measured: alpha",
                       self.neph("compare", plain, self.folder / "some", "-m", "mae").stdout)
@@ -403,7 +402,7 @@ class Metrics(neph_case.NephCase):
             self.assertIn("23.976 frames a second", done.stdout)
         self.neph("view", plain, self.folder / "test", "-o", self.folder / "page")
         page = json.loads((self.folder / "page/data.json").read_text())
-        self.assertAlmostEqual(page["rate_hz"], 24000 / 1001, delta=1e-9)  # of 15 digits
+        self.assertAlmostEqual(page["rate_hz"], 24000 / 1001, delta=1e-9)  # 15 digits
 
     def test_of_an_animation_no_picture_is_compared(self):
         def write(name, *further):
@@ -444,13 +443,13 @@ class Metrics(neph_case.NephCase):
                 self.assertNotIn("mask", done.stderr)
         masks = sequence("masks", {"channels": ("R", "G", "B", "mask.sun")})
         self.neph("compare", masks, masks, "-m", "mae")
-        for frame in range(2):  # reference and test are cut alike
+        for frame in range(2):  # reference and test are cropped alike
             (self.folder / "cut").mkdir(exist_ok=True)
             (self.folder / f"cut/f{frame}.exr").write_bytes(frames.exr_bytes(
                 4 - frame, 4, {c: [0.5] * (16 - 4 * frame) for c in "RGB"}, display=(8, 8)))
         self.neph("compare", self.folder / "cut", self.folder / "cut", code=65,
                   said=("the size changes: it is 4x4 pixels",
-                        "data windows that are equal to the display window"))
+                        "data windows equal to the display window"))
 
     def test_identifiers_beside_the_picture_are_not_gated(self):
         count = WIDTH * HEIGHT
@@ -472,7 +471,7 @@ class Metrics(neph_case.NephCase):
     # ---- flicker -----------------------------------------------------------------------------
 
     def depth(self, x, y):
-        """Bars one pixel wide before the sky."""
+        """Bars one pixel wide in front of the sky."""
         return 2.0 if x % 16 == 3 else INF
 
     def still(self, x, y):
@@ -491,12 +490,12 @@ class Metrics(neph_case.NephCase):
         return values_of(found), verdicts
 
     def noise(self, sigma):
-        """A little noise, drawn anew for every pixel of every frame."""
+        """Weak noise, independent in every pixel of every frame."""
         draw = random.Random(20261121)
         return lambda: draw.gauss(0.0, sigma)
 
     def test_a_cycle_of_seven_is_seen(self):
-        """And as fast as the frames say, unless somebody wants otherwise."""
+        """At the rate of the frames, unless the user sets another."""
         for t in range(84):
             light = 0.5 + 0.05 * math.cos(2 * math.pi * t / 7 + 1)
             told = [("neph.frame_rate_hz", "string", b"42")]
@@ -526,7 +525,8 @@ class Metrics(neph_case.NephCase):
         self.assertAlmostEqual(values["cyclic_share", "all"], 6 / (WIDTH * HEIGHT), delta=1e-12)
 
     def test_the_floor_of_the_edge_ratio_is_named(self):
-        """Twice the contrast at bars; first far below what can be shown, then 100 times that."""
+        """Twice the contrast at bars; first far below the visible threshold, then 100 times as
+        strong."""
         noise = self.noise(1e-7)
         still = self.write("reference.exr", self.still, self.depth)
         for scale, floored in ((1, True), (100, False)):
@@ -554,8 +554,8 @@ class Metrics(neph_case.NephCase):
                          {"calm"})
 
     def test_a_cycle_of_seven_frames_and_who_declared_it(self):
-        """In one grey of 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of its luma's
-        step."""
+        """In uniform grey 0.5 a pulse of 1 % in one of seven frames: 0.01 sqrt(6) / 7 of the step
+        of its luma."""
         noise, pulse = self.noise(1e-6), (1.055 * 0.505 ** (1 / 2.4)) - (1.055 * 0.5 ** (1 / 2.4))
         test = self.sequence("test", lambda x, y, t: 0.5 + (0.005 if t % 7 == 0 else 0.0) + noise(),
                              64)
@@ -577,7 +577,7 @@ class Metrics(neph_case.NephCase):
         self.assertIn("longer than an eighth of the frames", reasons["cycle_9"])
 
     def test_amplitude_of_linear_light_by_hand(self):
-        """Luma of 0.5 +- 1 % in frames 0 and 2 of each cycle: four-frame flicker of the display's
+        """Luma of 0.5 +- 1 % in frames 0 and 2 of each period: four-frame flicker of the display's
         luma."""
         def srgb(v):
             return 1.055 * v ** (1 / 2.4) - 0.055
@@ -609,14 +609,14 @@ class Metrics(neph_case.NephCase):
         self.assertEqual(findings["follow"]["verdict"], "late")
         self.assertIn("a lag of 5 frames at a period of 32, and 0.474 of its swing",
                       findings["follow"]["text"])
-        self.assertNotIn("half_life", findings)  # lag is known
+        self.assertNotIn("half_life", findings)  # the lag is known
         few = self.neph("flicker", "--reference", lights, taa, "-s", "follow:period_1=65", "-m",
                         "follow")
         self.assertIn("the sequence is shorter than a period", few.stdout + few.stderr)
 
     def test_what_never_settles_is_said(self):
-        """A quarter of the picture is stuck, the rest follows with alpha 0.2: below 0.1 from the
-        11th frame on."""
+        """A quarter of the frame never changes; the other pixels follow with alpha 0.2: below 0.1
+        from the 11th frame on."""
         step = 4
         lights = self.sequence("lights", lambda x, y, t: 0.2 if t < step else 0.6, 44)
         taa = self.sequence("taa", lambda x, y, t: 0.2 if t < step
@@ -630,11 +630,11 @@ class Metrics(neph_case.NephCase):
                     "ghost_area_frames": 0.25 * 32 + 0.75 * 10}
         self.assertEqual({name: values[name, "all"] for name in expected}, expected)
         self.assertEqual(findings["unsettled"]["verdict"], "unsettled")
-        self.assertIn("25 % of the picture never settles", findings["unsettled"]["text"])
+        self.assertIn("25 % of the frame never settles", findings["unsettled"]["text"])
 
     def test_ghosts_behind_a_card_in_words(self):
-        """A card of 10 px moves right by 2 px a frame over a dark wall, before an average of alpha
-        0.2."""
+        """A card of 10 px moves right by 2 px a frame in front of a dark wall, followed by an
+        average with alpha 0.2."""
         history = [0.2] * WIDTH
         for t in range(40):
             card = [2 * t - 10 <= x < 2 * t for x in range(WIDTH)]
@@ -655,7 +655,7 @@ class Metrics(neph_case.NephCase):
         found = next(row for row in document["findings"]
                      if row["finding"] == "edge_ghost")
         self.assertEqual((found["verdict"],
-                          "27.5 % of what was in front is left after 4 frames" in found["text"]),
+                          "27.5 % of the old foreground is left after 4 frames" in found["text"]),
                          ("ghosts", True), found)
 
     def test_half_life_of_an_exponential_average(self):
@@ -706,7 +706,7 @@ class Metrics(neph_case.NephCase):
                   "residual_change_rms=1e-9")
         few = self.neph("flicker", "-r", zero, shots, code=2,
                         said="flicker was not measured: flicker needs at least 16 frames")
-        self.assertIn("residual_change_rms", few.stdout)  # what can be said is said
+        self.assertIn("residual_change_rms", few.stdout)  # available values are printed
         self.neph("flicker", "-r", zero, shots, "-m", "mae", "-m", "motion", code=2)
         for run in (("flicker", "-r", zero, one, "-m", "residual_change"), ("compare", zero, one),
                     ("compare", zero, shots, "--versus", one),
@@ -717,7 +717,7 @@ class Metrics(neph_case.NephCase):
             self.neph(*run, "--by-position", "-q")
 
     def lagging(self, folder, name, lags):
-        """A step in the ninth of 32 frames; a test follows with a half-life of two frames."""
+        """A step in the ninth of 32 frames; the test follows with a half-life of two frames."""
         (self.folder / folder).mkdir()
         for t in range(32):
             level = 0.5 if t < 8 else 1 - 0.5 * 0.5 ** ((t - 7) / 2) if lags else 1.0
@@ -769,7 +769,7 @@ class Metrics(neph_case.NephCase):
         bad = self.sequence("bad", lambda x, y, t: self.still(x, y) + 1.05 * shared(x, y, t), 64)
         reference = self.write("reference.exr", self.still, self.depth)
         rows = self.json("compare", reference, bad, "--versus", good, "--metric", "rmse", "--mask",
-                         "all")["versus"]  # of radiance and of depth: corrected for two
+                         "all")["versus"]  # of radiance and of depth: corrected for two comparisons
         row = next(row for row in rows if row["quantity"] == "radiance")
         self.assertAlmostEqual(row["difference"], 0.001, delta=5e-5)
         self.assertLess(row["p_holm"], 1e-6)
@@ -780,7 +780,7 @@ class Metrics(neph_case.NephCase):
         noise = self.noise(0.02)
         test = self.sequence("test", lambda x, y, t: self.still(x, y) + noise(), 64)
         reference = self.write("reference.exr", self.still, self.depth)
-        for t in range(64, 4096):  # long enough to be caught
+        for t in range(64, 4096):  # long enough to be interrupted
             (test / f"frame.{t:04d}.exr").symlink_to(test / f"frame.{t % 64:04d}.exr")
         run = subprocess.Popen([NEPH, "compare", str(reference), str(test), "--json", "-q"],
                                stdout=subprocess.PIPE, text=True)

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Every way that we know to make a regression vanish from a nightly run, each a row of the table in
-docs/nightly.md. Scenes are empty fog, and the renderer is a program that copies a frame. What a
-test cannot do to its machine (another host, another clock, thirty nights) is in test_night.c."""
+"""All known ways to hide a regression from a nightly run, each a row of the table in
+docs/nightly.md. Scenes are empty fog, and the renderer is a program that copies a frame. Changes
+that a test cannot make to its machine (another host, another clock, thirty runs) are in
+test_night.c."""
 import json
 import math
 import os
@@ -20,7 +21,7 @@ from night import of_the_night
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCES / "docs/examples"))
-import fog  # noqa: E402, the renderer that a user may begin with: it writes a frame
+import fog  # the example renderer: it writes a frame
 
 SCENE = """
 name: {name}
@@ -39,7 +40,7 @@ PROGRAM = """#!/bin/sh
 if [ "$1" = --version ]; then echo {version}; else {does}; fi
 """
 
-# The first is in both tiers, the second only in the full one. Both are written here, and are not
+# The first is in both tiers, the second only in the full tier. The test writes both; they are not
 # the project's scenes of these names.
 SCENES = {"voxel_grid": 0.01, "zz_haze": 0.02}
 PLAN = ("--tier", "full", "--only", "catalog voxel_grid", "--only", "catalog zz", "--size", "8x6",
@@ -52,7 +53,7 @@ GOOD, BAD, BROKEN = 0.4, 9.0, math.nan
 class Attacks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        # In memory where there is such a folder: half of the time would be waits for a disk.
+        # In memory if possible: half of the time would be spent waiting for a disk.
         memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
         cls.kept = tempfile.TemporaryDirectory(dir=memory)
         cls.addClassCleanup(cls.kept.cleanup)
@@ -88,7 +89,7 @@ class Attacks(unittest.TestCase):
         self.begin("accepted")
 
     def begin(self, accepted):
-        """With a store whose first night was accepted."""
+        """A store with an accepted first run."""
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.copytree(self.root / accepted, self.out)
 
@@ -99,7 +100,7 @@ class Attacks(unittest.TestCase):
 
     @classmethod
     def program(cls, value, version="test 1"):
-        """The renderer; None: it cannot."""
+        """The renderer; None: it fails."""
         frame = cls.root / f"{value}.exr"
         does = "echo not today > cannot.txt" if value is None else f"/bin/cp {frame} frame.exr"
         (cls.root / "program").write_text(PROGRAM.format(version=version, does=does))
@@ -117,7 +118,7 @@ class Attacks(unittest.TestCase):
         return done
 
     def night(self, *arguments, code=1, plan=PLAN, device=False):
-        """What the night finds: words by kind and series."""
+        """Returns the findings of a run: words by kind and series."""
         self.neph("nightly", "-q", "--once", *plan, *arguments, code=code, device=device)
         return self.findings()
 
@@ -129,7 +130,7 @@ class Attacks(unittest.TestCase):
         return found
 
     def series(self, scene, metric="radiance rel_rmse/exact"):
-        """The name that a scene's number of the program has in the accepted night."""
+        """The series of one of the program's values in the accepted run."""
         [name] = [m["series"] for m in self.document("night-000001")["measurements"]
                   if m["series"].startswith(f"catalog/{scene}@") and
                   m["series"].endswith(f"/command/{metric}")]
@@ -198,8 +199,8 @@ class Attacks(unittest.TestCase):
         self.assertEqual(list(found), ["edited"])
         [(before, words)] = found["edited"].items()
         self.assertEqual(before, self.series("zz_haze").split("/command")[0])
-        self.assertRegex(words, "numbers are those of catalog/zz_haze@[0-9a-f]{8}: tonight's "
-                                "program has rendered the accepted version once more, from '")
+        self.assertRegex(words, "numbers belong to catalog/zz_haze@[0-9a-f]{8}: this run's "
+                                "program rendered the accepted version again, from '")
         [copy] = self.out.glob(f"store/scenes/{before.split('@')[1]}-*/zz_haze.yaml")
         self.assertIn(str(copy), words)
         self.neph("store", "check")
@@ -214,14 +215,14 @@ class Attacks(unittest.TestCase):
         self.assertEqual(set(found), {"worse", "edited"})
         self.assertIn(self.series("zz_haze"), found["worse"])
         self.remove_database()
-        shutil.rmtree(self.out / "store/scenes")  # a store of before there were copies
+        shutil.rmtree(self.out / "store/scenes")  # a store from before scenes were copied
         found = self.night()
         self.assertNotIn(self.series("zz_haze"), found["worse"])
         self.assertIn("could not be rendered once more", "".join(found["edited"].values()))
 
     @of_the_night
     def test_scenes_of_the_other_suites_are_edited(self):
-        """On a device. The accepted versions give the accepted numbers, to the last bit."""
+        """On a device. The accepted versions give the accepted values, bit by bit."""
         folder = self.data / "scenes/stress"
         shutil.copy(SOURCES / "scenes/stress/fog_none.yaml", folder)
         self.addCleanup((folder / "fog_none.yaml").unlink)
@@ -257,7 +258,7 @@ class Attacks(unittest.TestCase):
         self.assertEqual(self.night(code=0, plan=ALONE), {})
 
     def test_a_scene_is_broken(self):
-        """And one that the quick tier names is deleted."""
+        """And a scene that the quick tier names is deleted."""
         (self.catalog / "zz_haze.yaml").write_text("name: [")
         (self.catalog / "voxel_grid.yaml").unlink()
         self.assertEqual({kind: set(found) for kind, found in self.night().items()},
@@ -272,7 +273,7 @@ class Attacks(unittest.TestCase):
         self.assertIn(self.series("zz_haze"), self.night(plan=FEWER)["lost"])
 
     def test_a_chosen_night_is_compared_with_what_was_asked_for(self):
-        """By hand, which is no attack: --against says so, and so does the summary."""
+        """By hand, which is not an attack: --against states it, and so does the summary."""
         self.assertEqual(self.night("--against", "1", plan=FEWER, code=0), {})
 
     def test_an_engine_less(self):
@@ -318,7 +319,7 @@ class Attacks(unittest.TestCase):
         database.close()
         self.program(BAD)
         found = self.history_night()
-        self.assertIn("is not as its document", found["history damaged"]["night-000001.json"])
+        self.assertIn("differs from its document", found["history damaged"]["night-000001.json"])
         self.neph("store", "check", code=1)
         self.neph("store", "check", "--repair", code=1)
         self.assertIn(self.series("zz_haze"), self.history_night()["worse"])
@@ -379,7 +380,7 @@ class Attacks(unittest.TestCase):
         self.neph("store", "check")
 
     def test_an_acceptance_that_nothing_has_is_named(self):
-        """As of a store of before there were copies."""
+        """As in a store from before scenes were copied."""
         for path in self.out.glob("store/history/*accept*"):
             path.write_text("{") if path.name.startswith("accept") else path.unlink()
         self.remove_database()
@@ -388,7 +389,7 @@ class Attacks(unittest.TestCase):
         self.assertNotIn("0 damaged", said)
 
     def test_times_of_files_decide_nothing(self):
-        """A clock that was set back or forward. Dates of nights are in test_night.c."""
+        """A clock that was set back or forward. Dates of runs are in test_night.c."""
         self.begin("alone")
         for path in self.out.rglob("*"):
             os.utime(path, (1, 1))

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The page of a night, opened in a browser from disk as a reader would.
+"""The page of a nightly run, opened from disk in a browser as by a reader.
 
-Builds a small page with every kind of finding, missing values and hostile strings, and holds it
-against its data with check_night.mjs; breaks it in known ways, for a checker that finds nothing in
-those is none. By night real nights, too: a threshold of the upscale and a phase function that
-somebody changed are found, named and shown.
+Builds a small page with every kind of finding, missing values and hostile strings, and checks it
+against its data with check_night.mjs. Then it plants known faults in the page, which the checker
+must find. By night it also makes real nightly runs: a changed threshold of the upscale and a
+changed phase function are found, named and displayed.
 
     e2e_night_page.py                  run the tests
-    e2e_night_page.py --fixture DIR    only write the page, to look at it
-    e2e_night_page.py --sample DIR     only run those nights: DIR/nightly/report is a real page
+    e2e_night_page.py --fixture DIR    only write the page, for inspection
+    e2e_night_page.py --sample DIR     only make the runs: DIR/nightly/report is a real page
 """
 import json
 import os
@@ -161,7 +161,7 @@ class Page(PageCase):
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):
-        """Faults that do not hide each other, in one page."""
+        """Independent faults in one page."""
         folder = self.copy_with((
             ("el(\"code\", null, first.command)", "el(\"code\", null, \"neph\")"),
             ("el(\"div\", null, trend(finding))", "el(\"div\")"),
@@ -204,7 +204,7 @@ STEPS = ["--tier", "full", "--only", "catalog turned_solids", "--only", "catalog
 
 
 def neph(folder, *arguments):
-    """Its exit code and all that it said, without other people's renderers."""
+    """Returns its exit code and all its output, without external renderers."""
     environment = {**os.environ, "PATH": "/nonexistent", "NEPH_COMMAND": str(folder / "guest")}
     done = subprocess.run([os.environ["NEPH"], *arguments, "-o", str(folder)],
                           capture_output=True, text=True, timeout=300, env=environment)
@@ -212,8 +212,8 @@ def neph(folder, *arguments):
 
 
 def plant(folder):
-    """Nights of which the third upscales with a threshold of depth of 35 % and not 25 %, and has a
-    renderer whose phase function is g + 0.01: after each what it said."""
+    """Nightly runs. The third upscales with a depth threshold of 35 % instead of 25 %, and its
+    renderer has a phase function with g + 0.01. Yields the output of each."""
     guest = folder / "guest"
     guest.write_text(GUEST.format(python=sys.executable, neph=os.environ["NEPH"]))
     guest.chmod(0o755)
@@ -246,7 +246,7 @@ class PlantedChanges(unittest.TestCase):
         worse = [found for found in data["findings"] if found["found"] == "worse"]
         self.assertEqual({found["scene"].split("@")[0] + " " + found["engine"] for found in worse},
                          {"turned_solids realtime", "gaussian_blob command"})
-        # The phase function has an effect on all of the blob, the threshold on pixels at edges.
+        # The phase function affects the whole blob, the threshold affects pixels at edges.
         blob = next(found for found in worse if found["scene"].startswith("gaussian_blob"))
         solids = next(found for found in worse if found["engine"] == "realtime")
         self.assertGreater(blob["shown"]["difference"]["changed"], 0.5)

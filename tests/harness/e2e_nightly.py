@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Nights as an operator has them: the first, the accepted, the killed, two at once, a change."""
+"""Nightly runs of an operator: first, accepted, killed, two at once, and after a change."""
 import json
 import os
 import pathlib
@@ -14,7 +14,7 @@ import xml.etree.ElementTree
 import neph_case
 import night
 
-# Two scenarios of the stress tests, a second or two each; and a fog without other people's
+# Two scenarios of the stress tests, which take a second or two each; and a fog without external
 # renderers, which are not in this PATH.
 QUICK = ["nightly", "--only", "failure ridge_far", "--only", "failure fog_none", "-q", "--once"]
 FOG = ["nightly", "--only", "catalog height_fog_down", "--size", "32x18", "-q", "--once"]
@@ -38,7 +38,7 @@ class Nightly(neph_case.NephCase):
         child = self.start(*QUICK)
         logs = self.folder / "nightly/logs"  # the second step has begun
         self.wait_until(lambda: len(list(logs.glob("*.log"))) >= 2, child)
-        self.neph(*QUICK, code=69, said="another night is at work")  # one at a time
+        self.neph(*QUICK, code=69, said="another nightly run is working")  # one at a time
         page = json.loads((self.folder / "nightly/report/data.json").read_text())
         self.assertEqual((page["state"], [step["outcome"] for step in page["steps"]].count("done")),
                          ("running", 1))
@@ -64,7 +64,7 @@ class Nightly(neph_case.NephCase):
         self.accept()
         second = self.neph(*QUICK)
         self.assertEqual(len(second.stdout.splitlines()), 1)  # one paragraph
-        self.assertIn(f"{self.data()['compared']} comparisons with night 1", second.stdout)
+        self.assertIn(f"{self.data()['compared']} comparisons with run 1", second.stdout)
         data = self.data()
         self.assertEqual((data["passes"], data["new"], data["findings"]), (True, 0, []))
         self.assertEqual(data["compared"], len(data["series"]))
@@ -84,7 +84,7 @@ class Nightly(neph_case.NephCase):
         self.assertEqual(*[[(m["series"], m["value"]) for m in row["measurements"]]
                            for row in nights])
         keys = {job["key"] for job in document["jobs"]}
-        # Frames are filed by the program that made them, and say where.
+        # Frames are stored under the program that made them, and have a device.
         self.assertEqual({len(row["build"]) for row in document["environments"]}, {16})
         self.assertNotIn("", [row["device"] for row in document["environments"]])
         self.assertTrue(keys and set(nights[0]["frames"]) == keys)
@@ -99,7 +99,7 @@ class Nightly(neph_case.NephCase):
         self.assert_a_database_of_before_is_taken_over()
 
     def assert_a_database_of_before_is_taken_over(self):
-        """From before numbers knew their pictures."""
+        """A schema from before values had frames."""
         def numbers():
             document = json.loads(self.neph("store", "export").stdout)
             return [[(m["series"], m["value"]) for m in row["measurements"]]
@@ -119,13 +119,13 @@ class Nightly(neph_case.NephCase):
         database.close()
 
     def kill_what_works_in(self, folder):
-        """Whether there was anything."""
+        """Returns whether there was such a process."""
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
                 if str(folder).encode() in (process / "cmdline").read_bytes().split(b"\0"):
                     os.kill(int(process.name), signal.SIGKILL)
                     return True
-            except OSError:  # it has ended
+            except OSError:  # the process has ended
                 pass
         return False
 
@@ -154,7 +154,7 @@ class Nightly(neph_case.NephCase):
         self.assert_the_page_shows(worst["series"])
 
     def assert_the_page_shows(self, series):
-        """With both pictures, its course and the command; e2e_night_page.py looks at it."""
+        """With both frames, its history and the command; e2e_night_page.py checks it in detail."""
         page = self.folder / "nightly/report"
         data = json.loads((page / "data.json").read_text())
         shown = data["findings"][0]
@@ -175,7 +175,7 @@ class Nightly(neph_case.NephCase):
         first = self.values()
         self.setUp()
         self.neph(*slab, code=1, **LONELY)
-        self.assertEqual(self.values(), first)  # tracers, too: the seed is the same
+        self.assertEqual(self.values(), first)  # tracers, too: equal seeds
         self.accept()
         for seed in (2, 3, 4):
             self.neph(*slab, "--seed", seed, **LONELY)
@@ -198,7 +198,7 @@ class Nightly(neph_case.NephCase):
         self.neph(*FOG, "-s", "march:steps=56", code=1, **LONELY)
         series = self.data()["findings"][0]["series"]
         self.accept(series)
-        self.neph(*FOG, "-s", "march:steps=56", **LONELY, code=1)  # others are worse still
+        self.neph(*FOG, "-s", "march:steps=56", **LONELY, code=1)  # other series are still worse
         self.assertNotIn(series, [row["series"] for row in self.data()["findings"]])
         self.accept()
         self.neph(*FOG, "-s", "march:steps=56", **LONELY)
@@ -220,14 +220,14 @@ class Nightly(neph_case.NephCase):
             child.kill()
             child.wait()
         self.neph(*QUICK, code=1)
-        self.assertGreater(killed, 3, f"seed {seed}")  # some nights end before their moment
+        self.assertGreater(killed, 3, f"seed {seed}")  # some runs end before the kill
         [numbers], jobs = expected
         nights, now = self.numbers_and_keys()
         self.assertEqual((nights, now), ([numbers] * len(nights), jobs), f"seed {seed}")
         self.neph("store", "check")
 
     def numbers_and_keys(self):
-        """Of each night that ended, and of the store."""
+        """Values of each finished run, and keys of the store."""
         document = json.loads(self.neph("store", "export").stdout)
         return ([[(m["series"], m["value"]) for m in night["measurements"]]
                  for night in document["nights"]],
@@ -238,7 +238,7 @@ class Nightly(neph_case.NephCase):
         self.neph(*QUICK, "--minutes", "0.01", code=1)
         done = [step["done"] for step in self.data()["steps"]]
         self.assertEqual(sorted(done), [False, True])
-        self.neph(*QUICK, "--minutes", "0.01", "--revision", "b", code=1)  # then the other's turn
+        self.neph(*QUICK, "--minutes", "0.01", "--revision", "b", code=1)  # now the other step
         self.assertEqual([step["done"] for step in self.data()["steps"]],
                          [not it for it in done])
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Where neph writes: nothing of the user's is removed or overwritten, and runs side by side or
-killed leave whole things."""
+"""Where neph writes: it removes or overwrites no file of the user, and simultaneous or killed runs
+leave complete files."""
 import json
 import os
 import pathlib
@@ -20,7 +20,7 @@ SMALL = ["validate", "scattering_slab_above", "-e", "exact", "-e", "oracle", "--
 
 
 def tree(folder):
-    """What is in a folder: a change of any of it shows."""
+    """The content of a folder: any change to it shows."""
     return {str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns)
             if path.is_file() else None for path in folder.rglob("*")}
 
@@ -33,7 +33,7 @@ class Output(neph_case.NephCase):
 
     def assert_refused(self, *arguments, naming):
         before = tree(self.folder)
-        self.neph(*arguments, code=64, said=(str(naming), "-o"))  # the way out
+        self.neph(*arguments, code=64, said=(str(naming), "-o"))  # the message suggests it
         self.assertEqual(tree(self.folder), before)
 
     def test_folders_of_the_user_are_left_alone(self):
@@ -68,7 +68,7 @@ class Output(neph_case.NephCase):
         for name in ("report", "store"):
             (self.folder / name / ".neph-owned").unlink()
         (self.folder / "store/.neph-lock").unlink(missing_ok=True)
-        shutil.rmtree(self.folder / "report/view")  # there were no viewers then
+        shutil.rmtree(self.folder / "report/view")  # as before reports had viewers
         (self.folder / "report/images/x").mkdir()
         self.neph(*SMALL, "-o", self.folder)
         self.assertFalse((self.folder / "report/images/x").exists())
@@ -181,7 +181,7 @@ class Output(neph_case.NephCase):
         self.put("work/scene.pov", "// months of work")
         self.assert_refused("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "work",
                             naming=self.folder / "work")
-        for _ in range(2):  # its own it replaces
+        for _ in range(2):  # it replaces its own folder
             self.neph("export", "absorbing_slab", "-e", "povray", "-o", self.folder / "new")
 
     def test_inputs_are_not_overwritten(self):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The physics suite and the step study, run as a user would, with few samples: results, exit codes,
-pictures, the page in a browser, and what a wrong command is told."""
+"""The physics suite and the step study as a user runs them, with few samples: results, exit codes,
+images, the page in a browser, and messages for wrong commands."""
 import json
 import pathlib
 import shutil
@@ -21,7 +21,7 @@ def png_size_px(path):
 
 
 class Furnace(unittest.TestCase):
-    """One run of the cheapest rung, looked at from all sides."""
+    """One run of the cheapest sample count, checked in all outputs."""
 
     @classmethod
     def setUpClass(cls):
@@ -43,7 +43,7 @@ class Furnace(unittest.TestCase):
     def test_a_single_scattering_march_is_off_and_the_cause_is_named(self):
         row, = self.rows("march")
         self.assertEqual((row["verdict"], row["lowered"]), ("off", True))
-        # light that is not scattered in again is missing
+        # in-scattered light of higher orders is missing
         self.assertLess(row["deviation"], -0.01)
         self.assertIn("single scattering", row["cause"])
         self.assertIn(row["cause"], row["sentence"])
@@ -71,7 +71,7 @@ class Furnace(unittest.TestCase):
                     and row["deviation"] is not None]
             self.assertGreaterEqual(len(rows), 2, check["name"])
             for v, view in enumerate(check["views"]):
-                self.assertNotIn("truth", view)  # drawn, not carried along
+                self.assertNotIn("truth", view)  # drawn on the page, not stored in the data
                 for path in [view["picture"], *(row[kind][v] for row in rows
                                                 for kind in ("pictures", "differences"))]:
                     self.assertEqual(png_size_px(report / path), view["size_px"], path)
@@ -97,7 +97,7 @@ class OtherRuns(StudyCase):
         self.assertEqual(len(set(physics["rows"][0]["pictures"])), 2)
 
     def test_two_processes_find_what_one_finds(self):
-        """And a run that goes on renders nothing again."""
+        """And a resumed run does not render again."""
         documents = []
         for jobs in ("1", "2"):
             folder = self.folder / jobs
@@ -130,7 +130,7 @@ class OtherRuns(StudyCase):
 
     def test_a_study_of_march_finds_its_second_order(self):
         study = self.json("study", "march", "height_fog_up", "--size", "16x9")
-        # 5 % of the order: the levels are far from the limit of small steps by no more than that.
+        # 5 % of the order: the levels differ from the limit of small steps by at most this.
         self.assertAlmostEqual(study["observed_order"], 2.0, delta=0.1)
         biases = [abs(level["bias"]) for level in study["levels"]]
         self.assertEqual(biases, sorted(biases, reverse=True))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph pick`: closed forms first, nothing for motion where nothing moves, and what it says when
-nothing is good enough. Its file is what `neph render --config` takes."""
+"""`neph pick`: closed forms first, no parts for motion in a static scene, and its message if
+nothing is good enough. `neph render --config` reads its file."""
 import json
 import re
 import unittest
@@ -38,7 +38,7 @@ class Pick(NephCase):
     in_folder = True
 
     def pick(self, scene, *arguments, size="64x36", code=0):
-        """What it says, which is also a file."""
+        """Returns its JSON, which equals the file."""
         done = self.neph("pick", scene, "--size", size, "-q", "--json", *arguments, code=code)
         return json.loads(done.stdout), done.stderr
 
@@ -52,7 +52,7 @@ class Pick(NephCase):
         self.assertLess(found["error"], 0.01)
         march, = found["left_out"]
         self.assertGreater(march["with"]["evaluations"], 1.0)
-        # The file renders, and what it renders is the choice.
+        # The file renders, and renders the choice.
         config = ("height_fog_level", "--config", "out/pick/pick.json", "--size", "64x36")
         self.assertIn("height_fog_level_exact_0000.exr", self.render(*config).stdout)
         self.render(*config, "--preset", "ours", code=64)
@@ -61,7 +61,7 @@ class Pick(NephCase):
         self.render(*config, code=65, said="1..65536")
 
     def test_even_fog_is_a_closed_form(self):
-        """Its truth is the same closed form; a march, which is not, comes to the same."""
+        """The truth is the same closed form; a march, which is not, agrees with it."""
         found, _ = self.pick(self.put("even.yaml", EVEN), "--error", "0.01")
         self.assertEqual((found["engine"], found["evaluations"]), ("exact", 0.0))
         march, = found["left_out"]
@@ -78,7 +78,8 @@ class Pick(NephCase):
     def test_a_thin_cloud_leaves_out_all_orders(self):
         found = self.cloud(0.05)
         self.assertEqual(found["scattering"], "single")
-        # What all orders would have bought: nothing, as the lights that stand for them are off.
+        # All orders of scattering would not help: the lighting models that approximate them are
+        # off.
         left = {entry["what"]: entry["with"] for entry in found["left_out"]}
         for light in ("octaves", "fitted octaves"):
             self.assertGreater(left[light]["error"], found["error"])
@@ -94,7 +95,7 @@ class Pick(NephCase):
     def test_a_planets_air_is_tables_for_the_march_beside_it_too(self):
         found, _ = self.pick("sky_earth", "--error", "0.1", size="32x18")
         left = {entry["what"]: entry["with"] for entry in found["left_out"]}
-        # Marched through the air in eight steps it would be off by 1.
+        # If it marched through the air in eight steps, the error would be 1.
         self.assertLess(left["a ray for every pixel, every frame"]["error"], 0.1)
 
     def test_the_shipped_preset_is_the_point_of_the_front_that_was_asked_for(self):
@@ -105,13 +106,13 @@ class Pick(NephCase):
         self.assertEqual((found["preset"], found["found"]), ("ours", True))
         fixed, ours = found["candidates"]
         self.assertTrue(ours["on_front"])
-        # The file renders what the preset does.
+        # The file renders the same frames as the preset.
         for name, words in (("a", ("--config", "out/pick/pick.json")),
                             ("b", ("-e", "realtime", "--preset", "ours", "-s", "steps=8"))):
             self.render("gaussian_blob", *words, "--size", "32x18", "--frames", "4", "-o", name)
         self.neph("compare", *(f"{name}/gaussian_blob_realtime_0003.exr" for name in "ab"), "-m",
                   "error", "--fail-above", "max_abs=0")
-        # What only the other one has is not within what was asked for.
+        # No configuration is within a limit that only the other one reaches.
         self.assertLess(3.0 * ours["flicker"], fixed["flicker"])
         self.assertFalse(pick("--flicker", 0.5 * ours["flicker"], code=1)["found"])
 
@@ -126,7 +127,8 @@ class Pick(NephCase):
         best = min(rows.values(), key=lambda row: row["error"])
         self.assertEqual(found["preset"], best["preset"])
         self.assertTrue(best["on_front"])
-        # Without anti-aliasing nothing lags so little; a budget that only it is in takes it.
+        # No other configuration lags so little as without anti-aliasing; a limit that only this one
+        # meets selects it.
         quick = rows["ours+taa=off"]
         self.assertEqual(min(row["lag"] for row in rows.values()), quick["lag"])
         again = pick("--lag", 1.01 * quick["lag"])
@@ -134,7 +136,7 @@ class Pick(NephCase):
         self.assertIn("taa=off", again["settings"])
         self.assertTrue((self.folder / "out/pick/flicker_lag.svg").exists())
         self.assertFalse(pick("--lag", 0.5 * quick["lag"], code=1)["found"])
-        # The file is what `neph render` takes.
+        # `neph render` reads the file.
         self.render("gaussian_blob", "--config", "out/pick/pick.json", "--size", "16x9")
 
     def test_a_cloud_at_rest(self):
@@ -151,15 +153,15 @@ class Pick(NephCase):
         motion = left["parts that only motion needs"]
         self.assertEqual(motion["because"], "nothing moves")
         self.assertAlmostEqual(motion["with"]["error"], found["error"], delta=0.1 * found["error"])
-        # Nothing is there that the cloud could throw a shadow on.
+        # There is no surface for the cloud's shadow.
         shadows = left["a shadow map of the clouds"]
         self.assertIn("no cloud stands", shadows["because"])
         self.assertEqual(shadows["with"]["error"], found["error"])
         self.assertNotIn("cloud_shadow=map", found["settings"])
         every = left["a ray for every pixel, every frame"]["with"]
         self.assertGreater(every["evaluations"], 10.0 * found["evaluations"])
-        # The same again, from the store, and by two processes; and nothing is good enough for a
-        # hair's breadth.
+        # The same results from the store, and by two processes; and nothing is good enough for a
+        # tiny error.
         for again in ((), ("--jobs", "2", "-o", "by_two")):
             self.assertEqual(self.pick(scene, *words, *again, size="32x18")[0], found)
         best, said = self.pick(scene, "--error", "1e-6", *words[2:], size="32x18", code=1)
@@ -167,7 +169,7 @@ class Pick(NephCase):
         self.assertIn("good enough", said)
 
     def test_configurations_of_some_engines_only(self):
-        """The choice has the engine or the name that was asked for, and the first line says it."""
+        """The choice is of the requested engine or name, and the first line states it."""
         words = ("--error", "1", "-o", "few")
         for option, engine in ((("-e", "march"), "march"), (("--only", "fixed"), "realtime")):
             found, _ = self.pick("voxel_grid", *words, *option, size="32x18")

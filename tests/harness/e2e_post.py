@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph post`: pictures of frames, what they are called, and what is refused."""
+"""`neph post`: display images of frames, their names, and refused arguments."""
 import json
 import math
 import pathlib
@@ -59,7 +59,7 @@ class Post(neph_case.NephCase):
                 self.assertEqual(row[3 * x], codes[y * WIDTH + x])
         self.assertEqual(list(frames.read_exr(out / self.frame.name)[2]["Z"]),
                          [100.0] * WIDTH * HEIGHT)
-        # It is a display's picture: it cannot be mapped twice, nor held against radiance.
+        # It is a display image: it can neither be mapped twice nor be compared with radiance.
         self.neph("post", out / self.frame.name, "-p", "plain", "-q", "-o", "2",
                   code=65, said="display")
         self.neph("compare", self.frame, out / self.frame.name, code=65)
@@ -85,11 +85,11 @@ class Post(neph_case.NephCase):
         self.assertNotEqual(first, later)
 
     def test_the_eye_adapts_from_frame_to_frame(self):
-        """A frame 4 EV brighter than the one before: 3 EV in a second, and no further."""
+        """A frame 4 EV brighter than the previous one: 3 EV in a second, and no further."""
         for number, ev in ((3, 0), (4, 4), (5, 4)):
             self.write(self.folder / "in" / f"frame.000{number}.exr", [2.0 ** ev] * WIDTH * HEIGHT)
         words = ["-p", "plain", "-s", "auto_exposure=on", "-s", "adapt_near_ev=0.5", "-s",
-                 "exposure_ev=-1", "--repeat", "3"]  # of which none counts for the next frame
+                 "exposure_ev=-1", "--repeat", "3"]  # repetitions do not adapt the next frame
         found = self.json("post", self.folder / "in", *words, "--fps", "2", "-o", "out")
         evs = [result["adapted_ev"] for result in found]
         for seen, expected in zip(evs, (0.0, 1.5, 3.0)):
@@ -118,7 +118,7 @@ class Post(neph_case.NephCase):
         self.assertEqual(packed[24], 16)
         self.assertIn(b"sBIT\x0a\x0a\x0a", packed)
         self.assertIn(b"cICP\x09\x10\x00\x01", packed)
-        # With the curve that HDR displays want nothing ends in a plateau.
+        # With the curve for HDR displays no value clips.
         self.neph("post", self.frame, "-p", "hdr", "-q", "-o", "hdr")
         rolled = reds(self.folder / "hdr" / self.frame.name)
         self.assertTrue(all(a < b for a, b in zip(rolled, rolled[1:])))
@@ -137,7 +137,7 @@ class Post(neph_case.NephCase):
         return path
 
     def test_a_chain_is_run_where_the_camera_is(self):
-        """A camera that walks out of a box with -1 EV, a metre a frame, over 10 m of blending."""
+        """A camera moves out of a box with -1 EV, one metre per frame, over 10 m of blending."""
         scene = self.folder / "walk.yaml"
         scene.write_text("""
 name: walk
@@ -164,7 +164,7 @@ volumes:
     box: {minimum_m: [-5, 0, -5], maximum_m: [5, 5, 5]}
     settings: {exposure_ev: -1}
 """)
-        self.neph("post", self.frame, "--chain", chain, code=64)  # where is the camera?
+        self.neph("post", self.frame, "--chain", chain, code=64)  # the camera is unknown
         for number, ev in ((0, -1), (5, -1), (10, -0.5), (15, 0), (20, 0)):
             frame = self.folder / "walking" / f"frame.{number:04}.exr"
             frame.parent.mkdir(exist_ok=True)
@@ -204,7 +204,8 @@ volumes:
 """
 
     def test_a_scene_is_shown_by_its_chain(self):
-        """Beside each frame what `neph post` makes of it, camera, grain and eye included."""
+        """Next to each frame the output of `neph post` for it, including camera, grain and
+        adaptation."""
         self.chain(self.TUNNEL % ("", ""))
         scene = self.folder / "walk.yaml"
         scene.write_text(self.WALK + "display: {chain: chain.yaml}\n")
@@ -313,7 +314,8 @@ volumes:
             for name, kind, value in further:
                 self.assertEqual(attribute(made, name, kind), value, name)
             self.assertNotIn(b"crop\0string", made.read_bytes())
-            self.neph("compare", made, out / "at_5.exr", code=65, said="not of the same place")
+            self.neph("compare", made, out / "at_5.exr", code=65,
+                      said="the images differ in the place")
             self.neph("compare", made, made, "-m", "mae")
         kept = frames.read_exr(self.folder / "out1/at_4.exr")[2]
         self.assertEqual([*kept["Z"][:2], *kept["A"][:2], kept["id.r"][1]],

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Engine realtime through the command line: `neph render` of sequences, presets, given depths,
-costs."""
+"""Engine realtime on the command line: `neph render` of sequences, presets, given depths, costs."""
 import json
 import math
 import pathlib
@@ -13,9 +12,9 @@ import night
 
 INF = math.inf
 
-# Fog before a tower that is black, under a sky that is not: what is behind the media is known.
-# Sun and camera move. Fog alone, as in test_realtime_pipeline: what its shaders are translated
-# to is in the cache by now.
+# Fog in front of a black tower, under a sky with radiance: the radiance behind the media is known.
+# Sun and camera move. Only fog, as in test_realtime_pipeline, whose compiled shaders are in the
+# cache.
 MOVING = """
 name: moving
 title: a test
@@ -39,14 +38,15 @@ media:
       layers: [{extinction_per_m: 0.02, falloff_per_m: 0.1, height_m: 0}]
       albedo: [1, 1, 1]
 """
-# The camera within a box of haze: every step of every ray is lit through haze.
+# The camera inside a box of haze: every step of every ray is lit through haze.
 BOX = MOVING[:MOVING.index("solids:")].replace("moving", "box") + """
 media:
   - gaussian:
       {center_m: [0, 0, 0], width_m: 9, extinction_per_m: 0.02, albedo: [1, 1, 1],
        bounds: {min_m: [-9, -9, -9], max_m: [9, 9, 9]}}
 """
-# Pictures 2 to 5 stand still; from 6 on half the size; a cut between 8 and 9; from 10 on 5/4 of it.
+# Frames 2 to 5 are static; from 6 on half the size; a cut between 8 and 9; from 10 on 5/4 of the
+# size.
 BROKEN = MOVING.replace("moving", "broken").replace("frames: {count: 6, rate_hz: 30}", """
 frames:
   {count: 12, rate_hz: 30, pauses: [{frame: 2, count: 3}],
@@ -81,8 +81,9 @@ class Realtime(neph_case.NephCase):
             for name, text in (("moving", MOVING), ("box", BOX), ("broken", BROKEN)))
 
     def render(self, name, scene, *options, engine="realtime", size=(48, 36), layers="1"):
-        """Results of the frames, in a folder of that name; `channels` and `texts` are those of the
-        files. The validation layers watch each way through the pipeline once."""
+        """Renders into a folder of this name and returns results of the frames; `channels` and
+        `texts` are read from the files. The validation layers check each path through the pipeline
+        once."""
         results = self.json("render", scene, "-e", engine, "-s", "steps=4", "--size",
                             "%dx%d" % size, "-o", self.folder / name, *options,
                             NEPH_VULKAN_VALIDATION=layers)
@@ -103,7 +104,7 @@ class Realtime(neph_case.NephCase):
                                            for c, v in channels.items()}))
         return path
 
-    # ---- the march that feeds it -------------------------------------------------------------
+    # ---- the march -------------------------------------------------------------------------------
 
     def test_off_is_march_bit_by_bit(self):
         settings = ("-s", "sun=marched", "-s", "sun_steps=3", "-s", "transmittance=marched")
@@ -125,7 +126,7 @@ class Realtime(neph_case.NephCase):
             self.assertGreater(math.prod(size) * 4 / stats["density_evaluations"], 14)
             self.assertEqual(stats["rays"], divided_up(size, 4))
             self.assertEqual(stats["view_steps"], stats["rays"] * 4)
-            # the sun's are closed forms
+            # the sun's optical depth is a closed form
             self.assertEqual(stats["density_evaluations"], stats["rays"] * 4)
             # written with 15 digits
             self.assertAlmostEqual(stats["density_evaluations_per_pixel"],
@@ -136,7 +137,7 @@ class Realtime(neph_case.NephCase):
         self.assertEqual(marched["stats"]["density_evaluations"], 12 * 9 * 4 * (1 + 3))
 
     def check_device_times(self, result):
-        """There is one for each pass, and they add up to all."""
+        """Each pass has a duration, and they sum to the total."""
         stats, settings = result["stats"], result["texts"]["neph.settings"].split()
         engine, = self.json("engines", "realtime")
         names = [entry["name"].replace(" ", "_").replace("-", "_")
@@ -151,7 +152,7 @@ class Realtime(neph_case.NephCase):
         self.assertAlmostEqual(sum(times) / stats["gpu_ms"], 1, delta=1e-13)
         self.assertLess(stats["gpu_ms"], stats["wall_ms"])
 
-    # ---- what is counted ---------------------------------------------------------------------
+    # ---- counters --------------------------------------------------------------------------------
 
     @night.of_the_night
     def test_bytes_are_those_of_the_formats(self):
@@ -290,7 +291,7 @@ class Realtime(neph_case.NephCase):
                          and list((self.folder / "refused").iterdir()))
 
     def test_faults_that_are_asked_for_end_in_words(self):
-        """Without its guard anti-aliasing makes NaN of black under black; no such frame is
+        """Without its guard, anti-aliasing makes NaN of black under black; no such frame is
         written."""
         dark = self.put("dark.yaml", MOVING.replace("moving", "dark")
                         .replace("[0.5, 0.25, 0.125]", "[0, 0, 0]")
@@ -320,9 +321,9 @@ class Realtime(neph_case.NephCase):
     # ---- given depths ------------------------------------------------------------------------
 
     def test_a_given_depth_is_as_good_as_the_scenes_own(self):
-        """The march's depth and what is known to be behind the media, in place of rays into the
+        """The march's depth and the known radiance behind the media, in place of rays into the
         scene."""
-        # rays that are given do not move
+        # given rays are not jittered
         options = ("--frames", 5, "-s", "taa_jitter=none")
         for result in self.render("march", self.moving, "--frames", 5, engine="march"):
             depth_m = result["channels"]["Z"]
@@ -341,13 +342,13 @@ class Realtime(neph_case.NephCase):
                           self.given("sky.exr", Z=INF, R=1.0, G=1.0, B=1.0))
         for result in results:
             self.assertEqual(set(result["channels"]["Z"]), {5.0})
-            # the fog alone, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the
+            # only the fog, at most 0.02 * e^0.4 per metre over at most 5 m / cos 28 degrees (the
             # corners)
             self.assertGreater(min(result["channels"]["transmittance.R"]),
                                math.exp(-0.02 * 1.5 * 5.7))
             self.assertLess(max(result["channels"]["transmittance.R"]), 1)
         self.assertEqual(set(sky[0]["channels"]["Z"]), {INF})
-        # all of the fog: what is behind the wall takes more than what is before it
+        # all of the fog: the part behind the wall absorbs more than the part in front of it
         self.assertLess(max(sky[0]["channels"]["transmittance.R"]),
                         min(results[0]["channels"]["transmittance.R"]))
 
@@ -405,10 +406,10 @@ class Realtime(neph_case.NephCase):
                                 11: 0}.items():
             # doubles around 32 px, then a float
             self.assertAlmostEqual(speeds_px[frame], expected * px_per_frame, delta=1e-6, msg=frame)
-        for frame in (3, 4, 5):  # time stands still
+        for frame in (3, 4, 5):  # time does not advance
             self.assertEqual(differing(results[2]["channels"], results[frame]["channels"],
                                        ["Z", "mask.fog"]), set())
-        self.assertEqual(set(results[9]["channels"]["motion.x"]), {1e6})  # beyond the cut: nowhere
+        self.assertEqual(set(results[9]["channels"]["motion.x"]), {1e6})  # across the cut: none
         self.assertEqual(set(results[9]["channels"]["motion.depth"]), {0.0})
         self.assertEqual({r["stats"]["rays"] for r in results}, {80, 20, 130})
 
@@ -431,8 +432,8 @@ class Realtime(neph_case.NephCase):
         self.assertEqual(differences, [set()] * 3 + [set("RGB")])
 
     def test_the_past_is_used(self):
-        """Pictures differ from the first one of a sequence that begins there. A sequence goes on
-        beyond the scene."""
+        """Frames differ from the first frame of a sequence that begins there. A sequence continues
+        after the scene's last frame."""
         alone, = self.render("alone", self.moving, "--frame", 4, "-s", "warm_up=1", layers="0")
         warm = self.render("warm", self.moving, "--frame", 4, "--frames", 5, "-s", "warm_up=5")
         sequence = self.render("sequence", self.moving, "--frames", 5, "-s", "warm_up=1",
@@ -451,11 +452,11 @@ class Realtime(neph_case.NephCase):
         out, _ = self.interrupt(child)
         listed = [pathlib.Path(result["exr"]) for result in json.loads(out)]
         self.assertGreaterEqual(len(listed), 3)
-        self.assertEqual(sorted(folder.iterdir()), listed)  # nothing half done, no scratch
+        self.assertEqual(sorted(folder.iterdir()), listed)  # no partial files, no scratch
         for path in (listed[0], listed[-1]):
             self.assertEqual(frames.read_exr(path)[:2], (96, 54))
 
-    # ---- beside the others -------------------------------------------------------------------
+    # ---- with other engines ----------------------------------------------------------------------
 
     def test_validate_runs_it_only_when_it_is_named(self):
         options = ("validate", self.moving, "--size", "16x12", "--no-charts", "-q", "-o",

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The report's web page, opened in a browser from disk as a reader would.
+"""The report's web page, opened from disk in a browser as by a reader.
 
-Builds a small report with every status, missing values and hostile strings, lays it out as
-scripts/report/README.md asks, and holds the page against its data with check_report.mjs. Then
-breaks the report in known ways: a checker that finds nothing in those is no checker.
+Builds a small report with every status, missing values and hostile strings, in the layout of
+scripts/report/README.md, and checks the page against its data with check_report.mjs. Then it plants
+known faults in the report, which the checker must find.
 
     e2e_report_page.py                  run the tests
-    e2e_report_page.py --fixture DIR    only write the report, to look at it
+    e2e_report_page.py --fixture DIR    only write the report, for inspection
 """
 import copy
 import json
@@ -33,10 +33,10 @@ STOPS = [(0x05, 0x30, 0x61), (0x43, 0x93, 0xC3), (0xF7, 0xF7, 0xF7), (0xD6, 0x60
 UNIT = "W m⁻² sr⁻¹"
 
 
-# ------------------------------------------------------------------------------------- pictures
+# ------------------------------------------------------------------------------------------- images
 
 def cloud(i, j, shift):
-    """Something like a cloud bank: 0..1."""
+    """A shape like a cloud bank: 0..1."""
     x, y = i / WIDTH, j / HEIGHT
     bank = math.exp(-((y - 0.62 - 0.07 * math.sin(7 * x + shift)) / 0.16) ** 2)
     return bank * (0.75 + 0.25 * math.sin(23 * x + 9 * y + shift) * math.cos(17 * y))
@@ -62,7 +62,7 @@ def difference(shift, gain):
 
 # ----------------------------------------------------------------------------------------- data
 
-# What a child that fails may leave: a page of it, which must not stand on the front page.
+# Possible output of a failed child process: a page of text, which must not be on the front page.
 LOG = f"exit status 3: {HOSTILE}\n" + "\n".join(f"line {n} of its log" for n in range(40))
 
 
@@ -160,8 +160,8 @@ def ranking_number(item):
 
 
 def ranked(scenes):
-    """What the C program says of all compared frames: failed gates first, then the largest error.
-    """
+    """The order of the C program for all compared frames: failed gates first, then the largest
+    error."""
     rows = []
     for scene in scenes:
         for item in scene["frames"]:
@@ -180,7 +180,7 @@ def ranked(scenes):
 
 
 def study(option, chosen, certain, noise):
-    """A step study that converges by its order, down to `noise`."""
+    """A step study that converges with its order, down to `noise`."""
     levels = [{"setting": 25.0 * 2 ** k, "radiance": 0.2926 * (1 + 0.027 / 4 ** k),
                "noise": noise * 0.29, "bias": 0.027 / 4 ** k,
                "bias_noise": noise, "wall_s": 1.5 * 1.4 ** k} for k in range(4)]
@@ -211,7 +211,7 @@ SILENT = {"mask": "all", "pixel_count": 20736,
 
 def finding(check, name, deviation=None, error=None, status="rendered", reason="", cause=None,
             views=1, participant=None, **more):
-    """A row of the physics suite; an engine without chance has a step bound."""
+    """A row of the physics suite; a deterministic engine has a step bound."""
     chance = name in ("tracer", "cycles")
     width = None if deviation is None else (3.6 * error if chance else error) + 1e-6
     verdict = ("not_measured" if deviation is None else "agrees"
@@ -253,7 +253,7 @@ def physics_data():
         finding(furnace, "march", -0.522, 0.0, cause="it models single scattering only",
                 lowered=True),
         finding(furnace, "march", 0.34, 0.001, participant="march octaves", look=True,
-                cause="a sum of octaves is a look: it does not conserve energy"),
+                cause="a sum of octaves is a non-physical model: it does not conserve energy"),
         finding(furnace, "povray", status="missing",
                 reason="the command povray is not on the path"),
         finding(slab, "exact", status="cannot", reason="cannot: multiple scattering"),
@@ -265,7 +265,7 @@ def physics_data():
         finding(budget, "tracer", 0.001, 0.0006, views=4),
         finding(budget, "march", -0.9, 0.2, views=4, cause=HOSTILE)]
     tests = sum(row["deviation"] is not None for row in rows)
-    # A row of an older or newer program: optional fields are missing, unknown ones are there.
+    # A row of an older or newer program: optional fields are missing, unknown fields are present.
     del rows[1]["look"]
     rows[1]["unheard_of"] = {"of": "by this page"}
     return {"family_alpha": 0.01, "tests": tests, "critical_z": 3.37, "verdict": "fail",
@@ -337,7 +337,7 @@ def report_data():
            frame("odd", "cycles", status="interrupted", reason=HOSTILE_SCRIPT),
            frame("odd", "povray", status="over_budget", reason="did not fit into 30 s: by a frame "
                  "of 4x3 px its radiance would take 96 s")]
-    # A frame whose engine gave no picture, no cost and numbers without a value.
+    # A frame of an engine without image and cost, with measures without value.
     odd[0].update({"picture": None, "difference": {"radiance": None, "transmittance": None},
                    "render_s": None, "wall_s": None, "cpu_s": None, "peak_memory_bytes": None})
     for row in odd[0]["measurements"]:
@@ -469,7 +469,7 @@ class Charts(unittest.TestCase):
 
     def test_the_chart_fits_a_readme_and_brings_its_own_paper(self):
         result, svg, _ = self.draw(lambda spec: None)
-        self.assertEqual(svg, self.draw(lambda spec: None)[1])  # rows alone decide on its bytes
+        self.assertEqual(svg, self.draw(lambda spec: None)[1])  # only the data determine the bytes
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         self.assertLessEqual(int(svg.split('width="')[1].split('"')[0]), 760)
@@ -526,7 +526,7 @@ class Page(PageCase):
     build = staticmethod(build)
 
     def broken(self, name, change, how="--quick"):
-        """A copy of the good report with one thing wrong."""
+        """A copy of the good report with one fault."""
         folder = self.folder(name)
         shutil.copytree(self.good, folder)
         change(folder)
@@ -536,8 +536,8 @@ class Page(PageCase):
         self.assert_holds(self.good)
 
     def test_a_small_bias_does_not_hide_the_worst_engine(self):
-        """An engine with a bias of -0.5 % and an RMSE of 70 % was called "all agree", below others
-        of a larger bias."""
+        """An engine with a bias of -0.5 % and an RMSE of 70 % was once called "all agree", below
+        others with a larger bias."""
         data = report_data()
         bank = data["scenes"][1]
         for row in next(f for f in bank["frames"] if f["engine"] == "march")["measurements"]:
@@ -547,7 +547,7 @@ class Page(PageCase):
         data["ranking"] = ranked(data["scenes"])
         folder = self.built("small_bias", data)
         self.assert_holds(folder, "--quick")
-        # The page that ranked by the bias names another engine.
+        # A page that ranks by the bias names another engine.
         script = folder / "report.js"
         text = script.read_text()
         wrong = text.replace('["radiance", "rel_rmse", "all"],', '["radiance", "rel_bias", "all"],')
@@ -578,7 +578,7 @@ class Page(PageCase):
         self.assert_holds(folder, "--quick")
 
     def changed_data(self, name, change):
-        """Data that are wrong in themselves, whatever a page shows of them."""
+        """Data that are inconsistent, whatever a page displays."""
         def rewrite(folder):
             data = report_data()
             change(data)
@@ -624,8 +624,7 @@ class Page(PageCase):
         self.assertIn("does not differ from all others", found)
 
     def test_each_of_several_faults_is_found(self):
-        """Faults that do not hide each other, in one page: a browser for each would take most of
-        the time."""
+        """Independent faults in one page: one browser for each would take most of the time."""
         folder = self.copy_with((
             ("const drawn = own.filter((row) => inside(row.pictures?.[v]));",
              "const drawn = own.filter((row) => inside(row.pictures?.[v])"

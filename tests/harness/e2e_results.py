@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Measurements as data: quotes in the documentation equal their files, and scripts/results says so
-where they do not."""
+"""Measurements as data: quotes in the documentation equal their files, and scripts/results reports
+each difference."""
 import json
 import os
 import pathlib

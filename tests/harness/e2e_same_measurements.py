@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""same_measurements.py finds each planted change in a file, and no measured time. It runs by hand;
-nothing is rendered here."""
+"""same_measurements.py finds each planted change in a file, and ignores measured times. The script
+runs by hand; nothing is rendered here."""
 import contextlib
 import io
 import pathlib

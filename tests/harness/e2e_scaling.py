@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph scaling`: what is counted grows as it ought to, on any device. No absolute times: machines
+"""`neph scaling`: counted costs grow as expected, on any device. No absolute times: machines
 differ."""
 import json
 import unittest
@@ -25,7 +25,7 @@ class Scaling(NephCase):
             self.assertIsNone(line["missing"])
             for point in line["points"]:
                 self.assertGreater(point["seconds"], 0.0, (series, axis))
-            # So small a picture has few tiles, and rays that just meet the cloud or do not.
+            # Such a small frame has few tiles, and whether rays hit the cloud depends on chance.
             if axis != "pixels":
                 self.assertEqual(line["work"]["verdict"], "as expected", (series, axis))
         least, *_, most = lines["march", "steps"]["points"]
@@ -33,7 +33,7 @@ class Scaling(NephCase):
         self.check_against(document)
 
     def check_against(self, here):
-        """Another device, twice as slow in everything; and what is none."""
+        """Another device, twice as slow in everything; and files that are no such result."""
         other = json.loads(json.dumps(here))
         other["device"] = "a slow one"
         for line in other["lines"]:
@@ -44,7 +44,7 @@ class Scaling(NephCase):
         done = self.neph(*words)
         table = done.stdout.split("there/here\n")[1].splitlines()
         self.assertEqual(len(table), sum(len(line["points"]) for line in here["lines"]))
-        stored = [row for row in table if " pictures " not in row]  # those are timed each time
+        stored = [row for row in table if " pictures " not in row]  # timed on every run
         for row in stored:
             self.assertAlmostEqual(float(row.split()[-1]), 2.0, places=2, msg=row)
         other["scene"] = "another"

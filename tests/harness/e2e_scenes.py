@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph scenes`: files to begin with, all errors of a file, a .vdb in place of a scene."""
+"""`neph scenes`: scene templates, all errors of a file, a .vdb in place of a scene."""
 import math
 import re
 import unittest
@@ -9,7 +9,7 @@ import frames
 import neph_case
 
 SIZE = ("--size", "32x18", "-q")
-# Three blocks apart from each other, and a name that no scene could have.
+# Three separate blocks, and a name that no scene may have.
 BLOCK = """title: A block
 camera: {position_m: [0, 0, 9], look_at_m: [0, 0, 0], vertical_fov_deg: 40}
 scattering: none
@@ -30,7 +30,7 @@ class Scenes(neph_case.NephCase):
         return self.folder / "Block 1.vdb"
 
     def rendered(self, scene, name, *words):
-        """Planes of a small frame that has light in it and something that takes light away."""
+        """Planes of a small frame that has light and extinction."""
         self.neph("render", scene, "-e", "march", *SIZE, "-o", "out", *words)
         planes = frames.read_exr(self.folder / "out" / f"{name}_march_0000.exr")[2]
         self.assertGreater(max(planes["G"]), 0)
@@ -99,17 +99,17 @@ class Scenes(neph_case.NephCase):
     def test_a_vdb_is_a_scene(self):
         vdb = self.volume()
         text = self.neph("scenes", vdb.name).stdout
-        self.put("block_1.yaml", text)  # the name of the scene that the file is read as
+        self.put("block_1.yaml", text)  # the name of the scene from the file
         self.assertEqual(self.json("scenes", "block_1.yaml")["hash"],
                          self.json("scenes", vdb.name)["hash"])
         self.neph("scenes", "--new", "vdb", "other.yaml", "--vdb", vdb.name)
         self.assertEqual((self.folder / "other.yaml").read_text(), text)
-        # The densest vertical column has an optical depth of 20, as the text says.
+        # The densest vertical column has an optical depth of 20, as the text states.
         columns = [sum(VALUES[20 * k + 5 * j + i] for j in range(4)) / max(VALUES)
                    for k in range(3) for i in range(5)]
         density_1_per_m = float(re.search(r"extinction_per_m: ([0-9.]+)", text)[1])
         self.assertAlmostEqual(density_1_per_m * max(columns) * max(VALUES), 20, delta=20e-5)
-        # The whole volume is in the frame: nothing of it at the edges, in a square one either.
+        # The whole volume is in the frame: none of it is at the edges, also in a square frame.
         for size in ("48x27", "32x32"):
             planes = self.rendered(vdb.name, "block_1", "--size", size)
             width, height = map(int, size.split("x"))

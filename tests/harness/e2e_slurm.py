@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A night by Slurm: by day against commands of its names that keep a queue, by night against a
-real Slurm on loopback, a node of which is killed in the middle of a job."""
+"""Nightly runs by Slurm: by day against scripts with the names of its commands, which keep a queue;
+by night against a real Slurm on loopback, with a node that is killed in the middle of a job."""
 import getpass
 import json
 import os
@@ -17,8 +17,8 @@ import unittest
 import night
 from neph_case import NephCase
 
-# sbatch queues, each squeue runs one job of the queue; all note what they were told. With HOLD set
-# nothing begins; with LOSE the jobs of arrays end without having run.
+# sbatch queues jobs, each squeue runs one job of the queue; all record their arguments. With HOLD
+# set no job starts; with LOSE the jobs of arrays end without having run.
 SLURM = r"""#!/bin/sh
 queue=${0%/*}/queue
 printf '%s' "${0##*/}" >>"$queue/told"
@@ -53,7 +53,7 @@ esac
 
 
 class Nights(NephCase):
-    in_folder = True  # in which a database by a relative path is made
+    in_folder = True  # in which a database with a relative path is created
 
     def setUp(self):
         super().setUp()
@@ -66,7 +66,7 @@ class Nights(NephCase):
         return done
 
     def send(self, **variables):
-        """The command, which goes on beside the test."""
+        """Starts the command in the background."""
         return self.start(*self.SENT, "-o", self.folder / "out",
                           **{**self.environment, **variables})
 
@@ -75,7 +75,7 @@ class Nights(NephCase):
         return "".join(f"\n== {log.name}\n{log.read_text()}" for log in logs)
 
     def numbers(self, output):
-        """All of a store but times, hosts and dates."""
+        """The content of a store without times, hosts and dates."""
         document = self.json("store", "export", output=output)
         nights = [{key: night[key] for key in ("night", "plan", "revision", "program", "verdict",
                                                "measurements", "frames")}
@@ -90,7 +90,7 @@ class Nights(NephCase):
         self.assertTrue(local[0][-1]["measurements"] and local[1])
         self.assertEqual(sent, local)
         self.neph("store", "check")
-        # No host has opened a database in the store, and nothing of the jobs is left.
+        # No host has opened a database in the store, and no file of the jobs is left.
         self.assertFalse((self.folder / "out/store/index").exists())
         self.assertFalse((self.folder / "out/nightly/jobs").exists())
 
@@ -106,7 +106,7 @@ class Queue(Nights):
             path = self.folder / "bin" / name
             path.write_text(SLURM)
             path.chmod(0o755)
-        for tool in ("sh", "ls", "seq", "sed", "wc", "rm"):  # and nobody else's renderer
+        for tool in ("sh", "ls", "seq", "sed", "wc", "rm"):  # and no external renderer
             (self.folder / "bin" / tool).symlink_to(shutil.which(tool))
         self.environment["PATH"] = str(self.folder / "bin")
 
@@ -132,7 +132,7 @@ class Queue(Nights):
         self.assertEqual(len(names), 1)
 
     def send_and_leave_waiting(self, asked):
-        """The command, after it has asked for its jobs so often."""
+        """Starts the command, and returns after it has queried its jobs `asked` times."""
         child = self.send(HOLD="1")
         while not (self.queue / "told").exists() or len(self.told("squeue")) < asked:
             self.assertIsNone(child.poll())
@@ -145,7 +145,7 @@ class Queue(Nights):
         child.wait()
         asked = len(self.told("squeue"))
         child = self.send_and_leave_waiting(asked + 2)
-        self.assertEqual(len(self.told("sbatch")), 2)  # it waits for the jobs of the first
+        self.assertEqual(len(self.told("sbatch")), 2)  # it waits for the first run's jobs
         refused = self.neph(*self.SENT[:-2], code=69)  # here and by jobs at once
         self.assertIn("jobs named neph-", refused.stderr)
         refused = self.neph("nightly", "--only", "ridge_far", "--once", "--executor", "slurm",
@@ -154,11 +154,11 @@ class Queue(Nights):
         self.interrupt(child)
         self.assertEqual(len(self.told("scancel")), 1)
         self.assertEqual([job.name for job in self.queue.glob("[0-9]*")], [])
-        # The step's job is lost, and the report says so.
+        # The step's job is lost, and the report states it.
         done = self.neph(*self.SENT, code=1, LOSE="1")
         [step] = json.loads((self.folder / "out/nightly/nightly.json").read_text())["steps"]
         self.assertEqual((step["done"], step["outcome"]), (False, "failed"), done.stderr)
-        self.assertIn("left no result", step["reason"])
+        self.assertIn("ended without a result", step["reason"])
 
     def test_what_cannot_be_sent_is_refused(self):
         sent = self.SENT
@@ -167,8 +167,9 @@ class Queue(Nights):
         self.assertIn("gpu=FEATURE", self.neph(*sent, code=64, NEPH_VULKAN_DEVICE="geforce").stderr)
         self.assertIn("no such key", self.neph(*sent, "--slurm", "hosts=a", code=64).stderr)
         self.assertIn("local or slurm", self.neph(*sent, "--executor", "dask", code=64).stderr)
-        self.assertIn("no jobs were sent", self.neph(*sent, "--report", code=64).stderr)
-        self.assertIn("no jobs were sent",
+        self.assertIn("has no jobs of this nightly run",
+                      self.neph(*sent, "--report", code=64).stderr)
+        self.assertIn("has no jobs of this nightly run",
                       self.neph(*sent, "--step", "failure fog_none", code=64).stderr)
         without = self.neph(*sent, code=69, PATH="/nonexistent")
         self.assertIn("apt-get install slurm-client", without.stderr)
@@ -227,7 +228,7 @@ def free_ports(count):
 @night.of_the_night
 @unittest.skipIf(MISSING, f"no {', '.join(MISSING)}: apt-get install slurm-wlm munge")
 class Loopback(Nights):
-    """A cluster of two nodes on this host, all of it this user's own."""
+    """A cluster of two nodes on this host, all processes of this user."""
 
     def setUp(self):
         super().setUp()
@@ -278,14 +279,14 @@ class Loopback(Nights):
             time.sleep(0.05)
 
     def processes(self, *variables):
-        """Numbers of what has all of these in its environment."""
+        """Numbers of the processes with all of these in their environment."""
         found = []
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
                 environment = (process / "environ").read_bytes().split(b"\0")
                 if all(variable.encode() in environment for variable in variables):
                     found.append(int(process.name))
-            except OSError:  # it has ended, or is somebody else's
+            except OSError:  # it has ended, or belongs to another user
                 pass
         return [number for number in found if number != os.getpid()]
 
@@ -297,7 +298,7 @@ class Loopback(Nights):
                 pass
 
     def stop(self):
-        """All daemons and all that they have started have this cluster in their environment."""
+        """Stops all daemons and their children: their environment names this cluster."""
         ours = f"SLURM_CONF={self.environment['SLURM_CONF']}"
         until = time.monotonic() + 20
         while self.processes(ours) and time.monotonic() < until:
@@ -305,7 +306,8 @@ class Loopback(Nights):
             time.sleep(0.1)
 
     def kill_node(self, node):
-        """Its daemon, then those that watch its jobs, who would tell, and then the jobs."""
+        """Kills its daemon, then the processes that watch its jobs and would report, and then the
+        jobs."""
         daemon = int((self.cluster / f"slurmd.{node}.pid").read_text())
         jobs = self.processes(f"SLURM_CONF={self.environment['SLURM_CONF']}",
                               f"SLURMD_NODENAME={node}")
@@ -323,13 +325,13 @@ class Loopback(Nights):
     SENT = [*STEPS, *SLURM]
 
     def done(self):
-        """When each step was that has left something."""
+        """The time at which each step with output was finished."""
         nightly = self.folder / "out/nightly"
         return {path.stem: (nightly / "logs" / f"{path.stem}.log").stat().st_mtime_ns
                 for path in nightly.glob("jobs/*_*.json")}
 
     def lose_a_node(self):
-        """n1 in the middle of a step, with all that runs on it."""
+        """Kills n1 in the middle of a step, with all its processes."""
         child = self.send()
         self.addCleanup(child.kill)
         self.wait(lambda: self.processes("SLURMD_NODENAME=n1", "NEPH_STORE_INDEX=none",
@@ -344,9 +346,9 @@ class Loopback(Nights):
     def test_a_night_survives_the_loss_of_a_node(self):
         self.neph(*self.STEPS, *self.SLURM[:2], "-q", code=1, output="local")
         done = self.lose_a_node()
-        self.assertIn(len(done), (1, 2), self.logs("out"))  # by n2, which went on
+        self.assertIn(len(done), (1, 2), self.logs("out"))  # on n2, which is still running
         sent = self.neph(*self.SENT, code=1)
-        for step, when in done.items():  # what was done is not done again
+        for step, when in done.items():  # finished steps do not run again
             log = self.folder / f"out/nightly/logs/{step}.log"
             self.assertEqual(log.stat().st_mtime_ns, when)
         self.assertIn("Steps: 3 of 3, 1 once more", sent.stdout)
@@ -354,7 +356,7 @@ class Loopback(Nights):
         self.assert_durations_are_of_the_marked_node()
 
     def assert_durations_are_of_the_marked_node(self):
-        """The other is back, idle, and the first of the two."""
+        """The other node is back, idle, and the first of the two."""
         self.daemon("slurmd", "-N", "n1")
         self.wait(self.is_idle)
         self.neph("nightly", "--only", "speed voxel_grid", "--once", *self.SLURM, code=1)
@@ -362,7 +364,7 @@ class Loopback(Nights):
                 for line in (self.cluster / "log/jobcomp.txt").read_text().splitlines()]
         tasks = [job for job in jobs if "ArrayTaskId" in job]
         self.assertEqual((tasks[-1]["NodeList"], tasks[-1]["JobState"]), ("n2", "COMPLETED"))
-        self.assertEqual(jobs[-1]["NodeList"], "n1")  # the report goes anywhere
+        self.assertEqual(jobs[-1]["NodeList"], "n1")  # the report runs on any node
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Output that was cut is an error, input that never comes is refused, and no byte of anybody else's
-acts on the terminal."""
+"""Truncated output is an error, input that never arrives is refused, and no byte from foreign files
+controls the terminal."""
 import json
 import os
 import shutil
@@ -44,7 +44,7 @@ class Output(neph_case.NephCase):
 
     def test_output_that_was_cut_is_an_error_of_every_verb(self):
         a, b = self.write("a.exr", 0.5), self.write("b.exr", 0.6)
-        for number in range(16):  # fewer are no measurement: exit 2
+        for number in range(16):  # fewer frames are no measurement: exit 2
             self.write(f"f_{number:02}.exr", 0.5 + 0.01 * (number % 3))
         small = ["--size", "8x8", "-o", self.folder / "out"]
         commands = [["--help"], ["--version"], ["help"], *([verb, "--help"] for verb in VERBS),
@@ -132,7 +132,7 @@ class Output(neph_case.NephCase):
                     environment=self.blender(f"echo '{words}' >&2; exit 7"))
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertIn(b"the disk is full at '" + os.fsencode(self.folder / "out"), done.stderr)
-        self.assertNotIn(b"its whole log is", done.stderr)  # which is removed, to make room
+        self.assertNotIn(b"its whole log is", done.stderr)  # which is removed to free space
         done = neph("render", "absorbing_slab", "-e", "cycles", "-o", self.folder / "out",
                     environment=self.blender("exit 7"))
         self.assertEqual((done.returncode, b"disk" in done.stderr), (3, False), done.stderr)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph validate --suite stress` as a user runs it: verdicts, what fails a run, reuse, refusals,
-and planted faults that it must find. NEPH_STRESS_TIER=full plants all of them."""
+"""`neph validate --suite stress` as a user runs it: verdicts, failure of a run, reuse, refused
+arguments, and planted faults that it must find. NEPH_STRESS_TIER=full plants all of them."""
 import json
 import os
 import pathlib
@@ -29,18 +29,18 @@ def suite(folder, *arguments, **environment):
 
 
 def cells(done):
-    """{(scene, measure, over, preset or engine): result} of the file as it is."""
+    """{(scene, measure, over, preset or engine): result} of its file."""
     return {(r["scene"], r["measure"], r["over"], r["column"]): r
             for r in json.loads(done.stdout)["results"] if r["point"] == ""}
 
 
 def page_of(folder):
-    """What the page shows."""
+    """The data of the page."""
     return json.loads((folder / "report/data.json").read_text())
 
 
 def data_of(folder, *own):
-    """A folder of the project's data in which some files are to be written anew."""
+    """A copy of the project's data folder in which the files `own` may be rewritten."""
     data = folder / "data"
     for path in [ROOT / "scripts", ROOT / "renderer/blue_noise.png", *(ROOT / "scenes").rglob("*")]:
         place = data / path.relative_to(ROOT)
@@ -53,7 +53,7 @@ def data_of(folder, *own):
 
 
 def data_with(folder, expectations):
-    """Other expectations."""
+    """A copy with other expectations."""
     name = "scenes/studies/stress_expectations.json"
     data = data_of(folder, name)
     (data / name).write_text(json.dumps(
@@ -62,7 +62,7 @@ def data_with(folder, expectations):
 
 
 def data_planted(folder, mutation):
-    """A scenario with something injected, or with other words in its file."""
+    """A copy with an injected fault in a scenario, or with other words in its file."""
     name = f"scenes/stress/{mutation['scene']}.yaml"
     data = data_of(folder, name)
     text = (ROOT / name).read_text()
@@ -80,12 +80,12 @@ def expectation(kind, preset, measure):
             "reason": "because of the test"}
 
 
-# One store for all.
+# One store for all tests.
 TEMPORARY = tempfile.TemporaryDirectory()
 
 
 class Runs(unittest.TestCase):
-    """Two scenarios over a preset and a planted fault, by two processes; then only read."""
+    """Two scenarios with a preset and a planted fault, by two processes; later tests only read."""
 
     @classmethod
     def setUpClass(cls):
@@ -98,7 +98,7 @@ class Runs(unittest.TestCase):
         return {path: path.stat().st_mtime_ns for path in (self.folder / "store/frames").iterdir()}
 
     def with_expectations(self, *expectations, words=None):
-        """The same run, of which everything is there, with other expectations."""
+        """The same run, entirely from the store, with other expectations."""
         before = self.entries()
         with tempfile.TemporaryDirectory() as folder:
             data = data_with(pathlib.Path(folder), expectations)
@@ -194,11 +194,11 @@ class Runs(unittest.TestCase):
         self.assertEqual((done.returncode, self.entries()), (1, before), done.stderr)
         found = {r["column"]: r for r in json.loads(done.stdout)["results"]}
         self.assertEqual(found["fixed"]["value"], 0.0)
-        self.assertEqual(found["off"]["value"], 0.0)  # which has no images but its picture
+        self.assertEqual(found["off"]["value"], 0.0)  # which has no images except its frame
         self.assertGreater(found["fixed+validity=off"]["value"], 0.0)
 
     def test_what_is_not_kept_is_rendered_once(self):
-        """By whichever process: each says one line for each of its results."""
+        """By any process: each prints one line for each of its results."""
         done = neph("validate", "--suite", "stress", "-o", self.folder, "--on-device", "--only",
                     "ray_bad", "--only", "fog_none", "--preset", "fixed", "--size", "32x18",
                     "--jobs", "2", "--json")
@@ -215,7 +215,7 @@ class Runs(unittest.TestCase):
 
 
 class Engines(unittest.TestCase):
-    """Engines beside presets, in the scenarios of fog."""
+    """Engines next to presets, in the scenarios with fog."""
 
     def test_an_engine_is_held_against_exact(self):
         done = suite(TEMPORARY.name, "--only", "fog_none", "-e", "march", "--preset", "fixed",
@@ -224,12 +224,12 @@ class Engines(unittest.TestCase):
         found = cells(done)
         for measure in ("error", "bad_values"):
             self.assertEqual(found["fog_none", measure, "all", "march"]["value"], 0.0)
-        # What is of a history is asked of presets alone.
+        # Measures of a history are for presets only.
         self.assertNotIn(("fog_none", "flicker", "all", "march"), found)
         self.assertIn(("fog_none", "flicker", "all", "fixed"), found)
 
     def test_of_what_moves_three_frames(self):
-        """The first, the middle and the last, each against its own moment."""
+        """The first, the middle and the last frame, each against its own moment."""
         done = suite(TEMPORARY.name, "--only", "elevator", "-e", "march", "--json")
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 3), done.stderr)
         self.assertLess(cells(done)["elevator", "error", "all", "march"]["value"], 1e-3)
@@ -244,7 +244,7 @@ class Engines(unittest.TestCase):
         self.assertIn("povray", found["why"])
 
     def test_looks_of_fog(self):
-        """What their controls break is found, and nothing without them."""
+        """Faults from their controls are found, and no others."""
         scenes = [f"fog_look_{name}" for name in ("below", "none", "start", "cutoff", "glow")]
         words = [word for scene in scenes for word in ("--only", scene)]
         done = suite(TEMPORARY.name, "--tier", "full", "-e", "fog_look", *words, "--json")
@@ -259,8 +259,8 @@ class Engines(unittest.TestCase):
 
     @night.of_the_night
     def test_the_witnesses_in_the_fog(self):
-        """In the seam of the height fog and in an elevator they are within its limits, and what
-        they cannot do they say."""
+        """In the seam of the height fog and in the elevator scene they are within its limits, and
+        they report unsupported scenes."""
         words = ["--tier", "full", "-e", "march", "-e", "cycles", "-e", "povray", "--only",
                  "fog_seam", "--only", "fog_below", "--only", "elevator"]
         done = suite(TEMPORARY.name, *words, "--json")
@@ -280,7 +280,7 @@ class Engines(unittest.TestCase):
 class Quick(unittest.TestCase):
     @night.of_the_night
     def test_the_quick_tier_passes_and_is_the_same_twice(self):
-        """Alone, and by four processes at a time."""
+        """By one process, and by four at a time."""
         documents = []
         for jobs in ("1", "4"):
             with tempfile.TemporaryDirectory() as folder:
@@ -292,7 +292,7 @@ class Quick(unittest.TestCase):
 
 
 class Results(unittest.TestCase):
-    """scripts/stress over results as the suite writes them."""
+    """scripts/stress on results in the suite's format."""
 
     @staticmethod
     def result(value, verdict, **changes):
@@ -340,7 +340,7 @@ class Results(unittest.TestCase):
 
 
 class OldNames(unittest.TestCase):
-    """The failure suite, as the stress tests were called until one release ago."""
+    """The failure suite, the name of the stress tests until one release ago."""
 
     def test_old_names_are_read(self):
         words = ["--only", "fence_tiles", "--preset", "fixed", "--pictures", "none", "--json"]
@@ -375,8 +375,8 @@ class Interrupted(NephCase):
     TWO = [*ONE, "--only", "history_first", "--only", "ray_bad", "--jobs", "2"]
 
     def interrupted(self, words, when):
-        """A run that is interrupted as soon as there is something of it. It has a lower priority:
-        on a busy machine it would end before this process sees its page."""
+        """Interrupts a run as soon as it has written a file. The run has a lower priority: on a
+        busy machine it would otherwise end before this process sees its page."""
         child = self.start("validate", "--suite", "stress", "-q", "-o", self.folder, *words,
                            niceness=10)
         self.wait_until(when)
@@ -395,7 +395,7 @@ class Interrupted(NephCase):
         self.assertEqual({path: path.stat().st_mtime_ns for path in kept}, kept)
 
     def test_the_page_is_of_all_processes(self):
-        """While they run: the process that shows it renders nothing itself."""
+        """While they run: the process that updates it does not render."""
         data = self.folder / "report/data.json"
         self.interrupted(self.TWO, lambda: data.exists() and page_of(self.folder)["compared"] > 0)
         told = [r for r in page_of(self.folder)["results"] if r["verdict"] != "not_yet"]
@@ -413,10 +413,10 @@ class Words(NephCase):
             (64, "zzz", ("--suite", "stress", "--preset", "ours+zzz=1")),
             (64, "--only", ("--suite", "stress", "fence_tiles")),
             (64, "--preset", ("--suite", "stress", "-e", "realtime")),
-            (64, "held against", ("--suite", "stress", "-e", "exact")),
+            (64, "reference of engines", ("--suite", "stress", "-e", "exact")),
             (64, ("nobody", "neph engines"), ("--suite", "stress", "-e", "nobody")),
             (64, "NAME+KEY=VALUE", ("--suite", "stress", "--set", "march:steps=4")),
-            (64, ("of engines", "fog_seam"),
+            (64, ("for engines", "fog_seam"),
              ("--suite", "stress", "--only", "fence_tiles", "-e", "march")),
             (64, "failed, changed, all", ("--suite", "stress", "--pictures", "some")),
             (64, "page-limit", ("--suite", "stress", "--page-limit", "0")),
@@ -437,7 +437,7 @@ class Words(NephCase):
 
 
 class Mutations(unittest.TestCase):
-    """Each planted fault fails the measure that is there for it, where its preset passes."""
+    """Each planted fault fails its own measure, which its preset passes."""
 
     @night.of_the_night
     def test_planted_faults_are_found(self):
@@ -448,7 +448,7 @@ class Mutations(unittest.TestCase):
                 self.plant(mutation)
 
     def plant(self, mutation):
-        """`preset` as it is, then with the fault in its settings or in the scenario."""
+        """`preset` unchanged, then with the fault in its settings or in the scenario."""
         kind = "-e" if mutation.get("engine") else "--preset"
         column = mutation.get("engine") or mutation["preset"]
         mutant = column + "".join(f"+{s}" for s in mutation.get("settings", "").split())
@@ -465,15 +465,15 @@ class Mutations(unittest.TestCase):
 
 
 class Proofs(unittest.TestCase):
-    """A scenario that no preset fails proves nothing: which these are is written down. An engine
-    may fail it for a reason of its own."""
+    """A scenario that no preset fails proves nothing; these scenarios are listed. An engine may
+    fail for another reason."""
 
     def test_each_scenario_fails_for_somebody_or_is_listed(self):
         listed = json.loads((ROOT / "scenes/studies/stress_expectations.json").read_text())
-        engines = {"cycles", "povray"}  # witnesses; looks and the march are under test
+        engines = {"cycles", "povray"}  # witnesses; looks and the march are tested themselves
         proven = ({e["scene"] for e in listed["expectations"]
                    if e["is"] == "fails" and not engines & set(e["presets"])}
-                  # a single step is a fault of what marches: it proves no history and no mask
+                  # a single step is a fault of the march: it proves neither history nor mask
                   | {m["scene"] for m in MUTATIONS["mutations"]
                      if m.get("settings") != "steps=1" or m["measure"] == "energy"})
         scenarios = {path.stem for path in (ROOT / "scenes/stress").glob("*.yaml")}

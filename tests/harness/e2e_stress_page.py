@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The page of the stress tests, opened in a browser from disk as a reader would.
+"""The page of the stress tests, opened from disk in a browser as by a reader.
 
-Builds a small page with every verdict, missing values and hostile strings, lays it out as
-scripts/report/README.md asks, and holds it against its data with check_stress.mjs. Then breaks the
-page in known ways: a checker that finds nothing in those is no checker.
+Builds a small page with every verdict, missing values and hostile strings, in the layout of
+scripts/report/README.md, and checks it against its data with check_stress.mjs. Then it plants known
+faults in the page, which the checker must find.
 
     e2e_stress_page.py                  run the tests
-    e2e_stress_page.py --fixture DIR    only write the page, to look at it
+    e2e_stress_page.py --fixture DIR    only write the page, for inspection
 """
 import json
 import pathlib
@@ -124,7 +124,7 @@ class Page(PageCase):
 
     @night.of_the_night
     def test_in_all_windows(self):
-        """Narrow with less motion, and dark."""
+        """In a narrow window with reduced motion, and in dark mode."""
         self.assert_holds(self.good)
 
     @night.of_the_night
@@ -138,7 +138,7 @@ class Page(PageCase):
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):
-        """Faults that do not hide each other, in one page."""
+        """Independent faults in one page."""
         folder = self.copy_with((
             ('pass: ["✓", "passes", "pass-word"]', 'pass: ["✓", "", "pass-word"]'),
             ("if (timer !== null) return stop();", "if (timer !== null) return null;"),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study flicker` and `neph study steps` as a user runs them, in small pictures: references,
-reuse, refusals, Ctrl-C, several processes."""
+"""`neph study flicker` and `neph study steps` as a user runs them, with small frames: references,
+reuse, refused arguments, Ctrl-C, several processes."""
 import csv
 import json
 import unittest
@@ -9,7 +9,7 @@ import xml.etree.ElementTree
 
 from neph_case import StudyCase
 
-# A wall half before a blob: an edge that a pixel's 16 rays see otherwise than its centre does.
+# A wall half in front of a blob: at the edge a pixel's 16 rays differ from its centre ray.
 REST = """
 name: rest
 title: a test
@@ -51,8 +51,8 @@ class Study(StudyCase):
         return self.json(*self.command(*arguments, **options))
 
     def test_rest_and_motion_have_the_same_policy(self):
-        """`off` is the march through centres: against these it has no error, against the reference
-        it has."""
+        """`off` is the march through pixel centres: its error is zero against centres, and not zero
+        against the reference."""
         found = self.study(self.rest, self.moves, self.multiple, "--preset", "off,fixed",
                            "--takes", "flicker", frames=20)
         rest, moves, multiple = found["scenes"]
@@ -75,7 +75,8 @@ class Study(StudyCase):
         self.assertEqual(views, {(f, ppd) for f in (24, 30, 60) for ppd in (30, 60)})
 
     def interrupted(self, *arguments):
-        """Ended by Ctrl-C after three finished takes or pictures: when each was written."""
+        """Interrupts after three finished captures or frames; returns the time at which each was
+        written."""
         store = self.folder / "out/study/store/frames"
         child = self.start(*self.command(*arguments))
         self.wait_until(lambda: store.exists() and len(list(store.iterdir())) >= 3, child)
@@ -93,7 +94,7 @@ class Study(StudyCase):
                                        "--all"))
         self.assertEqual((self.folder / "all.md").read_text(), done.stdout)
         for word in ("march, 16 rays a pixel, 3 steps", "| first | second |", "Ranking by",
-                     "16 frames tell periods of 2 to 4"):
+                     "16 frames resolve periods of 2 to 4"):
             self.assertIn(word, done.stdout)
         with open(self.folder / "all.csv", newline="") as file:
             rows = list(csv.DictReader(file))
@@ -104,7 +105,7 @@ class Study(StudyCase):
         xml.etree.ElementTree.parse(self.folder / "out/study" / "flicker_lag.svg")
         store = self.folder / "out/study" / "store" / "frames"
         entries = self.stamps(store)
-        # a picture of the rest, two of the step, averaged and not; takes
+        # a static frame, two frames of the step, each averaged and not averaged; captures
         self.assertEqual(len(entries), 2 + 4 + 4)
         self.assertEqual({path: entries[path] for path in kept}, kept)
         lines = self.neph(*self.command(*arguments)).stdout

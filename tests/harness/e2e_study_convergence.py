@@ -7,7 +7,7 @@ import unittest
 
 from neph_case import StudyCase
 
-# The second has neither history nor noise: all of its frames of a static scene are the same.
+# The second has neither history nor noise: all of its frames of a static scene are equal.
 PRESETS = ("ours", "ours+split=none+taa=off+ray_dither=none")
 LITTLE = ("--size", "32x18", "--frames", "16", "--steps", "4", "-q", "--preset",
           ",".join(PRESETS))
@@ -40,7 +40,7 @@ class StudyConvergence(StudyCase):
         self.assertLessEqual(lines.count("\n"), 10)
 
     def test_what_is_refused(self):
-        """And before anything is rendered."""
+        """Refused before anything is rendered."""
         self.check_refusals((66, "nonesuch", ("fence_sky", "nonesuch")), (64, "which scenes?", ()),
                             (64, "twice", ("fence_sky", "--preset", "ours,ours")),
                             (64, "nonesuch", ("fence_sky", "--preset", "ours,nonesuch")),

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study fog` and the engine of looks as a user runs them: files, pictures, refusals."""
+"""`neph study fog` and the non-physical engines as a user runs them: files, images, refused
+arguments."""
 import csv
 import unittest
 

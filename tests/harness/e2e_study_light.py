@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study light` as a user runs it, in tiny pictures: tables, files, reuse, a fit, refusals."""
+"""`neph study light` as a user runs it, with tiny frames: tables, files, reuse, a fit, refused
+arguments."""
 import csv
 import json
 import unittest
@@ -9,7 +10,7 @@ import xml.etree.ElementTree
 import night
 from neph_case import StudyCase
 
-# Optical depth 6 straight down: half of the view is dense.
+# Optical depth 6 along the vertical: half of the frame is dense.
 SLAB = """
 name: slab
 title: a test
@@ -93,14 +94,14 @@ class StudyLight(StudyCase):
             self.assertEqual(found["sun_speed_deg_per_s"], speed)
             bias[speed] = [m["all"]["bias"] for m in found["cells"][0]["models"]]
         self.assertEqual(bias[0][1], bias[50][1])
-        # A sun of 34 degrees half a second ago lights what it now stands 8 degrees over.
+        # Half a second ago the sun was at 34 degrees, now it is at 8: its old light is too bright.
         self.assertGreater(bias[50][0], bias[0][0] + 0.02)
 
     def test_refusals(self):
         self.check_refusals(
             (64, "there is no suite 'both'", ("--suite", "both")),
             (64, "a suite or scenes by name", ("--suite", "test", "slab.yaml")),
-            (64, "what a fit is judged by", ("--fit", "x.inc")),
+            (64, "evaluates fits", ("--fit", "x.inc")),
             (64, "are of a SCENE", ("--suns", "50:180")),
             (64, "no elevation and azimuth", ("slab.yaml", "--suns", "50")),
             (64, "--sun-speed", ("slab.yaml", "--sun-speed", "51")),
@@ -118,7 +119,7 @@ class StudyLight(StudyCase):
         cell, = found["cells"]
         self.assertIn("no sun", cell["left_out"])
         self.assertEqual([m["dense"]["pixels"] for m in cell["models"]], [0, 0])
-        # Fitted octaves are a look: reciprocal, but energy is lost in a white slab.
+        # Fitted octaves are non-physical: reciprocal, but energy is lost in a white slab.
         of = {(law["law"], law["optical_depth"], law["albedo"]): law for law in found["laws"]}
         through = of["transmitted, slab", 16, 1]
         octaves, horizon = through["models"]

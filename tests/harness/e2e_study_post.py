@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study post` as a user runs it: tables, files, refusals."""
+"""`neph study post` as a user runs it: tables, files, refused arguments."""
 import csv
 import math
 import unittest
@@ -23,9 +23,9 @@ class StudyPost(StudyCase):
         curve, additive = chains["Unreal's curve"], chains["bloom, additive"]
         self.assertGreater(curve["scene_error"], 0)
         self.assertEqual(chains["cas"]["scene_error"], curve["scene_error"])
-        # What is spread over the picture is as good as true.
+        # Light scattered over the frame counts as correct, too.
         self.assertLess(additive["scene_error"], curve["scene_error"])
-        # Sharpening sharpens what flickers, too.
+        # Sharpening amplifies flicker, too.
         self.assertGreater(chains["rcas"]["luma_change"], 1.5 * curve["luma_change"])
         with open(self.folder / "a.csv", newline="") as file:
             rows = list(csv.DictReader(file))
@@ -34,7 +34,7 @@ class StudyPost(StudyCase):
         chart = (self.folder / "out/study" / "post.svg").read_text()
         root = ElementTree.fromstring(chart)
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
-        # That of the legend, but no FLIP of HDR; of light those that are not as it was.
+        # The legend's mark, but no FLIP of HDR; marks of light only for chains that change it.
         changed = [abs(math.log2(chain[number] / curve[number])) > 1e-3
                    for chain in chains.values() for number in ("scene_error", "scene_change")]
         self.assertGreater(sum(changed), 10)
@@ -50,7 +50,7 @@ class StudyPost(StudyCase):
             self.assertIn(f"| {name} |", text)
 
     def test_a_few_chains_of_another_seed(self):
-        """The curve is always there; the frames are those of the seed."""
+        """The chain with only the curve is always present; the frames depend on the seed."""
         def curve_and_grain(seed):
             found = self.json("railings", *LITTLE, "--only", "grain", "--seed", seed, "-q",
                               "-o", f"out{seed}")
@@ -62,8 +62,8 @@ class StudyPost(StudyCase):
         first, other = curve_and_grain(1), curve_and_grain(2)
         root = ElementTree.parse(self.folder / "out1" / "post.svg").getroot()
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
-        # Grain leaves light as it is, the whole has bloom: FLIP, flicker and milliseconds of
-        # three, and of the last twice.
+        # Grain does not change light; the full chain has bloom: FLIP, flicker and milliseconds of
+        # three chains, and two measures of light of the last one.
         self.assertEqual(len(marks), 1 + 3 * 3 + 2)
         self.assertNotEqual(first, other)
         self.assertLess(abs(first - other), 0.3 * first)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study screen` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
+"""`neph study screen` as a user runs it, with tiny frames: tables, files, reuse, refused
+arguments."""
 import json
 import unittest
 import xml.etree.ElementTree as ElementTree
@@ -14,7 +15,7 @@ class StudyScreen(StudyCase):
     words = ("study", "screen")
 
     def test_a_table_and_its_files(self):
-        # Slices know the step, whose foot is in the picture; nothing of it is behind anything.
+        # Slices are accurate at the step, whose foot is in the frame; no part of it is hidden.
         words = ("surface_step", "surface_rough", "--size", "24x14", "--samples", "64", "--model",
                  "screen+gi=off+warm_up=0+ssr_rays=1,screen+preset=slices+gi=off+ssr=off+warm_up=0",
                  "--markdown", "a.md", "--quiet")
@@ -30,7 +31,7 @@ class StudyScreen(StudyCase):
         self.assertGreater(metal["pixels"], 200)
         first, second = metal["models"].values()
         self.assertGreater(first["error"], 0.0)
-        self.assertIsNone(second["error"])  # it has none
+        self.assertIsNone(second["error"])  # it has no reflections
         self.look_at_the_page(found)
         table = (self.folder / "a.md").read_text()
         self.assertIn("**ambient occlusion** [% of the hemisphere]", table)
@@ -40,8 +41,8 @@ class StudyScreen(StudyCase):
         self.assertIn(table, again.stdout)
 
     def look_at_the_page(self, found):
-        """A picture for each part that a scene has, as many squares of a colour as pixels are lost
-        by its reason, and nothing from a network."""
+        """Checks that the page has an image for each part of a scene, with as many squares of a
+        colour as pixels lost for its reason, and no content from a network."""
         page = (self.folder / "out/study/screen/index.html").read_text()
         self.assertNotIn("http://", page)
         self.assertNotIn("https://", page)
@@ -55,8 +56,8 @@ class StudyScreen(StudyCase):
                     self.count_colours(self.folder / f"out/study/screen/{scene}_{name}.png", truth)
 
     def count_colours(self, path, truth):
-        """Yellow, blue, orange, dark: what is not grey has its reason's colour in it, three parts
-        of four."""
+        """Yellow, blue, orange, dark: pixels that are not grey are blended with the colour of their
+        reason by three quarters."""
         rows = frames.png_rows(path)
         self.assertEqual((len(rows[0]), len(rows)), (3 * 24 * 4, 14 * 4))
         found = {"off": 0, "behind": 0, "thin": 0}
@@ -71,8 +72,8 @@ class StudyScreen(StudyCase):
             self.assertEqual(squares, 16 * truth["lost_by"][reason], (path.name, reason))
 
     def test_turned_solids_hide_as_they_stand(self):
-        """The blocks of the room are turned: where what a ray meets is on no screen, a ray says
-        why."""
+        """The blocks of the room are rotated. For a ray's hit that is not on the screen, the ray
+        has a reason."""
         found = self.json("surface_room", "--size", "32x18", "--samples", "64", "--model",
                           "screen+gi=off+ssr=off+warm_up=0", "--rays", "64", "--quiet")
         truth = found["scenes"]["surface_room"]["ambient occlusion"]
@@ -80,7 +81,7 @@ class StudyScreen(StudyCase):
         self.assertLess(truth["lost_by"]["else"], 0.02 * truth["lost"])
 
     def test_pictures_flicker_by_what_rays_leave(self):
-        """One ray and no memory is another picture each frame; what stands still has one truth."""
+        """One ray without history gives different frames; a static scene has one truth."""
         calm, raw = "screen+gi=off", "screen+gi=off+ssr_rays=1+ssr_history=0+ssr_smooth=0"
         found = self.json("surface_rough", "--size", "24x14", "--samples", "32", "--model",
                           f"{calm},{raw}", "--frames", "16", "--quiet")
@@ -90,8 +91,8 @@ class StudyScreen(StudyCase):
             self.assertGreater(over["models"][raw][number], times * over["models"][calm][number])
             self.assertGreater(over["models"][calm]["ms"], 0.0)
         self.assertLess(over["models"][calm]["error"], over["models"][raw]["error"])
-        # A mark a model in each of five panels, and that of the legend; the first is 1 in those of
-        # light, and not drawn there.
+        # A mark for each model in each of five panels, and the legend's mark. The first model is 1
+        # in the panels of light, and not drawn there.
         root = ElementTree.parse(self.folder / "out/study/screen/screen.svg").getroot()
         marks = root.findall("{http://www.w3.org/2000/svg}path[@transform]")
         self.assertEqual(len(marks), 1 + 3 * 2 + 2)
@@ -114,8 +115,8 @@ class StudyScreen(StudyCase):
 
     @night.of_the_night
     def test_cycles_is_a_witness(self):
-        """Another program says the same, of the truth and so of a screen: within 4.5 standard
-        errors, which docs/surfaces.md has for four times as many pixels."""
+        """Another program agrees, with the truth and thus with the screen: within 4.5 standard
+        errors, from docs/screen.md, which has four times as many pixels."""
         found = self.json("surface_rough", "surface_mirror", "--size", "48x27", "--samples",
                           "1024", "--cycles", "1024", "--model", "screen", "--quiet")["scenes"]
         for part, noise in (("ambient occlusion", 0.002), ("indirect light", 0.072),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph study sky` as a user runs it, in tiny pictures: tables, files, reuse, refusals."""
+"""`neph study sky` as a user runs it, with tiny frames: tables, files, reuse, refused arguments."""
 import json
 import unittest
 
@@ -24,7 +24,7 @@ class StudySky(StudyCase):
         self.assertEqual([day["held"], night["held"]], [True, False])
         self.assertEqual(day["directions"], 2 * 2 * 2)
         orders, closure, march, device = day["models"].values()
-        # An eighth of a direction's noise, at 64 samples of 16 pixels, is left in the mean.
+        # An eighth of a direction's noise, at 64 samples of 16 pixels, remains in the mean.
         self.assertLess(abs(orders["bias"]), 0.05 + day["noise"])
         self.assertGreater(orders["mean"], 0.0)
         self.assertGreaterEqual(orders["worst"], orders["mean"])

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """`neph sweep`: a plan of a few points, its numbers against those that `neph compare` gives, its
-page, and what is refused. No absolute times: machines differ."""
+page, and refused arguments. No absolute times: machines differ."""
 import csv
 import io
 import json
@@ -45,7 +45,7 @@ class Sweep(NephCase):
         self.assertEqual(document["seeds"], 2)
         coarse, fine, ours, ours_fine, fitted = document["points"]
         self.assertIn("single scattering", fitted["missing"])
-        # More steps cost more work, and the march gets nearer to the truth.
+        # More steps cost more work, and reduce the march's error.
         self.assertGreater(coarse["error"]["value"], 2.0 * fine["error"]["value"])
         self.assertAlmostEqual(fine["evaluations"] / coarse["evaluations"], 4.0, delta=0.4)
         self.assertLess(ours["evaluations"], 0.2 * coarse["evaluations"])
@@ -60,13 +60,13 @@ class Sweep(NephCase):
         self.assertGreater(ours["flicker"]["value"], 0.0)
         self.assertIsNone(ours["half_life"]["value"])
         self.assertGreater(ours_fine["half_life"]["value"], 0.0)
-        # Intervals are over tiles of the picture, as `neph flicker` gives them, and over seeds.
+        # Intervals are over tiles of the frame, as in `neph flicker`, and over seeds.
         for name, point in (("flicker", ours), ("four", ours), ("half_life", ours_fine),
                             ("shortcut", ours)):
             self.assertLess(point[name]["low"], point[name]["high"], name)
             self.assertLessEqual(point[name]["low"], point[name]["value"], name)
             self.assertLessEqual(point[name]["value"], point[name]["high"], name)
-        # Without lighting by paths every point of ours has both costs, beside the march's two.
+        # Without path-traced lighting every point of ours has both costs, next to the march's two.
         held = {(row["number"], row["cost"], row["series"]): row for row in document["equal"]}
         self.assertEqual(held["error", "evaluations", "ours"]["against"], "march")
         self.assertIn((held["error", "evaluations", "ours"]["at_cost"],
@@ -95,7 +95,7 @@ class Sweep(NephCase):
         shown = json.loads((page / "data.json").read_text())
         self.assertEqual(shown["points"], document["points"])
         charts = {chart["id"]: chart for chart in shown["charts"]}
-        # Two points without lag are no chart of it; one is.
+        # The chart of lag needs only one point with a lag.
         self.assertEqual(set(charts), {"time_error", "time_shortcut", "time_flicker", "lag_flicker",
                                        "work_error", "work_shortcut", "work_flicker"})
         for chart in charts.values():
@@ -105,7 +105,7 @@ class Sweep(NephCase):
                 self.assertNotIn("NaN", svg)
 
     def check_again(self, before):
-        """Nothing is rendered twice, and what is measured of frames is the same."""
+        """Nothing is rendered twice, and values measured from frames are unchanged."""
         done = self.sweep("--untimed", "--csv", "-")
         rows = list(csv.DictReader(io.StringIO(done.stdout)))
         self.assertEqual(len(rows), 5)
@@ -116,7 +116,7 @@ class Sweep(NephCase):
         self.assertEqual(rows[4]["outcome"], "missing")
 
     def test_a_scene_that_moves(self):
-        """The truth is of the last picture, and so is every error."""
+        """The truth is for the last frame, and so is every error."""
         self.put("plan.yaml", PLAN.replace("4 16, flicker", "16, flicker")
                  .replace(", lag_at: 16", ""))
         text = (ROOT / "scenes/catalog/gaussian_blob.yaml").read_text()
@@ -136,7 +136,7 @@ class Sweep(NephCase):
         self.assertEqual((document["frame"], document["frames"]), (31, 32))
         coarse, fine, ours = document["points"]
         self.assertLess(fine["error"]["value"], 0.5 * coarse["error"]["value"])
-        # Against the first picture the error of the last is that of another place.
+        # Against the first frame, the error of the last would be large.
         self.assertLess(ours["error"]["value"], 0.5)
         self.assertIn("--frame 31", fine["command"])
         self.assertIn("--frames 32", ours["command"])
@@ -146,7 +146,7 @@ class Sweep(NephCase):
             self.sweep("--seeds", "2", "--untimed", "--only", "march", "--json").stdout)
         self.assertEqual((document["format"], document["sweeps"], document["moved"]),
                          ("neph-stability-1", 2, 0))
-        # Nothing is random in a march against an exact truth.
+        # A march against an exact truth is deterministic.
         self.assertEqual([(p["label"], p["outcome"]) for p in document["points"]],
                          [("steps=4", "on all"), ("steps=16", "on all")])
         self.assertTrue((self.folder / "out/sweep/seed_2/sweep/index.html").exists())
@@ -157,7 +157,7 @@ class Sweep(NephCase):
         return done.stdout.splitlines()
 
     def test_the_answer_is_the_cheapest_series_at_an_error(self):
-        """The verdict by its definition, from the numbers of JSON."""
+        """The verdict by its definition, from the values in JSON."""
         self.put("plan.yaml", PLAN.replace("seeds: 2", "seeds: 1").replace(", lag_at: 16", ""))
         words = ("--untimed", "--only", "march,ours")
         points = json.loads(self.sweep(*words, "--json").stdout)["points"]
@@ -185,9 +185,10 @@ class Sweep(NephCase):
         self.sweep("--only", "nothing", code=64, said="march, ours, fitted")
         self.sweep("--plan", "no_such", code=66)
         self.sweep("-o", "", code=64)
-        self.sweep(scene="camera_dolly", code=2, said="moves for 8 pictures")
+        self.sweep(scene="camera_dolly", code=2, said="moves for 8 frames")
         self.sweep("--size", "5000x9", code=64, said="march renders sides of 1..4096 pixels")
-        # Somebody's folder is left alone, and before anything is rendered.
+        # A folder that neph did not create stays unchanged, and the command is refused before
+        # rendering.
         mine = self.put("out/sweep/sweep/mine.txt")
         self.sweep("--only", "march", code=64)
         self.assertEqual(mine.read_text(), "mine")

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A verdict is never a pass for want of a row: broken engines, hostile bytes, nothing to
-compare."""
+"""A verdict never passes for lack of rows: broken engines, hostile bytes, nothing to compare."""
 import json
 import os
 import re
@@ -17,7 +16,7 @@ exit 1
 """
 
 
-# POV-Ray for the small frame by which neph tells slow from hanging, and no end for others.
+# Renders the small frame by which neph distinguishes slow from hanging; hangs on others.
 SLOW_POVRAY = """#!/bin/sh
 case "$*" in *--version*|*W4*) exec %s "$@";; esac
 exec sleep 600
@@ -26,7 +25,7 @@ exec sleep 600
 
 class Verdict(NephCase):
     def put_program(self, name, text):
-        """Which has passed its trial."""
+        """A program that has passed its trial."""
         environment = super().put_program(name, text)
         keep_trial(self.folder / "bin" / name, self.folder, has_voxels=True)
         return {**environment, "XDG_CACHE_HOME": str(self.folder)}
@@ -54,11 +53,11 @@ class Verdict(NephCase):
         shutil.rmtree(self.folder / "out/store/index")
         done = self.neph("store", "check", "-o", self.folder / "out", code=None)
         self.assertIn("had no database (it was removed, or ", done.stderr)
-        self.assertIn("a new one is made of its 2 frames", done.stderr)
+        self.assertIn("a new one is built from its 2 frames", done.stderr)
 
     @unittest.skipUnless(shutil.which("povray"), "POV-Ray is not installed")
     def test_what_did_not_fit_its_budget_is_in_the_verdict(self):
-        """It is no failure, and the verdict says that it is without this engine."""
+        """It is not a failure, and the verdict states that this engine is missing."""
         program = self.put_program("povray", SLOW_POVRAY)
         words = ["exact", "oracle", "povray"]
         done, frames = self.validate(*words, code=0, budget=1, **program)
@@ -109,7 +108,8 @@ class Verdict(NephCase):
             self.assertIn(words, frames[engine]["reason"])
 
     def test_what_blender_leaves_is_limited_and_no_file_of_another_kind_is_read(self):
-        """A program in its place that fills the disk, or leaves a folder or a pipe as its image."""
+        """A program in place of Blender that fills the disk, or leaves a folder or a pipe as its
+        image."""
         version = 'case "$1" in --version) echo "Blender 3.4.1"; exit 0;; esac\n'
         for body, words in (("for i in $(seq 20); do fallocate -l 32M $i.json; done; sleep 60",
                              "more than 512 MiB"),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""`neph view`: floats reach the page bit by bit, what cannot be laid over each other is refused,
-and the page in a browser does what it says (check_view.mjs)."""
+"""`neph view`: floats on the page are bit-exact, sets of different size are refused, and the page
+works in a browser (check_view.mjs)."""
 import array
 import base64
 import json
@@ -19,12 +19,13 @@ import pages
 PAGE = pages.PAGE
 WIDTH, HEIGHT, COUNT = 24, 16, 20
 PIXELS = WIDTH * HEIGHT
-# Where the page is read, and what is planted there: floats that a shorter text would lose.
+# Positions that are read from the page, and the values planted there: floats that a shorter text
+# would change.
 PLANTED = {(0, 0): 1e-7, (23, 15): 65504.0, (5, 3): 0.1, (11, 7): 1e-45, (2, 9): 16777217.0 / 3,
            (13, 2): 0.5, (20, 12): 0.0031308}
 
 
-# Red and blue change places, then a root: no table of curves could do it.
+# Swaps red and blue, then a root: no table of curves could do it.
 OCIO = """ocio_profile_version: 2
 roles: {default: linear, scene_linear: linear}
 file_rules:
@@ -44,12 +45,12 @@ colorspaces:
 
 
 def single(value):
-    """As a float of 32 bits."""
+    """The value as a float of 32 bits."""
     return array.array("f", [value])[0]
 
 
 def picture(seed, frame, planted):
-    """R G B of noise on a slope that changes with the frame, and the planted values in R."""
+    """R G B of noise on a gradient that changes with the frame, and the planted values in R."""
     random.seed(f"{seed} {frame}")
     rgb = {name: [0.2 + 0.02 * (i % WIDTH) + 0.05 * random.random() + 0.02 * ((frame + i) % 4 == 0)
                   for i in range(PIXELS)] for name in "RGB"}
@@ -154,7 +155,7 @@ class View(neph_case.NephCase):
         self.refused(66, "there is no file", reference, self.folder / "nobody.exr")
         self.refused(65, "has 4x4 pixels", reference, self.folder / "small.exr")
         self.refused(65, "has no radiance: its channels are Z", self.folder / "depth.exr")
-        self.refused(65, "is a picture for a display", reference, self.folder / "picture.png")
+        self.refused(65, "is a display image", reference, self.folder / "picture.png")
         self.refused(65, "larger than 0.002 MB", reference, "--page-limit", "0.002")
         self.refused(64, "there is no map 'flop'", reference, reference, "--overlay", "flop")
         self.refused(64, "there is no quantity 'colour'", reference, "--quantity", "colour")
@@ -162,7 +163,7 @@ class View(neph_case.NephCase):
         self.refused(65, "has no view 'film'; it has swapped", reference, "--ocio",
                      self.folder / "config.ocio", "--view", "film")
         self.refused(64, "are of a config", reference, "--view", "film")
-        # Of a name that is not there it is said before frames are read: this one is none.
+        # An unknown name is reported before frames are read: this one is no frame.
         self.refused(64, "there is no map 'flop'", self.folder / "picture.png", reference,
                      "--overlay", "flop")
         self.refused(65, "has no view 'film'", self.folder / "depth.exr", "--ocio",
@@ -177,7 +178,7 @@ class View(neph_case.NephCase):
         folder.mkdir()
         for i in range(12):
             write(folder / f"frame.{i:04d}.exr", picture("long", i, {}))
-        # Nobody gets as far as the last frame, which is none.
+        # The last frame, which is invalid, is not reached.
         (folder / "frame.0011.exr").write_bytes(b"no frame")
         self.refused(65, "larger than 0.02 MB: about 0.0", folder, "--page-limit", "0.02")
         self.refused(65, "frame.0011.exr", folder)
@@ -200,13 +201,13 @@ class View(neph_case.NephCase):
         self.assertEqual((told["width_px"], told["sets"], told["frames"]), (WIDTH, 1, 1))
         least = [-math.inf] + json.loads((page / "data.json").read_text())["display_codes"]
         values = opened(page, "0_0_radiance")
-        for i in range(PIXELS):  # the table of the display gives the codes again
+        for i in range(PIXELS):  # the display's table gives the codes
             for c in range(3):
                 code = max(k for k in range(256) if values[c * PIXELS + i] >= least[k])
                 self.assertEqual(code, codes[3 * i + c])
 
     def expectations(self):
-        """Read at the planted places, of both sets, of two frames and all quantities."""
+        """Expected values at the planted positions, of both sets, two frames and all quantities."""
         def probe(number, frame, channels, quantity, names, place):
             i = place[1] * WIDTH + place[0]
             return {"set": number, "frame": frame, "quantity": quantity, "x": place[0],
@@ -226,7 +227,7 @@ class View(neph_case.NephCase):
                   "codes": [255 * math.sqrt(min(1, max(0, self.reference[name][y * WIDTH + x])
                                                 * 2 ** ev)) for name in "BGR"]}
                  for x, y in (*PLANTED, (17, 4)) for ev in (0, 2, -5)]
-        # Infinity is no JSON; the sky is looked at by the floats above.
+        # JSON has no infinity; the sky is checked by the floats above.
         return {"pixels": pixels, "maps": maps, "views": views}
 
     def in_the_browser(self, page, expected, *options):
@@ -246,7 +247,7 @@ class View(neph_case.NephCase):
 
     @night.of_the_night
     def test_each_of_several_faults_is_found(self):
-        """Faults that do not hide each other, in one page."""
+        """Independent faults in one page."""
         page = self.folder / "faults"
         shutil.copytree(self.page, page)
         for name, right, wrong in (

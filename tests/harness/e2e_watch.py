@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The main job while it runs: a page from the first scene on, one that says so when it was cut
-short, several processes at a time, and tiers by name."""
+"""The main job while it runs: a page from the first scene on, a page that reports an interrupted
+run, several processes at a time, and tiers by name."""
 import json
 import math
 import pathlib
@@ -13,11 +13,11 @@ import frames
 from neph_case import NephCase
 
 SCENES = ["scattering_slab_above", "absorbing_slab", "height_fog_level"]
-PATIENCE_S = 300  # of a machine that is busy with other things; nothing here takes seconds
+PATIENCE_S = 300  # for a busy machine; nothing here takes seconds
 
 
 def without_times(value, folder):
-    """A document, but for times, memory and where the run lies."""
+    """A document without times, memory and the run's folder."""
     if isinstance(value, dict):
         return {key: without_times(item, folder) for key, item in value.items()
                 if key not in ("render_s", "wall_s", "cpu_s", "seconds", "created_utc",
@@ -33,11 +33,11 @@ class Watch(NephCase):
         self.out = self.folder / "out"
 
     def data(self):
-        """What the page shows; each look sees a whole file, whatever the run is doing."""
+        """The data of the page; each read gets a complete file, whatever the run is doing."""
         path = self.out / "report/data.json"
         try:
             return json.loads(path.read_text())
-        except FileNotFoundError:  # not yet, or being exchanged
+        except FileNotFoundError:  # not yet there, or being replaced
             return None
 
     def wait_for_page(self, child):
@@ -47,7 +47,7 @@ class Watch(NephCase):
         return page
 
     def test_a_page_is_there_from_the_first_scene_on_and_after_an_interruption(self):
-        # The last scene is large enough to be still at work when the page of the first is read.
+        # The last scene is large enough that it is unfinished when the page of the first is read.
         child = self.start("validate", *SCENES, "-e", "exact", "-e", "oracle", "--size", "192x108",
                            "-q", "-o", self.out)
         page = self.wait_for_page(child)
@@ -112,7 +112,7 @@ class Watch(NephCase):
         self.assertIn(f"{100 * noise:.2g} % of the rms radiance", oracle["noise"]["text"])
 
     def test_scenes_of_the_quick_tier_have_sizes_of_their_own(self):
-        # Only `exact`, which is quick at any size and has nothing to be compared with.
+        # Only `exact`, which is fast at any size and has no engine to be compared with.
         command = ("validate", "-e", "exact", "--no-charts", "-q", "-o", self.out)
         self.neph(*command, code=1)
         sizes = {scene["name"]: scene["size_px"] for scene in self.data()["scenes"]}

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The words of the house: one file is read without a key, and no line is wider than a page."""
+"""The project's language rules: every file is understandable by itself, and no line is wider than a
+page."""
 import os
 import pathlib
 import re
@@ -14,14 +15,14 @@ WIDTH = 100
 
 COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
 COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*", re.DOTALL)
-# Steps and faults of the articles had such numbers once.
+# Labels of steps and faults that earlier articles used.
 CODE = re.compile(r"\b(?:[AX](?:[1-9]|1[0-9]|2[0-6])|D(?:[1-9]|10))\b")
 # Notes lie outside of the repository.
 NOTE = re.compile(r"(?<![\w./-])notes/\w")
-# What a page names of the repository: links, and paths in backticks but for those with a NAME.
+# The files that a page names: links, and paths in backticks except ones with a NAME.
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)\)")
 PATH = re.compile(r"`((?:%s)/(?!\S*NAME)[\w./-]*)`" % "|".join(FOLDERS))
-# A comment that goes on with a sentence somewhere above it.
+# A comment that continues a sentence from a comment above.
 GOES_ON = re.compile(
     r"^(?:/\*|//)\s*(?:Of\b|The same(?:\.| (?:again|as|at|by|for|of|to|with|where)\b))")
 
@@ -35,7 +36,7 @@ def files(kinds):
 
 
 def spoken(name, text):
-    """What of a file is said to people, each with its line."""
+    """The parts of a file that are text for readers, each with its line."""
     kind = pathlib.Path(name).suffix
     if kind in SCRIPT:
         return list(enumerate(text.split("\n"), 1))
@@ -43,11 +44,19 @@ def spoken(name, text):
     return [(text.count("\n", 0, found.start()) + 1, found[0]) for found in pattern.finditer(text)]
 
 
+def anchors(text):
+    """The anchors that GitHub gives the headings of a page."""
+    prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    headings = re.findall(r"^#+ (.+)$", prose, re.MULTILINE)
+    words = [re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower() for heading in headings]
+    return {re.sub(r"[^\w\- ]", "", word).strip().replace(" ", "-") for word in words}
+
+
 class Words(unittest.TestCase):
     maxDiff = None
 
     def refuse(self, kinds, pattern):
-        """All places that say what the pattern matches."""
+        """Fails for all places that match the pattern."""
         said = [(name, line, words) for name, text in files(kinds)
                 for line, words in spoken(name, text)]
         self.assertGreater(len(said), 1000)
@@ -71,6 +80,21 @@ class Words(unittest.TestCase):
             # tests/ mirrors the other folders.
             missing += [f"{name}: {path}" for path in PATH.findall(text)
                         if not any((ROOT / above / path).exists() for above in ("", "tests"))]
+        self.assertEqual(missing, [])
+
+    def test_links_meet_a_heading(self):
+        dead = []
+        for name, text in files({".md"}):
+            for path, anchor in re.findall(r"\]\((?!https?:)([^)#\s]*)#([^)]+)\)", text):
+                page = (ROOT / name).parent / path if path else ROOT / name
+                if page.suffix == ".md" and anchor not in anchors(page.read_text()):
+                    dead.append(f"{name}: {path}#{anchor}")
+        self.assertEqual(dead, [])
+
+    def test_code_names_pages_that_are_there(self):
+        missing = [f"{name}: {page}" for name, text in files(C | PAGE | {".py"})
+                   for page in re.findall(r"\bdocs/\w+\.md\b", text)
+                   if not (ROOT / page).exists() and "docs/NAME.md" != page]
         self.assertEqual(missing, [])
 
     def test_lines_are_as_wide_as_a_page(self):

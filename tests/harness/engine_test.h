@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of engines in other programs share: is the program here, and a shell script that
- * takes its place.
+ * Helpers for tests of external programs: is the program installed, and a shell script in its
+ * place.
  */
 #ifndef NEPH_TESTS_ENGINE_TEST_H
 #define NEPH_TESTS_ENGINE_TEST_H
@@ -62,7 +62,7 @@ static inline void test_stage(struct test_scene *stage, struct neph_vec3 eye,
     stage->scene.background_w_per_m2_sr = make_grey(0.0);
 }
 
-/* Render in a scratch folder of an awkward name. */
+/* Renders in a scratch folder whose name needs quoting. */
 static inline enum neph_status test_render(const struct neph_engine *engine, struct neph_shot *shot,
                                            struct neph_image **frame, struct neph_cost *cost,
                                            struct neph_diag *diag)
@@ -76,10 +76,10 @@ static inline enum neph_status test_render(const struct neph_engine *engine, str
     return status;
 }
 
-/* First in PATH, and no other Blender is named. */
+/* A fake program, first in PATH; NEPH_BLENDER names no other Blender. */
 struct impostor {
     char directory[64];
-    char *path, *named; /* PATH and NEPH_BLENDER as they were */
+    char *path, *named; /* PATH and NEPH_BLENDER before the test */
 };
 
 static inline void set_impostor(struct impostor *impostor, const char *program, const char *script)

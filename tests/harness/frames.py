@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Frames as another renderer would write them: uncompressed scanline EXR, 8-bit RGB PNG. And EXR as
-another program would read it, from the file format's specification alone."""
+"""Frames as another renderer would write them: uncompressed scanline EXR, 8-bit RGB PNG. Also EXR
+as another program would read it, only from the file format's specification."""
 import array
 import itertools
 import struct
@@ -8,8 +8,8 @@ import zlib
 
 
 def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0, 0), display=None):
-    """channels: {name: width * height floats, row 0 on top}; attributes: (name, type, bytes) of
-    further ones; the data window is at `corner` in a display window of `display` pixels."""
+    """channels: {name: width * height floats, row 0 on top}; attributes: additional (name, type,
+    bytes); the data window is at `corner` in a display window of `display` pixels."""
     names = sorted(channels)
     chlist = b"".join(n.encode() + b"\0" + struct.pack("<iBxxxii", 2, 0, 1, 1)
                       for n in names) + b"\0"
@@ -42,13 +42,13 @@ def exr_bytes(width, height, channels, attributes=(), pixel_aspect=1, corner=(0,
 
 
 def _cut(data, at):
-    """The text up to the next zero byte, and where the rest begins."""
+    """The text up to the next zero byte, and the position after it."""
     end = data.index(b"\0", at)
     return data[at:end].decode(), end + 1
 
 
 def _unzip(packed, size):
-    """Of a ZIP chunk: deflate, differences of neighbours, then all even bytes before all odd
+    """Decodes a ZIP chunk: deflate, differences of neighbours, then all even bytes before all odd
     ones."""
     if len(packed) == size:
         return packed
@@ -94,12 +94,13 @@ def read_exr(path):
 
 
 def grey_exr(path, width, height, values, **further):
-    """A frame whose R, G and B are `values`; further channels by name."""
+    """A frame with R, G and B equal to `values`; additional channels by name."""
     path.write_bytes(exr_bytes(width, height, {"R": values, "G": values, "B": values, **further}))
 
 
 def png_bytes(width, height, rgb, before=(), behind=()):
-    """rgb: width * height * 3 bytes; further chunks (name, bytes) before and behind the pixels."""
+    """rgb: width * height * 3 bytes; additional chunks (name, bytes) before and after the
+    pixels."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I",
                                                                         zlib.crc32(kind + data))
@@ -111,7 +112,7 @@ def png_bytes(width, height, rgb, before=(), behind=()):
 
 
 def png_rows(path):
-    """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may take."""
+    """Bytes of an 8-bit RGB PNG, row by row, for the filters that libpng may use."""
     data, at, packed = path.read_bytes(), 8, b""
     width, height = struct.unpack(">II", data[16:24])
     stride = 3 * width

@@ -9,7 +9,7 @@
 
 #include "base/exr.h"
 
-/* R, G and B of one value. */
+/* An image with one value in R, G and B. */
 static inline struct neph_image *grey_image(int width_px, int height_px, double value)
 {
     struct neph_image *image = NULL;
@@ -21,14 +21,14 @@ static inline struct neph_image *grey_image(int width_px, int height_px, double 
     return image;
 }
 
-/* Change one pixel of R, G and B. */
+/* Sets one pixel in R, G and B. */
 static inline void set_grey(struct neph_image *image, size_t pixel, double value)
 {
     for (int c = 0; c < 3; c++)
         image->channels[c].samples[pixel] = (float)value;
 }
 
-/* Write an image to a file and destroy it. */
+/* Writes an image to a file and destroys it. */
 static inline void write_image(const char *path, struct neph_image *image)
 {
     struct neph_diag diag = {0};

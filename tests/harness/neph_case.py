@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of whole commands have in common: a folder of their own, and neph run."""
+"""Common parts of tests of whole commands: a folder of their own, and running neph."""
 import hashlib
 import json
 import os
@@ -16,7 +16,8 @@ VALIDATED = {**os.environ, "NEPH_VULKAN_VALIDATION": "1"}
 
 
 def scratch(at_the_end):
-    """A folder; `at_the_end`, a test's addCleanup or its class's addClassCleanup, removes it."""
+    """Creates a folder; `at_the_end`, a test's addCleanup or its class's addClassCleanup, removes
+    it."""
     folder = tempfile.TemporaryDirectory(prefix="neph-test-")
     at_the_end(folder.cleanup)
     return pathlib.Path(folder.name)
@@ -28,13 +29,13 @@ def words_of(arguments):
 
 def run(*arguments, program=NEPH, surroundings=os.environ, timeout_s=600, cwd=None, text=True,
         **environment):
-    """neph, with these variables changed."""
+    """Runs neph with these variables changed."""
     return subprocess.run([program, *words_of(arguments)], capture_output=True, text=text,
                           timeout=timeout_s, cwd=cwd, env={**surroundings, **environment})
 
 
 class NephCase(unittest.TestCase):
-    surroundings = os.environ  # of neph, before those of a call
+    surroundings = os.environ  # the environment of neph, before the changes of a call
     words = ()  # of each command, before the arguments of a call
     in_folder = False  # whether neph runs in the test's folder
 
@@ -42,14 +43,15 @@ class NephCase(unittest.TestCase):
         self.folder = scratch(self.addCleanup)
 
     def put(self, name, text="mine"):
-        """A file of the test's folder."""
+        """Writes a file into the test's folder."""
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
         return path
 
     def put_program(self, name, text):
-        """A script in place of a program: the environment in which it is found first."""
+        """Writes a script in place of a program; returns an environment in which it is found
+        first."""
         path = self.put(f"bin/{name}", text)
         path.chmod(0o755)
         return {"PATH": f"{path.parent}:/usr/bin:/bin"}
@@ -58,8 +60,8 @@ class NephCase(unittest.TestCase):
         return cwd or (self.folder if self.in_folder else None)
 
     def neph(self, *arguments, code=0, said=(), silent=False, cwd=None, **options):
-        """Run neph: it ends with that code (None: any) and says all of `said` on stderr; `silent`:
-        and nothing on stdout. Further options are those of run()."""
+        """Runs neph. It must exit with this code (None: any) and print all of `said` on stderr;
+        `silent`: and nothing on stdout. Further options are passed to run()."""
         done = run(*self.words, *arguments, cwd=self.where(cwd),
                    **{"surroundings": self.surroundings, **options})
         if code is not None:
@@ -75,16 +77,16 @@ class NephCase(unittest.TestCase):
         return json.loads(self.neph(*arguments, "--json", **expected).stdout)
 
     def check_refusals(self, *cases, before=(), **options):
-        """Each (exit code, what is said, or several things, arguments behind those `before`)."""
+        """Each case: (exit code, one or several parts of the message, arguments after `before`)."""
         for code, said, arguments in cases:
             done = self.neph(*before, *arguments, code=code, silent=True, **options)
             for words in [said] if isinstance(said, str) else said:
                 self.assertIn(words, " ".join(done.stderr.split()), arguments)
 
     def start(self, *arguments, niceness=0, **environment):
-        """neph, which goes on beside the test."""
+        """Starts neph in the background."""
         def prepare():
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # which a shell's background ignores
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background job ignores it
             os.nice(niceness)
         child = subprocess.Popen([NEPH, *words_of(self.words + arguments)], text=True,
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -95,32 +97,32 @@ class NephCase(unittest.TestCase):
         return child
 
     def wait_until(self, condition, child=None, seconds=300):
-        """Or until the child has ended."""
+        """Waits for the condition, or until the child has ended."""
         end = time.monotonic() + seconds
         while not condition() and (not child or child.poll() is None):
             self.assertLess(time.monotonic(), end)
             time.sleep(0.01)
 
     def interrupt(self, child):
-        """Ctrl-C: what it has said on stdout and stderr."""
+        """Sends Ctrl-C; returns its stdout and stderr."""
         child.send_signal(signal.SIGINT)
         said = child.communicate(timeout=120)
         self.assertEqual(child.returncode, 130, said)
         return said
 
     def stamps(self, folder):
-        """When each thing of a folder was written: what is rendered again shows."""
+        """The modification time of each entry of a folder: rendering again changes it."""
         return {path: path.stat().st_mtime_ns for path in folder.iterdir()}
 
 
 class StudyCase(NephCase):
-    """Of what is rendered on a device, in the test's folder."""
+    """Tests of studies that render on a device, in the test's folder."""
     surroundings = VALIDATED
     in_folder = True
 
 
 def keep_trial(program, cache, data_file=None, **found):
-    """Leave in neph's cache folder what a trial of that program would have found, under the name
+    """Writes the result of a trial of this program into neph's cache folder, under the file name
     that harness/engines/trial.c gives it."""
     facts = program.stat()
     data = (ROOT / data_file).read_bytes() if data_file else None

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What waits for the night, as neph_test_waits_for_the_night() of tests/neph_test.h does."""
+"""Marks tests that run only by night, as neph_test_waits_for_the_night() of tests/neph_test.h
+does."""
 import os
 import unittest
 

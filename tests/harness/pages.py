@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pages for tests: laid out as the C program does, and checked in headless Chromium."""
+"""Pages for tests: in the C program's layout, and checked in headless Chromium."""
 import json
 import os
 import pathlib
@@ -21,7 +21,7 @@ WIDTH, HEIGHT = 96, 54
 
 
 def write_png(path, pixel, width=WIDTH, height=HEIGHT):
-    """An 8-bit RGB picture of `pixel(i, j)`, by the letter of the PNG specification."""
+    """An 8-bit RGB image of `pixel(i, j)`, strictly by the PNG specification."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = b"".join(b"\0" + bytes(c for i in range(width) for c in pixel(i, j))
                     for j in range(height))
@@ -66,7 +66,7 @@ def skip_without_a_browser(what):
 
 
 class PageCase(unittest.TestCase):
-    """A page NAME that build() lays out, in a folder of its own."""
+    """A page NAME that build() creates, in a folder of its own."""
     NAME = ""
 
     @staticmethod
@@ -99,7 +99,7 @@ class PageCase(unittest.TestCase):
         return self.folder(name)
 
     def copy_with(self, faults, name="faults"):
-        """A copy of the good page whose script has other words."""
+        """A copy of the good page with replaced words in its script."""
         folder = self.folder(name)
         shutil.copytree(self.good, folder)
         script = folder / f"{self.NAME}.js"
@@ -111,7 +111,7 @@ class PageCase(unittest.TestCase):
         return folder
 
     def assert_finds(self, done, expected):
-        """Each fault is told; `expected`: what it is, and the words."""
+        """Each fault is reported; `expected`: its kind, and words of the message."""
         self.assertEqual(done.returncode, 1)
         for what, words in expected:
             with self.subTest(what):

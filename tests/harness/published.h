@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What an experiment publishes, in memory: all forms, and no file.
+ * Captures in memory, in all formats, everything that an experiment publishes.
  */
 #ifndef NEPH_TESTS_HARNESS_PUBLISHED_H
 #define NEPH_TESTS_HARNESS_PUBLISHED_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A program of one room and those below it: that it links is the test.
+ * A program of one library and those below it: the test is that it links.
  */
 int main(void)
 {

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Run a fixed list of commands with two builds of neph and compare everything that they leave, to
-the last digit: output, exit codes and all files. For a change of the program that is to change no
-measurement. Run by hand; e2e_same_measurements.py tests the comparison."""
+"""Runs a fixed list of commands with two builds of neph and compares all their output exactly:
+text, exit codes and all files. For changes of the program that must not change a measurement. Run
+by hand; e2e_same_measurements.py tests the comparison."""
 import argparse
 import csv
 import fnmatch
@@ -22,12 +22,12 @@ import time
 
 # ---- commands ------------------------------------------------------------------------------------
 
-# CASE | LIST | ARGUMENTS of neph. The commands of a case run in order, in a folder of the case;
-# its files are compared after the last one. LIST is `quick` (also in the full list) or `full`, the
-# same in all lines of a case, so that a record of the full list serves both.
-# `first` is the first command of the case that STARTS_WITH names.
-# `--suite failure` is the word for the stress tests that programs of before know, too.
-# Sizes are the smallest at which the verb still gives all of its numbers.
+# CASE | LIST | ARGUMENTS of neph. The commands of a case run in order, in a folder of the case; its
+# files are compared after the last one. LIST is `quick` (also in the full list) or `full`, and is
+# equal in all lines of a case, so that a record of the full list serves both. `first` is the first
+# command of the case that STARTS_WITH names. `--suite failure` is the word for the stress tests
+# that earlier programs understand, too. Sizes are the smallest at which the verb still gives all of
+# its numbers.
 COMMANDS = """
 scenes            | quick | scenes
 scenes            | quick | scenes --json
@@ -182,8 +182,8 @@ again scaling     | full  | first
 stress full       | full  | validate --suite failure --tier full --jobs 2 --json -q
 """
 
-# These cases begin with the folder that the BEFORE program left of another case: no frame of its
-# store may be rendered in them.
+# These cases begin with the folder of another case that the BEFORE program left: they may not
+# render any frame that its store has.
 STARTS_WITH = {
     "frames more": "frames", "conform more": "conform", "again night": "night",
     "again catalogue": "fog catalogue", "again physics": "physics fast",
@@ -193,7 +193,7 @@ STARTS_WITH = {
     "again sky": "study sky", "again screen": "study screen", "again post": "study post",
     "again scaling": "scaling"}
 
-# Cases whose numbers depend on the speed of the machine: their numbers are replaced by '#'.
+# Cases with numbers that depend on the speed of the machine: these numbers are replaced by '#'.
 FORM_ONLY = {
     "benchmark": "the machine's speed decides how many samples a rung has",
     "benchmark more": "the machine's speed decides how many samples a rung has",
@@ -230,7 +230,7 @@ WRONG_WORDS = (
     "scenes voxel_grid --variant nonsense", "engines nonsense", "doctor nonsense",
     "export voxel_grid -e nonsense")
 
-# Files that commands name, written into the folder of each case that names them.
+# Input files of commands, written into the folder of each case that names them.
 INPUTS = {"plan.yaml": """title: a small one
 light: octaves
 width_px: 32
@@ -246,7 +246,7 @@ series:
 - {name: fitted, engine: march_octaves_fitted}
 """}
 
-# ---- rules: what may differ ----------------------------------------------------------------------
+# ---- rules: allowed differences ------------------------------------------------------------------
 
 TIME = "measured time"
 SECONDS = r"(?<![\w.])\d+(\.\d+)?(e[-+]?\d+)? ?(s|ms|min|h)\b(?!\^)"
@@ -293,13 +293,13 @@ TEXT_RULES = (
      r"\1 <time> ", "seconds of an engine in the table of `neph validate`"),
 )
 
-# (case, key, value, why): objects of JSON, rows of CSV and of Markdown whose KEY is VALUE: all else
-# in them is replaced by '<why>'.
+# (case, key, value, why): objects of JSON, rows of CSV and of Markdown where KEY is VALUE:
+# everything else in them is replaced by '<why>'.
 ROW_RULES = (
     ("*ablation", "measure", r"gpu_ms|GPU .*|milliseconds.*", "computed from measured times"),
 )
 
-# (case, file, why): files of which only the presence is compared.
+# (case, file, why): for these files only the presence is compared.
 PRESENCE_RULES = (
     ("*", "*/blender.log", "another program's progress, with times"),
     ("*", "*/povray-*.log", "another program's messages, with times"),
@@ -311,7 +311,7 @@ PRESENCE_RULES = (
     ("*", "*report/charts/*.svg", "drawn from measured times; the numbers are in data.json"),
 )
 
-# (file, why): files that are left out.
+# (file, why): files that are not compared.
 LEFT_OUT_RULES = (
     ("*/.cache/thumbnails/*", "Blender names it by a hash of the absolute path of its file"),
 )
@@ -320,7 +320,7 @@ LEFT_OUT_RULES = (
 
 
 class Number(str):
-    """A number as it stands in a JSON file: 0.1 and 0.10 differ."""
+    """A number as written in a JSON file: 0.1 and 0.10 differ."""
 
 
 class Rules:
@@ -355,7 +355,7 @@ class Rules:
             replaced = pattern.sub(new, replaced)
         if self.form:
             replaced = re.sub(r"[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf|∞)", "#", replaced)
-        if replaced != line:  # the width of a column follows its numbers
+        if replaced != line:  # the width of a column depends on its numbers
             replaced = re.sub(r" +", " ", replaced)
             replaced = re.sub(r"-{4,}", "----", replaced)
         return replaced
@@ -393,7 +393,7 @@ def read_json(data, rules):
 
 
 def read_script_data(data, rules):
-    """window.NAME = {...}; which is JSON but for its frame."""
+    """window.NAME = {...}; which is JSON except for its frame."""
     head, _, rest = data.decode().partition(" = ")
     return [("name", head)] + list(lines_of_json(parse_json(rest.rstrip().rstrip(";")), rules))
 
@@ -451,7 +451,7 @@ def _exr_attributes(data):
 
 
 def read_exr(data, rules):
-    """Attributes in their order, then the chunks of pixels, whatever their offsets are."""
+    """Attributes in their order, then the chunks of pixels, independent of their offsets."""
     attributes, table = _exr_attributes(data)
     entries, window = [], None
     for name, kind, value in attributes:
@@ -501,7 +501,7 @@ READERS = (
 
 
 def readers_of_output(path, data):
-    """Readers to try for what a command said on stdout: JSON, CSV, text."""
+    """Readers to try for the stdout of a command: JSON, CSV, text."""
     command = path.with_suffix(".command.txt")
     says_csv = command.is_file() and "csv -" in command.read_text()
     return ((read_json,) if data[:1] in (b"{", b"[") else ()) + (
@@ -509,7 +509,7 @@ def readers_of_output(path, data):
 
 
 def entries_of(path, rules):
-    """What is compared of a file: (place in it, text) in order."""
+    """The compared parts of a file: (place in it, text) in order."""
     if rules.presence_only:
         return []
     if path.suffix == ".sqlite":
@@ -520,13 +520,13 @@ def entries_of(path, rules):
     for reader in readers:
         try:
             return reader(data, rules)
-        except ValueError:  # it is not what its name says: compared by the next reader
+        except ValueError:  # the content is not what the name implies: compared by the next reader
             pass
     return read_bytes(data, rules)
 
 
 def different_entries(before, after):
-    """(place, before, after) of all that is not the same; None: not there."""
+    """(place, before, after) of all differences; None: absent."""
     if before == after:
         return []
     known, new = dict(before), dict(after)
@@ -572,9 +572,9 @@ BUILD_ID = bytes(range(1, 21))
 
 
 def with_same_build_id(data):
-    """A program's bytes with another build id, which is a part of the keys under which frames are
-    stored: with one id for both builds the keys are the same, and frames of one are found by the
-    other. The note is a header, "GNU" and 20 bytes."""
+    """The bytes of a program with another build id. The build id is a part of the keys of stored
+    frames: with the same id for both builds the keys are equal, and each build finds the frames of
+    the other. The note is a header, "GNU" and 20 bytes."""
     head = struct.pack("<III", 4, 20, 3) + b"GNU\0"
     at = data.find(head)
     if at < 0 or data.find(head, at + 1) >= 0:
@@ -614,21 +614,21 @@ def all_commands(quick, only):
 
 
 def stored_frames(folder):
-    """The records of all stored frames: a frame that is rendered anew has another one."""
+    """The records of all stored frames: a re-rendered frame has another one."""
     return {path.relative_to(folder).as_posix(): path.read_bytes()
             for path in folder.glob("**/store/frames/*/job.json")}
 
 
 def make_older(folder):
-    """A night lists frames that were used some seconds before it began as its own: put an hour
-    between two commands, so that the list does not depend on their speed."""
+    """A nightly run lists frames that were used some seconds before it began as its own: this sets
+    them an hour back between two commands, so that the list does not depend on their speed."""
     for path in folder.glob("**/store/frames/*/job.json"):
         status = path.stat()
         os.utime(path, (status.st_atime, status.st_mtime - 3600))
 
 
 def run_case(program, case, commands, record, start):
-    """Leave RECORD/CASE/files and what each command has said."""
+    """Writes RECORD/CASE/files and the output of each command."""
     place = record / case.replace(" ", "_")
     if place.exists() and not (place / "00.command.txt").is_file():
         raise CannotCompare(f"'{place}' is no record of this script: name another folder")
@@ -667,7 +667,7 @@ def run_case(program, case, commands, record, start):
 
 
 def run_list(program, cases, record, before):
-    """Run all cases into the folder `record`; those that start with a folder of another case take
+    """Runs all cases into the folder `record`. Cases that start with a folder of another case take
     it from the record `before`."""
     copy = install(program, record)
     for number, (case, commands) in enumerate(cases.items(), 1):
@@ -683,7 +683,7 @@ def run_list(program, cases, record, before):
 
 
 def compare_records(cases, before, after, limit):
-    """Print all differences; return their number."""
+    """Prints all differences; returns their number."""
     total = 0
     for case, commands in cases.items():
         name = case.replace(" ", "_")
@@ -773,7 +773,7 @@ def print_rules():
 
 
 def compare_programs(options, cases, scratch):
-    """Exit code."""
+    """Returns the exit code."""
     after = (options.compare or options.keep or scratch / "after").resolve()
     before = (options.before_from or (options.keep or scratch) / "before").resolve()
     if not options.before_from:
@@ -787,7 +787,7 @@ def compare_programs(options, cases, scratch):
 
 
 def run(options):
-    """Exit code."""
+    """Returns the exit code."""
     cases = all_commands(options.quick, options.only)
     if not cases:
         raise CannotCompare(f"no command matches '{options.only}'; see --list")

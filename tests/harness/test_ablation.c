@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Ablation without a renderer: the table of parts holds for the presets, and what is said of a part
- * is the arithmetic of made-up numbers.
+ * Ablations without a renderer: the table of parts matches the presets, and effects and verdicts
+ * are computed correctly from synthetic values.
  */
 #include "tests/harness/published.h"
 
@@ -66,8 +66,7 @@ static void test_parts_name_settings_and_each_other(void **state)
                 (bit("gradients") | bit("box") | bit("history")));
 }
 
-/* No two parts have a setting in common in the plain pipeline: there a part would switch the
- * other. */
+/* No two parts of the plain pipeline share a setting; one part would switch the other. */
 static void test_parts_of_the_plain_pipeline_keep_apart(void **state)
 {
     int owners[NEPH_OPTIONS_MAX] = {0};
@@ -86,14 +85,14 @@ static void test_parts_of_the_plain_pipeline_keep_apart(void **state)
     }
 }
 
-/* What the second generation added. */
+/* Parts of the second generation. */
 static neph_ablation_set second_generation(void)
 {
     return bit("true_gradient") | bit("rest") | bit("relight") | bit("change_memory") |
            bit("own_depth") | bit("medium_motion") | bit("running_mean") | bit("stand_in");
 }
 
-/* What is for scenes that ask for it, and in no preset. */
+/* Parts that are in no preset and are set for scenes that need them. */
 static neph_ablation_set of_the_air(void)
 {
     return bit("froxels") | bit("froxel_jitter") | bit("froxel_history") | bit("froxel_hold") |
@@ -114,7 +113,7 @@ static void test_ours_has_every_part_but_the_dithered_upscale(void **state)
     assert_int_equal(neph_ablation_parts_of("nope", &parts, NULL), NEPH_ERR_USAGE);
 }
 
-/* Froxels and shadow maps of clouds come by a setting, with all that needs them. */
+/* Froxels and cloud shadow maps are enabled by a setting, with all parts that need them. */
 static void test_parts_of_the_air_are_asked_for(void **state)
 {
     const neph_ablation_set froxels = bit("froxels") | bit("froxel_jitter") |
@@ -128,7 +127,7 @@ static void test_parts_of_the_air_are_asked_for(void **state)
     assert_true(without.values[option] == 0.0);
 }
 
-/* What stays is all that is left, and so no part was forgotten on the way. */
+/* Without all parts, only those marked `stays` remain. */
 static void test_the_plain_pipeline_has_no_part(void **state)
 {
     neph_ablation_set stays = 0;
@@ -137,7 +136,7 @@ static void test_the_plain_pipeline_has_no_part(void **state)
             stays |= (neph_ablation_set)1 << i;
     struct neph_arena arena = {.last = NULL};
     const char *plain = neph_ablation_words(&arena, "ours", every_part() & ~stays);
-    assert_true(parts_of(plain) == bit("split")); /* the box of the anti-aliasing needs it */
+    assert_true(parts_of(plain) == bit("split")); /* the clamp of the anti-aliasing needs it */
     neph_arena_finish(&arena);
 }
 
@@ -149,8 +148,8 @@ static bool is_exception(const char *option)
     return false;
 }
 
-/* Without all parts a preset's settings of parts are the plain ones: where `ours` differs from
- * another preset is so in a setting that changes with a part, or in an exception with a reason. */
+/* Without all parts a preset has the plain values of the parts' settings. So every setting in which
+ * `ours` differs from another preset belongs to a part or is a listed exception. */
 static void test_no_setting_of_ours_is_forgotten(void **state)
 {
     static const char *const others[] = {"seed", "fixed", "ours1"};
@@ -186,8 +185,8 @@ static void plan(struct neph_ablation *ablation, const char *const *only, int co
     neph_assert_ok(neph_ablation_plan("ours", only, count, ablation, &diag), &diag);
 }
 
-/* The preset, the plain pipeline and each part in both places; that with what a part needs is there
- * once, whoever needs it. */
+/* The preset, the plain pipeline, and each part in both places; a configuration that several parts
+ * need appears once. */
 static void test_a_plan_has_each_configuration_once(void **state)
 {
     static const char *const only[] = {"history", "box", "split"};
@@ -228,9 +227,9 @@ static void test_a_part_that_is_not_there_is_refused(void **state)
     neph_ablation_finish(&ablation);
 }
 
-/* ---- numbers --------------------------------------------------------------------------------- */
+/* --- values ----------------------------------------------------------------------------------- */
 
-/* All cells count and are 1, a pixel costs 2 evaluations and 3 bytes, and the device has no clock.
+/* All cells count and are 1; a pixel costs 2 evaluations and 3 bytes; the device has no timestamps.
  */
 static void make_study(struct neph_ablation *ablation)
 {
@@ -305,9 +304,9 @@ static void test_measures_are_metrics_of_a_flicker_study(void **state)
     neph_ablation_finish(&ablation);
 }
 
-/* Without the override the error is 0.1 .. 0.4 decades larger: the mean of what it does is -0.25,
- * the deviation sqrt(0.05 / 3), t = -0.25 / (that / 2) with three degrees of freedom. Three numbers
- * are judged, as the half-life and the bytes change as well. */
+/* Without the override the error is 0.1 .. 0.4 decades larger. The mean effect is -0.25, the
+ * standard deviation sqrt(0.05 / 3), t = -0.25 / (that / 2) with three degrees of freedom. Three
+ * values are judged, as half-life and bytes change as well. */
 static void test_an_effect_is_students_interval_over_scenes(void **state)
 {
     struct neph_ablation ablation;
@@ -333,7 +332,7 @@ static void test_an_effect_is_students_interval_over_scenes(void **state)
     assert_int_equal(error->best_scene, 3);
     assert_int_equal(error->worst_scene, -1);
     assert_int_equal(ablation.judged_count, 3);
-    /* Holm: the bytes' p is 0, as all scenes agree; two are left for the error's. */
+    /* Holm: p of the bytes is 0, as all scenes agree, so two remain for the error. */
     neph_assert_close(error->p_holm, 2.0 * error->p, 1e-12, 0.0);
     assert_int_equal(error->verdict,
                      error->p_holm < 0.05 ? NEPH_ABLATION_BUYS : NEPH_ABLATION_MAY_BUY);
@@ -348,7 +347,7 @@ static void test_an_effect_is_students_interval_over_scenes(void **state)
     neph_ablation_finish(&ablation);
 }
 
-/* Four in a hundred up and down is nothing, six is not; what agrees in all scenes is certain. */
+/* A change of 4 % is "nothing", 6 % is not; equal changes in all scenes are certain. */
 static void test_little_is_nothing(void **state)
 {
     struct neph_ablation ablation;
@@ -368,7 +367,7 @@ static void test_little_is_nothing(void **state)
     neph_ablation_finish(&ablation);
 }
 
-/* A scene whose seed has no number that counts takes no part, and one alone has no interval. */
+/* A scene with a seed whose value does not count is left out; a single scene has no interval. */
 static void test_scenes_without_a_number_are_left_out(void **state)
 {
     struct neph_ablation ablation;
@@ -387,7 +386,7 @@ static void test_scenes_without_a_number_are_left_out(void **state)
     assert_int_equal(error->best_scene, 2);
     assert_true(isnan(error->scenes[0]));
     assert_int_equal(of->effects[FLICKER].verdict, NEPH_ABLATION_NO_NUMBER);
-    assert_int_equal(ablation.judged_count, 1); /* the error's, of all parts at once */
+    assert_int_equal(ablation.judged_count, 1); /* the error of all parts at once */
     neph_ablation_finish(&ablation);
 }
 
@@ -409,7 +408,7 @@ static void test_advice(void **state)
         struct neph_ablation_comparison of = {.part = 0};
         for (int m = 0; m < 3; m++)
             of.effects[m].verdict = cases[i].verdicts[m];
-        of.effects[GPU_MS].verdict = NEPH_ABLATION_BUYS; /* of a clock: decides nothing */
+        of.effects[GPU_MS].verdict = NEPH_ABLATION_BUYS; /* a time: without influence */
         assert_int_equal(neph_ablation_advise(&of), cases[i].advice);
     }
 }
@@ -457,12 +456,13 @@ static void test_output_holds_every_number(void **state)
     assert_non_null(strstr(text, "| override | **-48 %** | = | = | **<-99 %** | = | = | = | - |"));
     assert_non_null(strstr(text, "not in this preset: upscale_dither"));
     const char *csv = published_text(publication.csv, &publication);
-    /* three comparisons of seven measures in four scenes and over them; times there are none */
+    /* three comparisons of seven measures in four scenes and their mean; there are no times */
     assert_int_equal(count_of(csv, "\r\n"), 1 + 3 * 7 * (SCENES + 1));
     const char *svg = published_text(publication.chart, &publication);
-    assert_int_equal(count_of(svg, ">override</text>"), 2);   /* has bars; elsewhere it is quiet */
-    assert_int_equal(count_of(svg, "override "), 5);          /* there are no times */
-    assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: in words */
+    assert_int_equal(count_of(svg, ">override</text>"), 2);   /* two panels have bars */
+    assert_int_equal(count_of(svg, "override "), 5);          /* the others list it as unchanged;
+                                                                 there are no times */
+    assert_int_equal(count_of(svg, ">&#60;-99 %</text>"), 1); /* beyond the axis: labelled */
     neph_assert_ok(neph_written(list_parts, &ablation, &list, NULL), NULL);
     assert_int_equal(count_of(list, "without it: "), neph_ablation_part_count());
     assert_int_equal(count_of(list, "not in this preset"), 7);

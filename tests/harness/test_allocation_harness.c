@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Out of memory on the way from words of the command line to frames: see tests/allocation.h.
+ * Out of memory between the words of a command line and the frames: see tests/allocation.h.
  */
 #include "tests/allocation.h"
 #include "tests/base/scratch.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Answers in ten lines, and what a sweep answers from points whose numbers are known.
+ * Summary lines, and those of a sweep with known values.
  */
 #include "tests/neph_test.h"
 
@@ -27,7 +27,7 @@ static void print(const void *context, FILE *out)
     neph_answer_print(printed->answer, printed->rest, printed->is_brief, out);
 }
 
-/* To free. */
+/* For free(). */
 static char *text_of(const struct neph_answer *answer, const struct neph_answer_rest *rest,
                      bool is_brief)
 {
@@ -149,8 +149,8 @@ static void test_the_cheapest_series_at_an_error(void **state)
                   "cheapest of 2 series");
 }
 
-/* With all orders of scattering no number of steps comes near the truth: the answer is how many
- * bring the march near its own limit, after which no more steps leave it. */
+/* With all orders of scattering no number of steps is within the error. The answer names the number
+ * of steps from which on the marcher is within the error of its own limit. */
 static void test_steps_for_an_error_of_the_steps(void **state)
 {
     struct made made;
@@ -159,7 +159,7 @@ static void test_steps_for_an_error_of_the_steps(void **state)
     assert_string_equal(finest->label, "steps=128");
     assert_null(neph_sweep_finest(&made.sweep, &made.series[1]));
     assert_string_equal(neph_sweep_converged(&made.sweep, &made.series[0], 0.01)->label,
-                        "steps=64"); /* 32 steps are off by more than 16 */
+                        "steps=64"); /* 32 steps have a larger error than 16 */
     assert_string_equal(neph_sweep_converged(&made.sweep, &made.series[0], 0.02)->label,
                         "steps=16");
     assert_null(neph_sweep_converged(&made.sweep, &made.series[0], 0.001));

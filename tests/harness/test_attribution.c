@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The rule that names the odd one out, over all that pairs of three and four engines may say.
+ * The rule that names the engine that differs from all others, over all outcomes of pairs of three
+ * and four engines.
  */
 #include "tests/neph_test.h"
 
@@ -38,7 +39,7 @@ static void test_rule(void **state)
         {3, "=!!", 2, "c is the odd one out"},
         {3, "!!?", 0, "beyond noise"},
         {3, "!!!", -1, "more than one"},
-        {3, "!==", -1, "more than one"}, /* not transitive: a and b differ, c sides with both */
+        {3, "!==", -1, "more than one"}, /* not transitive: a and b differ, c agrees with both */
         {3, "!=?", -1, "cannot tell"},
         {4, "===!!!", 3, "d is the odd one out"},
         {4, "!!!===", -1, "more than one"},

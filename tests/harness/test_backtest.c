@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The judge of nights over thousands of simulated ones: how often it alarms when nothing changed,
- * how soon when something did. Numbers only. Nights hang together (an autoregressive series of
- * first order), hosts drift, some nights are loaded, and some durations are simply off.
+ * The judgement of nightly runs over thousands of simulated runs: the rate of false alarms when
+ * nothing changes, and the delay until a change is found. The values are correlated over time (an
+ * autoregressive series of first order), hosts drift, some runs are on a loaded machine, and some
+ * durations are outliers.
  *
- *   test_backtest STORE.json    the same over nights that are drawn, three in a row, from the
+ *   test_backtest STORE.json    the same with runs that are drawn, three in a row, from the
  *                               durations of real ones, as `neph store export` prints them
  */
 #include "tests/neph_test.h"
@@ -14,8 +15,8 @@
 
 enum { SCENES = 24, PER_SCENE = 4, SERIES = SCENES * PER_SCENE, NIGHTS_MAX = 120, PLANTED_AT = 45 };
 
-/* What is measured in each scene: an error that is the same every night, one with noise of its own,
- * and two durations. */
+/* Measurements of a scene: an error that is equal in every run, one with noise, and two durations.
+ */
 enum { MARCH_ERROR, CYCLES_ERROR, MARCH_TIME, CYCLES_TIME };
 
 static const struct {
@@ -28,13 +29,13 @@ static const struct {
     [CYCLES_TIME] = {"cycles", "time", NULL, NEPH_SERIES_TIMED},
 };
 
-static const double drawn_error = 0.02; /* of the noisy error, as it says of itself */
-static const double alpha = 0.005;      /* of the nightly */
+static const double drawn_error = 0.02; /* relative standard error of the noisy error */
+static const double alpha = 0.005;      /* of the nightly runs */
 
-/* What is done to the numbers from a night on. */
+/* A change of the values from one run on. */
 struct plant {
-    double fixed, drawn, time; /* factors less 1 */
-    bool everywhere;           /* in all scenes; else in one */
+    double fixed, drawn, time; /* factors minus 1 */
+    bool everywhere;           /* in all scenes; otherwise in one */
 };
 
 static double normal(uint64_t *random)
@@ -43,7 +44,7 @@ static double normal(uint64_t *random)
     return sqrt(-2.0 * log(u)) * cos(2.0 * 3.14159265358979 * v);
 }
 
-/* An autoregressive series of first order with the deviation 1. */
+/* An autoregressive series of first order with a standard deviation of 1. */
 static double follow(double last, double correlation, uint64_t *random)
 {
     return correlation * last + sqrt(1.0 - correlation * correlation) * normal(random);
@@ -51,8 +52,8 @@ static double follow(double last, double correlation, uint64_t *random)
 
 struct world {
     uint64_t random;
-    double base[SERIES], own[SERIES]; /* the level of a series, and how far off it is tonight */
-    double drift;                     /* of the host, beyond what the calibration kernel sees */
+    double base[SERIES], own[SERIES]; /* level of a series, and its deviation in this run */
+    double drift;                     /* of the host, not seen by the calibration kernel */
     double past[SERIES][NIGHTS_MAX], errors[SERIES][NIGHTS_MAX];
 };
 
@@ -66,8 +67,8 @@ static void begin_world(struct world *world, uint64_t seed)
     }
 }
 
-/* Durations: 3 % of noise with a memory, 1.5 % of drift with a long one, one night in thirty on
- * which the machine is loaded, one duration in a hundred that is off by itself. */
+/* Durations have 3 % of correlated noise, 1.5 % of slow drift, a loaded machine in one run of
+ * thirty, and an outlier in one of a hundred. */
 static double duration(struct world *world, int i, double load)
 {
     const bool is_off = neph_test_uniform(&world->random, 0.0, 1.0) < 0.01;
@@ -142,7 +143,7 @@ static bool alarms(const struct world *world, int night)
     return alarm;
 }
 
-/* ---- how sure a rate is ---------------------------------------------------------------------- */
+/* --- intervals of rates ----------------------------------------------------------------------- */
 
 /* P(X <= k) of n draws with the probability p. */
 static double binomial_below(int k, int n, double p)
@@ -154,7 +155,7 @@ static double binomial_below(int k, int n, double p)
     return sum;
 }
 
-/* The limits of Clopper and Pearson, Biometrika 26, 1934, at 95 %, by bisection. */
+/* The interval of Clopper and Pearson, Biometrika 26, 1934, at 95 %, by bisection. */
 static void clopper_pearson(int k, int n, double *low, double *high)
 {
     double bounds[2] = {0.0, 1.0};
@@ -184,7 +185,7 @@ static void test_intervals_of_rates(void **state)
     neph_assert_close(high, 0.8129, 0.0, 1e-4);
 }
 
-/* ---- quiet nights ---------------------------------------------------------------------------- */
+/* --- runs without a change -------------------------------------------------------------------- */
 
 static void test_quiet_nights_are_quiet(void **state)
 {
@@ -213,7 +214,7 @@ static void test_quiet_nights_are_quiet(void **state)
 
 /* ---- planted changes ------------------------------------------------------------------------- */
 
-/* Nights until the first alarm, 1 being that of the change; 0: none in three weeks. */
+/* Number of runs until the first alarm, 1 for the run of the change; 0: none in three weeks. */
 static int delay_of(struct world *world, uint64_t seed, const struct plant *plant)
 {
     enum { PATIENCE = 21 };
@@ -233,11 +234,10 @@ static int by_delay(const void *a, const void *b)
 
 static void test_planted_changes_are_found(void **state)
 {
-    /* `share` is of all runs, within three weeks and by night, when there are forty; `median` is
-     * the night by which half of these are found. An error that is the same every night is found
-     * whatever else is there: of one that is drawn, with a standard error of 2 %, 3 % in one scene
-     * are below the floor. So are 5 % of durations that are this unsteady. Nothing is promised of
-     * either. */
+    /* `share`: part of all repetitions with an alarm within three weeks; `median`: run by which
+     * half of them have one. An error that is equal in every run is always found. For a noisy error
+     * with a standard error of 2 %, a change of 3 % in one scene is below the floor. So is 5 % of a
+     * duration with this much noise. Nothing is required for these two. */
     static const struct {
         const char *what;
         struct plant plant;
@@ -282,18 +282,17 @@ static void test_planted_changes_are_found(void **state)
     free(world);
 }
 
-/* ---- nights that were measured --------------------------------------------------------------- */
+/* --- measured runs ---------------------------------------------------------------------------- */
 
 enum { SAMPLE_SERIES = 64, SAMPLE_NIGHTS = 400, SAMPLE_LEAST = 10, BLOCK = 3, RESAMPLED = 60 };
 
-/* Durations of nights as logarithms about their own mean. */
+/* Logarithms of durations, relative to their mean. */
 struct sample {
     int series, nights;
     double level[SAMPLE_SERIES][SAMPLE_NIGHTS];
 };
 
-/* NaN: the night has none. `busy` durations are those of a step during which the machine was, which
- * a night does not use. */
+/* NaN: not measured. `busy` durations were measured on a busy machine; a run does not use them. */
 static double value_of(const json_t *night, const char *series, bool with_busy)
 {
     size_t i;
@@ -308,7 +307,7 @@ static double value_of(const json_t *night, const char *series, bool with_busy)
     return NAN;
 }
 
-/* False: it has too few nights. */
+/* False: too few runs. */
 static bool take_series(struct sample *sample, const json_t *nights, const char *series,
                         bool with_busy)
 {
@@ -330,7 +329,7 @@ static bool is_timed(const json_t *m)
     return strcmp(kind, "timed") == 0 || strcmp(kind, "busy") == 0;
 }
 
-/* Nights on which something was to be timed: also those on which the machine was too busy. */
+/* Runs in which times were measured, even on a busy machine. */
 static json_t *timed_nights(const json_t *document)
 {
     size_t n, i;
@@ -365,8 +364,8 @@ static void take_sample(struct sample *sample, const json_t *document, bool with
     json_decref(nights);
 }
 
-/* Nights three in a row, with all their series: what goes on for days, and what concerns all, does
- * so here. */
+/* Draws blocks of three consecutive runs with all their series, which keeps effects that last for
+ * days or affect all series. */
 static void draw_nights(const struct sample *sample, uint64_t *random, double factor,
                         double past[SAMPLE_SERIES][RESAMPLED])
 {
@@ -399,11 +398,12 @@ static bool alarms_resampled(const struct sample *sample, double past[SAMPLE_SER
     return alarm;
 }
 
-/* What came of it. */
+/* Results of a simulation. */
 struct rehearsal {
-    int quiet, false_alarms; /* nights on which nothing had changed */
-    int runs, found;         /* in which all durations grew, within the two weeks that are left */
-    int delays[64];          /* of those found, the nights until then; sorted */
+    int quiet, false_alarms; /* runs without a change */
+    int runs, found;         /* runs in which all durations grew, within the two weeks that remain
+                                */
+    int delays[64];          /* runs until the change was found, sorted */
 };
 
 static struct rehearsal resample(const struct sample *sample, int runs, double factor)
@@ -459,7 +459,7 @@ static int rehearse(const char *path)
     return 0;
 }
 
-/* A store's document of nights that were simulated: what is drawn from it is as they are. */
+/* A store export with simulated runs; draws from it have the same statistics. */
 static json_t *document_of(struct world *world, int nights)
 {
     json_t *list = json_array();
@@ -500,9 +500,8 @@ static void test_nights_are_drawn_from_a_store(void **state)
     free(world);
 }
 
-/* Real nights of two cores that a dozen other programs were using (tests/data/README.md): as a
- * night has them, without the durations of steps during which the machine was too busy, and with
- * those, which are off by factors. */
+/* Real runs on two cores that a dozen other programs were using (tests/data/README.md): with the
+ * usual durations only, and with those of the busy machine, which are off by factors. */
 static void test_nights_of_a_loaded_machine(void **state)
 {
     static struct sample sample;

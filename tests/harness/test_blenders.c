@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Blenders that are not what they should be, played by a shell script that leaves prepared images:
- * each is told of with its cause, and none gives a frame. What they leave is exact transport of the
- * trial scene, changed as the test says.
+ * Faulty Blenders, simulated by a shell script that leaves prepared images: each is reported with
+ * its cause, and none produces a frame. The images are exact transport of the trial scene, changed
+ * by each test.
  */
 #include "tests/harness/engine_test.h"
 
@@ -20,10 +20,10 @@
 
 enum { WIDTH = NEPH_TRIAL_WIDTH_PX, HEIGHT = NEPH_TRIAL_HEIGHT_PX, PIXELS = WIDTH * HEIGHT };
 
-/* What it leaves. */
+/* The images of a simulated Blender. */
 struct fake {
     const char *version;
-    double brightness; /* of the radiance */
+    double brightness; /* factor of the radiance */
     bool has_voxels, is_multipart, has_long_names, lacks_spots;
     const char *phases;
 };
@@ -87,7 +87,7 @@ static void add_layer(struct neph_image *image, const char *name, double scale,
     }
 }
 
-/* A file of several parts says so in its fifth to eighth byte; what it holds nobody reads. */
+/* Marks a file as multi-part in its fifth to eighth byte; the rest is not read. */
 static void mark_multipart(const char *path)
 {
     char *bytes = NULL;
@@ -233,7 +233,7 @@ static void test_layers_in_full(void **state)
     assert_says(info.can, "; Rayleigh");
 }
 
-/* Newer than all that was measured: tried. */
+/* A version newer than all tested ones is tried. */
 static void test_version_9(void **state)
 {
     struct fake fake = good;
@@ -274,7 +274,7 @@ static enum neph_status try_frame(const struct neph_scene *scene, struct neph_di
     return status;
 }
 
-/* Fog is rendered, voxels are refused. */
+/* Fog is rendered, voxels fail. */
 static void test_no_volumes(void **state)
 {
     const struct bench *bench = *state;
@@ -297,7 +297,7 @@ static void test_no_volumes(void **state)
     assert_says(diag.message, "NanoVDB");
 }
 
-/* It passes its trial and fails later. */
+/* Passes its trial and fails later. */
 static void test_worse_after_its_trial(void **state)
 {
     const struct bench *bench = *state;
@@ -312,7 +312,7 @@ static void test_worse_after_its_trial(void **state)
     fake = good;
     fake.has_voxels = false;
     write_images(bench, &fake);
-    struct neph_scene voxels = bench->trial.scene; /* of which the fog has gone */
+    struct neph_scene voxels = bench->trial.scene; /* without the fog */
     voxels.media[0] = voxels.media[1];
     voxels.medium_count = 1;
     assert_int_equal(try_frame(&voxels, &diag), NEPH_ERR_ENGINE);
@@ -349,7 +349,7 @@ static void test_what_a_blender_lacks(void **state)
     assert_says(reason, "spots");
 }
 
-/* ---- which there are ------------------------------------------------------------------------- */
+/* --- search for Blenders ---------------------------------------------------------------------- */
 
 static void assert_missing(const char *variable, const char *words)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Budgets of time, on an engine made up for it that says it took a second for each sample of each
- * pixel, and is stopped when that is more than it was given. Its noise is known:
- * a pixel is 1 + u / sqrt(samples) with u uniform in -0.5 .. 0.5.
+ * Time budgets, with a synthetic engine that takes a second for each sample of each pixel and stops
+ * when that exceeds its limit. Its noise is known: a pixel is 1 + u / sqrt(samples) with u uniform
+ * in -0.5 .. 0.5.
  */
 #include "tests/harness/store_test.h"
 
@@ -11,7 +11,7 @@
 
 enum { WIDTH = 64, HEIGHT = 36, PIXELS = WIDTH * HEIGHT };
 
-/* "Seconds" of the engine: samples times pixels. */
+/* Simulated seconds of the engine: samples times pixels. */
 static const double start_s = 1000.0;
 
 static const struct neph_option options[] = {
@@ -74,7 +74,7 @@ static const struct neph_engine sampler = ENGINE("sampler", render, true);
 static const struct neph_engine marcher = ENGINE("marcher", render, false);
 static const struct neph_engine stuck = ENGINE("stuck", hang, true);
 
-/* One store for all that a test asks. */
+/* One store for all renders of a test. */
 struct bench {
     struct neph_store *store;
     struct neph_scene scene;
@@ -126,7 +126,7 @@ static void test_what_fits_is_rendered_as_asked(void **state)
     neph_store_close(bench.store);
 }
 
-/* Beside other processes nothing is given up, and what the store holds is taken. */
+/* neph_budget_try() reduces no samples, and uses frames of the store. */
 static void test_the_first_step_gives_no_samples_up(void **state)
 {
     struct bench bench = open_bench(state);
@@ -145,7 +145,8 @@ static void test_the_first_step_gives_no_samples_up(void **state)
         assert_true(job.shot.settings.values[0] == cases[i].samples);
         neph_job_result_finish(&result);
         double samples;
-        result = run(&bench, &sampler, cases[i].budget_s, &samples); /* 8 are in the store now */
+        result = run(&bench, &sampler, cases[i].budget_s, &samples); /* the store has 8 samples now
+                                                                        */
         assert_true(samples == 8.0);
         neph_job_result_finish(&result);
     }
@@ -174,7 +175,7 @@ static void test_what_does_not_fit_gets_fewer_samples_and_says_so(void **state)
     }
 }
 
-/* With a larger budget than before the store is still asked first; with more in the store, more. */
+/* A larger budget still uses the store first; a frame with more samples is preferred. */
 static void test_what_is_there_is_taken(void **state)
 {
     struct bench bench = open_bench(state);
@@ -197,9 +198,9 @@ static double number_after(const char *text, const char *before)
     return strtod(place + strlen(before), NULL);
 }
 
-/* Not one sample fits: a picture of a quarter of the side tells how long all would take, and how
- * noisy that would be. The variance of a uniform number of the width 1 is 1/12; the noise is told
- * to two digits, from 144 * 3 * 2 values whose own scatter is sqrt(4/5 / 864), 3 %. */
+/* Not even one sample per pixel fits: a frame of a quarter of the side gives time and noise. A
+ * uniform number of width 1 has a variance of 1/12. The noise is printed with two digits, from 144
+ * * 3 * 2 values whose own scatter is sqrt(4/5 / 864), 3 %. */
 static void test_what_cannot_fit_is_told_with_its_noise(void **state)
 {
     struct bench bench = open_bench(state);
@@ -207,7 +208,7 @@ static void test_what_cannot_fit_is_told_with_its_noise(void **state)
     struct neph_job_result result = run(&bench, &sampler, least_s - 1.0, &samples);
     assert_int_equal(result.outcome, NEPH_OUTCOME_OVER_BUDGET);
     assert_null(result.frame_path);
-    assert_true(fabs(number_after(result.reason, "its radiance alone would take ") - all_s) < 1.0);
+    assert_true(fabs(number_after(result.reason, "its radiance would take ") - all_s) < 1.0);
     const double noise = number_after(result.reason, "noise would be about ") / 100.0;
     const double expected = sqrt(1.0 / 13.0 / 64.0);
     assert_true(fabs(noise / expected - 1.0) < 4.0 * 0.03);
@@ -215,7 +216,7 @@ static void test_what_cannot_fit_is_told_with_its_noise(void **state)
     neph_store_close(bench.store);
 }
 
-/* An engine that draws nothing has nothing to give up. */
+/* A deterministic engine has no samples to reduce. */
 static void test_nothing_is_given_up_without_chance(void **state)
 {
     struct bench bench = open_bench(state);
@@ -228,7 +229,7 @@ static void test_nothing_is_given_up_without_chance(void **state)
     neph_store_close(bench.store);
 }
 
-/* One that never ends is not slow but broken: that fails a run. */
+/* An engine that never ends is broken, not slow: that fails a run. */
 static void test_what_hangs_is_no_question_of_budget(void **state)
 {
     struct bench bench = open_bench(state);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A choice out of presets without a renderer: levels by their arithmetic, fronts, budgets, and what
- * decides between equals.
+ * Choosing a preset without a renderer: levels, fronts, budgets, ties.
  */
 #include "tests/neph_test.h"
 
@@ -26,8 +25,8 @@ static struct neph_choice make_choice(int count, const double levels[][NEPH_CHOI
 static const double some[][NEPH_CHOICE_NUMBERS] = {
     {4, 2, 3, 0.05, 0.40, 9}, /* quick */
     {2, 4, 5, 0.05, 0.40, 1}, /* steady */
-    {4, 4, 5, 0.05, 0.40, 9}, /* beaten by both but for nothing */
-    {3, 3, 4, 0.04, 0.50, 9}, /* dearer */
+    {4, 4, 5, 0.05, 0.40, 9}, /* dominated by both */
+    {3, 3, 4, 0.04, 0.50, 9}, /* more expensive */
 };
 
 static void test_the_front_and_who_beats_the_rest(void **state)
@@ -44,7 +43,7 @@ static void test_the_front_and_who_beats_the_rest(void **state)
 static void test_budgets_and_the_least(void **state)
 {
     struct neph_choice choice = make_choice(4, some);
-    /* Alike in evaluations: the less the product of all, the better. */
+    /* With equal evaluations the smallest product of all levels decides. */
     neph_choice_judge(&choice);
     assert_int_equal(choice.chosen, 0);
     choice.budget[NEPH_CHOICE_FLICKER] = 3.0;
@@ -57,14 +56,14 @@ static void test_budgets_and_the_least(void **state)
     choice.least = NEPH_CHOICE_ERROR;
     neph_choice_judge(&choice);
     assert_int_equal(choice.chosen, 3);
-    choice.budget[NEPH_CHOICE_FLICKER] = 1.5; /* 2 is nearest to it */
+    choice.budget[NEPH_CHOICE_FLICKER] = 1.5; /* candidate 2 is the nearest */
     neph_choice_judge(&choice);
     assert_int_equal(choice.chosen, -1);
     assert_int_equal(choice.nearest, 1);
     assert_false(choice.candidates[1].is_within);
 }
 
-/* What nobody asks for, and what no scene has, is not weighed. */
+/* Measures that are not requested, or that no scene has, do not count. */
 static void test_time_is_weighed_when_it_is_asked_for(void **state)
 {
     static const double two[][NEPH_CHOICE_NUMBERS] = {{1, 1, 1, 1, 1, 9}, {1, 1, 1, 2, 1, 1}};
@@ -122,7 +121,7 @@ static void test_levels_are_geometric_means(void **state)
         assert_true(fabs(choice.candidates[0].levels[n] - 10.0) < 1e-9);
         assert_true(fabs(choice.candidates[1].levels[n] - 20.0) < 1e-9);
     }
-    assert_int_equal(choice.scene_counts[NEPH_CHOICE_WORK], 2); /* that both have */
+    assert_int_equal(choice.scene_counts[NEPH_CHOICE_WORK], 2); /* scenes that both have */
     assert_true(fabs(choice.candidates[0].levels[NEPH_CHOICE_WORK] - sqrt(10.0)) < 1e-9);
     assert_int_equal(choice.scene_counts[NEPH_CHOICE_TIME], 0);
     assert_int_equal(choice.chosen, 0);

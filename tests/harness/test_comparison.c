@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Comparisons that share a pass over the frames, frames that never were in files, and numbers that
- * are the only wanted ones: to the bit what a comparison of files alone says.
+ * Comparisons that share a pass over the frames, use frames in memory, or keep selected values
+ * only: equal to the last bit to a comparison of files by itself.
  */
 #include "tests/base/scratch.h"
 #include "tests/metrics/synthetic.h"
@@ -64,7 +64,7 @@ static void choose(struct neph_comparison *comparison)
     }
 }
 
-/* ---- numbers --------------------------------------------------------------------------------- */
+/* --- values ----------------------------------------------------------------------------------- */
 
 static bool is_same_number(const struct neph_measurement *a, const struct neph_measurement *b)
 {
@@ -87,7 +87,7 @@ static void assert_same_bits(const struct neph_measurement *a, const struct neph
     assert_memory_equal(&a->clipped.reference, &b->clipped.reference, sizeof(a->clipped.reference));
 }
 
-/* Each wanted number of `all` is the next of `some`. */
+/* Every requested value of `all` follows in `some`, in order. */
 static void assert_wanted_alone(const struct neph_measurements *all,
                                 const struct neph_measurements *some)
 {
@@ -105,7 +105,7 @@ static void assert_wanted_alone(const struct neph_measurements *all,
 
 /* ---- tests ----------------------------------------------------------------------------------- */
 
-/* References that move and one that stands for all; displays; every third frame is only a file. */
+/* Moving and static references; several displays; every third frame is only in a file. */
 static void test_together_and_from_memory_as_alone_and_from_files(void **state)
 {
     struct neph_sequence moving = make_files(state, "moving", FRAMES, false);
@@ -148,7 +148,7 @@ static void test_together_and_from_memory_as_alone_and_from_files(void **state)
     neph_sequence_finish(&test);
 }
 
-/* A frame that is missing ends all of them, and leaves nothing. */
+/* A missing frame ends all comparisons, without results. */
 static void test_what_one_cannot_read_ends_all(void **state)
 {
     struct neph_sequence moving = make_files(state, "moving", FRAMES, false);

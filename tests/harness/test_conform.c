@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What counts as a sound picture, and what two devices are allowed: folders written by hand, no
- * device needed.
+ * Validity of frames, and the allowed differences between two devices: with folders written by hand
+ * and without a device.
  */
 #include "tests/base/scratch.h"
 #include "tests/neph_test.h"
@@ -41,7 +41,7 @@ static void test_what_counts(void **state)
 
 enum { WIDTH_PX = 40, HEIGHT_PX = 25, PIXELS = WIDTH_PX * HEIGHT_PX };
 
-/* One picture of one channel; `variance` < 0: it has none. */
+/* One frame with one channel; `variance` < 0: no variance layer. */
 struct device {
     const char *engine, *channel;
     float pixels[PIXELS];
@@ -106,7 +106,8 @@ static bool agree(void **state, const struct device *a, const struct device *b)
     return agrees;
 }
 
-/* Bounds of a march: 2e-4 of the value and 2e-5 of the largest, two of a thousand pixels beyond. */
+/* Bounds of a marcher: 2e-4 of the value and 2e-5 of the largest; 2 of 1,000 pixels may be beyond.
+ */
 static void test_pixels_of_a_march(void **state)
 {
     const struct device a = device_of("march", "R");
@@ -127,7 +128,7 @@ static void test_pixels_of_a_march(void **state)
     assert_false(agree(state, &a, &b));
 }
 
-/* What the few pixels do not show, the mean of all does. */
+/* The mean over all pixels shows a difference that the sparse pixels do not. */
 static void test_means(void **state)
 {
     const struct device a = device_of("march", "R");
@@ -138,7 +139,7 @@ static void test_means(void **state)
     assert_false(agree(state, &a, &b));
 }
 
-/* Halves and thresholds: more pixels, no other mean. */
+/* Half precision and thresholds: more pixels may differ, the mean may not. */
 static void test_pixels_of_realtime(void **state)
 {
     const struct device a = device_of("realtime", "R");
@@ -154,8 +155,7 @@ static void test_pixels_of_realtime(void **state)
     assert_false(agree(state, &a, &b));
 }
 
-/* Other paths are as right, as long as they are few and their mean is the same. What the variance
- * is estimated to be is no light. */
+/* A few other paths with an equal mean are valid. Estimated variances are not compared. */
 static void test_light_of_the_tracer(void **state)
 {
     struct device a = device_of("tracer", "R");

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The Cycles engine: what it tells Blender and, where Blender is installed, its frames against
- * closed forms. Pictures without noise (transmittance, depth, lit solids) have the tolerance of
- * single precision or of the march step; pictures with noise are judged by their mean over the
- * image, where 512 paths per pixel leave about 3e-4.
+ * The Cycles engine: its input for Blender and, where Blender is installed, its frames against
+ * closed forms. Frames without noise (transmittance, depth, lit solids) have the tolerance of
+ * single precision or of the step. Frames with noise are judged by the mean over the image, where
+ * 512 paths per pixel leave about 3e-4.
  */
 #include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
@@ -24,7 +24,7 @@ enum { WIDTH = 32, HEIGHT = 18, PIXELS = WIDTH * HEIGHT };
 static const char *const colors[3] = {"R", "G", "B"};
 static const char *const volume_colors[3] = {"volume.R", "volume.G", "volume.B"};
 
-/* A name that would be heard of if anything of it were executed. */
+/* A name with an effect if any part of it were executed. */
 static const char hostile_name[] = "\"; import os; os.system('touch /tmp/neph_pwned') # $(touch "
                                    "/tmp/neph_pwned) \\\n%s";
 static const char pwned_path[] = "/tmp/neph_pwned";
@@ -263,7 +263,7 @@ static void test_spec_is_data(void **state)
     assert_string_equal(json_string_value(json_object_get(spec, "scene")), hostile_name);
     assert_int_equal(json_array_size(json_object_get(spec, "solids")), 3);
     assert_int_equal(json_array_size(json_object_get(spec, "passes")), 3);
-    /* optical depth 10 per unit at the densest */
+    /* optical depth of at most 10 per unit */
     neph_assert_close(json_real_value(json_object_get(spec, "unit_m")), 10.0 / 0.06, 1e-15, 0.0);
     assert_true(error_px > 0.0 && error_px <= 0.01);
     json_decref(spec);
@@ -275,7 +275,7 @@ static const char *pass_kind(const json_t *spec, size_t index)
     return json_string_value(json_object_get(pass, "kind"));
 }
 
-/* A picture of its own but where all orders are in one; nothing where nothing is emitted. */
+/* Emission gets an image of its own unless one image has all orders; no image without emission. */
 static void test_spec_of_emission(void **state)
 {
     json_t *spec = NULL;
@@ -286,7 +286,7 @@ static void test_spec_of_emission(void **state)
     assert_int_equal(spec_of(&stage, &spec, &error_px), NEPH_OK);
     const json_t *medium = json_array_get(json_object_get(spec, "media"), 0);
     const json_t *glow = json_object_get(medium, "glow_w_per_m2_sr");
-    for (size_t j = 0; j < 3; j++) /* albedos of 0.9, 0.5, 0.2 */
+    for (size_t j = 0; j < 3; j++) /* albedos 0.9, 0.5, 0.2 */
         neph_assert_close(json_real_value(json_array_get(glow, j)),
                           4.0 * (1.0 - (const double[]){0.9, 0.5, 0.2}[j]), 1e-15, 0.0);
     assert_int_equal(json_array_size(json_object_get(spec, "passes")), 4);
@@ -322,7 +322,7 @@ static void test_spec_refuses_what_is_not_a_number(void **state)
 
 /* ---- transmittance and depth: no noise ------------------------------------------------------- */
 
-/* Largest absolute error, and largest relative one where the truth is above `floor`. */
+/* Largest absolute error, and largest relative error where the truth exceeds `floor`. */
 static void transmittance_errors(const struct stage *stage, double floor, double *absolute,
                                  double *relative)
 {
@@ -369,7 +369,7 @@ static void test_transmittance_of_parallel_rays_is_cut(void **state)
         above += tau > 0.0 && tau < 13.7;
         if (tau < 13.9)
             continue;
-        neph_assert_close(samples[i], 0.0, 0.0, exp(-13.8)); /* Blender 5 cuts nothing */
+        neph_assert_close(samples[i], 0.0, 0.0, exp(-13.8)); /* Blender 5 has no cut */
         below++;
     }
     print_message("  transmittance: %d pixels, %d cut\n", above, below);
@@ -382,7 +382,7 @@ static void test_transmittance_of_open_fog(void **state)
     const struct neph_bounds open = {{-INFINITY, -INFINITY, -INFINITY},
                                      {INFINITY, INFINITY, INFINITY}};
     double absolute, relative;
-    struct stage stage; /* above two layers, the horizon in view */
+    struct stage stage; /* above two layers, with the horizon in view */
     set_stage(&stage, (struct neph_vec3){0.0, 150.0, 0.0}, (struct neph_vec3){0.0, 130.0, -100.0});
     struct neph_medium *medium = add_medium(&stage, open, 0.02, 0.01386);
     medium->layer_count = 2;
@@ -395,7 +395,7 @@ static void test_depth_behind_media(void **state)
 {
     struct stage stage;
     set_full_stage(&stage);
-    stage.scene.media[0].layers[0].extinction_per_m = 30.0; /* opaque, yet depth sees through */
+    stage.scene.media[0].layers[0].extinction_per_m = 30.0; /* opaque, but depth ignores media */
     struct neph_image *frame = render(&stage, NEPH_LAYER_DEPTH);
     const struct neph_camera camera = neph_scene_camera(&stage.scene, 0.0);
     const float *depth_m = neph_image_channel(frame, "Z");
@@ -405,7 +405,7 @@ static void test_depth_behind_media(void **state)
         const struct neph_pixel_ray ray = ray_of(&stage, i);
         const struct neph_ray_light truth = truth_of(&stage, i);
         const double expected_m = truth.hit_m * neph_vec3_dot(ray.direction, camera.forward);
-        /* The mesh is 1.2e-4 m off the sphere, more along a ray that grazes it. */
+        /* The mesh deviates from the sphere by 1.2e-4 m, more along a grazing ray. */
         const struct neph_hit hit = neph_scene_hit(&stage.scene, ray.origin_m, ray.direction);
         const bool curved = hit.solid && hit.solid->kind == NEPH_SOLID_SPHERE;
         const double grazing = curved ? -neph_vec3_dot(hit.normal, ray.direction) : 1.0;
@@ -428,13 +428,14 @@ static void check_single_scattering(const struct stage *stage, double relative)
         print_message("  %s mean %.6g, off by %+.2e\n", volume_colors[channel], truth,
                       measured / truth - 1.0);
         neph_assert_close(measured, truth, relative, 0.0);
-        /* black sky and no solids: there is no other light */
+        /* black sky and no solids: no other light */
         neph_assert_close(mean_of(frame, colors[channel]), measured, 1e-6, 0.0);
     }
     neph_image_destroy(frame);
 }
 
-/* 1e-7/m is below the coefficient that Cycles drops: it takes the right unit to see this air. */
+/* An extinction of 1e-7/m is below the coefficient that Cycles drops, unless the unit is chosen
+ * well. */
 static void test_single_scattering_in_thin_air(void **state)
 {
     struct stage stage;
@@ -452,11 +453,11 @@ static void test_single_scattering_in_height_fog(void **state)
         &stage, (struct neph_bounds){{-3000.0, -50.0, -3000.0}, {3000.0, 900.0, 3000.0}}, 0.01,
         0.01386);
     medium->phase = (struct neph_phase){NEPH_PHASE_HENYEY_GREENSTEIN, 0.6};
-    stage.samples = 128; /* which leave twice the noise of 512 */
+    stage.samples = 128; /* twice the noise of 512 */
     check_single_scattering(&stage, 2e-3);
 }
 
-/* Light of the full stage in the mean; 3e-3: edges of shadows, noise. */
+/* The mean light of the full stage; 3e-3: shadow edges, noise. */
 static void check_full_stage(struct stage *stage)
 {
     stage->samples = 512;
@@ -473,8 +474,8 @@ static void check_full_stage(struct stage *stage)
     neph_image_destroy(frame);
 }
 
-/* Much of it forwards; and what is not in-scattered light came straight from the sky: R - volume is
- * T times the background. */
+/* Strong forward scattering. All other light comes straight from the sky: R - volume is T times the
+ * background. */
 static void test_single_scattering_in_a_box(void **state)
 {
     struct stage stage;
@@ -516,7 +517,7 @@ static void test_no_scattering(void **state)
     neph_image_destroy(frame);
 }
 
-/* A box of medium and a white ball, lit from everywhere by radiance 1. */
+/* A box of medium and a white ball, lit from all directions by radiance 1. */
 static struct neph_medium *set_furnace(struct stage *stage, double ball_z_m)
 {
     struct neph_medium *medium = set_box_stage(stage, 2.0);
@@ -529,7 +530,7 @@ static struct neph_medium *set_furnace(struct stage *stage, double ball_z_m)
     return medium;
 }
 
-/* Everything is lit from everywhere by radiance 1 and nothing absorbs. */
+/* Lit from all directions by radiance 1, without absorption. */
 static void test_white_furnace(void **state)
 {
     struct stage stage;
@@ -543,9 +544,8 @@ static void test_white_furnace(void **state)
 
 /* ---- emission -------------------------------------------------------------------------------- */
 
-/* Seen and nothing else: no noise but that of single precision, 1e-5 of the value, and faces 13 m
- * away are known to 1e-6 m, which emit less than 5e-6 W m^-2 sr^-1. Extinction with colour is three
- * pictures. */
+/* Direct emission only. The noise is single precision, 1e-5 of the value. Faces at 13 m are known
+ * to 1e-6 m, which emit less than 5e-6 W m^-2 sr^-1. Coloured extinction takes three images. */
 static void test_emission_of_a_box(void **state)
 {
     struct stage stage;
@@ -565,7 +565,7 @@ static void test_emission_of_a_box(void **state)
     neph_image_destroy(frame);
 }
 
-/* Where light is scattered once, emitted light is seen, and lights neither media nor solids. */
+/* With single scattering, emitted light is visible but lights neither media nor solids. */
 static void test_emission_beside_the_sun(void **state)
 {
     struct stage stage;
@@ -574,8 +574,9 @@ static void test_emission_beside_the_sun(void **state)
     check_full_stage(&stage);
 }
 
-/* Media that absorb, as hot as what lights them, and a white ball: 1 everywhere, of which the media
- * show what they hide. 2e-3: the noise of 64 paths in the mean, which falls with the albedo. */
+/* Absorbing media at the temperature of their surroundings, and a white ball: radiance 1
+ * everywhere, with the part that the media hide in their layer. 2e-3: noise of the mean with 64
+ * paths, which falls with the albedo. */
 static void test_kirchhoff_furnace(void **state)
 {
     struct stage stage;
@@ -591,7 +592,7 @@ static void test_kirchhoff_furnace(void **state)
     neph_image_destroy(frame);
 }
 
-/* A background that is only seen lights neither media nor solids, in any order. */
+/* A background without illumination lights neither media nor solids, in any order of scattering. */
 static void test_background_that_is_only_seen(void **state)
 {
     struct stage stage;
@@ -614,7 +615,7 @@ static void test_background_that_is_only_seen(void **state)
     neph_image_destroy(frame);
 }
 
-/* ---- same job, same bits --------------------------------------------------------------------- */
+/* --- deterministic renders -------------------------------------------------------------------- */
 
 static double largest_difference(const struct neph_image *a, const struct neph_image *b)
 {
@@ -639,7 +640,7 @@ static void test_same_seed_same_bits(void **state)
     struct neph_image *first = render(&stage, NEPH_LAYER_RADIANCE);
     stage.threads = 1;
     struct neph_image *again = render(&stage, NEPH_LAYER_RADIANCE);
-    stage.seed = UINT64_C(1) << 40; /* its low bits are those of seed 0 */
+    stage.seed = UINT64_C(1) << 40; /* its low bits are equal to seed 0 */
     struct neph_image *other = render(&stage, NEPH_LAYER_RADIANCE);
     assert_true(largest_difference(first, again) == 0.0);
     assert_true(largest_difference(first, other) > 0.0);
@@ -648,7 +649,7 @@ static void test_same_seed_same_bits(void **state)
     neph_image_destroy(other);
 }
 
-/* All scenes above bore the hostile name, in folders of hostile names. */
+/* All scenes above had the hostile name, in folders with hostile names. */
 static void test_nothing_was_executed(void **state)
 {
     assert_false(neph_path_exists(pwned_path));
@@ -685,7 +686,7 @@ static void test_export_runs_by_hand(void **state)
     assert_file(directory, "transmittance.exr");
     assert_file(directory, "depth.exr");
     line = neph_format("cd %s && rm *.exr && %.*s -b scene.blend -f 1 >log 2>&1", directory,
-                       (int)strcspn(command, " "), command); /* the Blender that has saved it */
+                       (int)strcspn(command, " "), command); /* the Blender that saved it */
     assert_int_equal(system(line), 0);
     free(line);
     neph_dir_remove(directory, NULL);

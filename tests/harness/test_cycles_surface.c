@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Surfaces of solids in Cycles: what it is told, what it gives back, and, where Blender is
- * installed, its layers against closed forms and against truth/surfaces.h.
+ * Surfaces of solids in Cycles: its input, its output and, where Blender is installed, its layers
+ * against closed forms and truth/surfaces.h.
  */
 #include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
@@ -17,7 +17,7 @@
 enum { WIDTH = 48, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, SAMPLES = 256 };
 
 static const double sigmas = 4.5;
-static const double edges = 1e-3; /* one sample in a thousand is up to half a pixel off */
+static const double edges = 1e-3; /* one sample in a thousand is off by up to half a pixel */
 
 /* ---- without Blender ------------------------------------------------------------------------- */
 
@@ -70,7 +70,7 @@ static void test_light_of_mirrors_is_refused(void **state)
     assert_true(test_can_render(&neph_engine_cycles, &stage.scene, reason, sizeof(reason)));
 }
 
-/* A picture of Blender's names, of 2 pixels, the second of the sky. */
+/* An image with Blender's layer names and 2 pixels, the second one sky. */
 static struct neph_image *blender_picture(const char *left_out)
 {
     static const char *const layers[] = {"pass.DiffDir",  "pass.DiffInd", "pass.GlossDir",
@@ -142,7 +142,7 @@ static struct neph_image *render(const struct neph_scene *scene, const char *dis
 
 static const double step_m = 1.0;
 
-/* Ground and an endless step; the camera looks down at both. */
+/* Ground and an infinite step, seen from above. */
 static void make_step(struct test_scene *stage)
 {
     test_scene_init(stage);
@@ -153,8 +153,8 @@ static void make_step(struct test_scene *stage)
     test_add_box(stage, (struct neph_vec3){-1e4, -1, -50}, (struct neph_vec3){1e4, step_m, -0.5});
 }
 
-/* A step hides half of what an endless strip does; within a distance, of a wall that is higher than
- * it reaches, a segment of the unit disc: test_reflected.c. */
+/* A step hides half of what an infinite strip hides; up to a distance below the wall's height it
+ * hides a segment of the unit disc: test_reflected.c. */
 static double visible(double foot_m, double distance_m)
 {
     if (isinf(distance_m))
@@ -197,7 +197,7 @@ static void test_ambient_of_a_step(void **state)
     check_ambient("ao_distance_m=0.9", 0.9);
 }
 
-/* Ground with noise, a block with a checker, one of half metal, a ball of rough metal. */
+/* Ground with noise, a block with a checker, a half-metal block, a ball of rough metal. */
 static void make_things(struct test_scene *stage)
 {
     test_scene_init(stage);
@@ -219,9 +219,9 @@ static void make_things(struct test_scene *stage)
     stage->solids[3].surface = (struct neph_surface){.metalness = 1.0, .roughness = 0.4};
 }
 
-/* What a part brings to the picture: of its light per unit of colour no mean can be taken in
- * Cycles, which at the edge of a thing divides by little. `color`: by which it counts; NULL: as it
- * is. */
+/* Contribution of a part to the frame. Cycles divides light by colour per pixel, with small
+ * divisors at edges, so light per unit of colour has no useful mean. `color`: the factor; NULL:
+ * none. */
 static void compare_part(const struct neph_image *frame, const struct neph_image *truth,
                          const char *name, const char *color)
 {
@@ -236,7 +236,7 @@ static void compare_part(const struct neph_image *frame, const struct neph_image
     for (int p = 0; p < PIXELS; p++) {
         const double scale_a = color ? by_a[1][p] : 1.0, scale_b = color ? by_b[1][p] : 1.0;
         difference += scale_a * a[1][p] - scale_b * b[1][p];
-        variance += 2.0 * told[1][p] * scale_b * scale_b; /* both take as many paths */
+        variance += 2.0 * told[1][p] * scale_b * scale_b; /* both take equally many paths */
         sum += scale_b * b[1][p];
     }
     print_message("  %s: mean %.4g, off by %+.2e of it, noise %.1e\n", name, sum / PIXELS,
@@ -244,7 +244,7 @@ static void compare_part(const struct neph_image *frame, const struct neph_image
     neph_assert_close(difference, 0.0, 0.0, sigmas * sqrt(variance) + edges * sum);
 }
 
-/* Patterns lie where they should. */
+/* Patterns are in the right place. */
 static void check_colors(const struct neph_image *frame, const struct neph_image *truth)
 {
     static const char *const names[] = {"diffuse_color", "glossy_color"};

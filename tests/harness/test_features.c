@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table of features in scenes/README.md is what the engines say of small scenes, each the same
- * but for one feature. `test_features --write` writes it.
+ * The table of features in scenes/README.md matches the engines' answers for small scenes that
+ * differ in one feature each. `test_features --write` writes the table.
  */
 #include "tests/printed_table.h"
 #include "tests/scene_builders.h"
@@ -13,9 +13,9 @@
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-static const struct neph_bounds cube = {{-1, 80, -11}, {1, 360, -9}}; /* some of a cloud layer */
+static const struct neph_bounds cube = {{-1, 80, -11}, {1, 360, -9}}; /* a part of a cloud layer */
 
-/* What a scene points to. */
+/* Data that a scene points to. */
 struct stage {
     struct test_scene test;
     struct neph_camera_key camera_keys[2];
@@ -96,14 +96,14 @@ static void two_phases(struct stage *stage)
     henyey_greenstein(stage);
 }
 
-/* The others render the fog, and look at nothing else of it. */
+/* Non-physical fog; other engines ignore its settings. */
 static void look(struct stage *stage)
 {
     medium_of(stage)->bounds = everywhere;
     stage->test.scene.fog_look = (struct neph_fog_look){.present = true, .max_opacity = 1.0};
 }
 
-/* The ground and its air, and nothing else: what is for skies alone. */
+/* Only the ground and its air, for engines of skies. */
 static void planet(struct stage *stage)
 {
     medium_of(stage)->bounds = (struct neph_bounds){{-1e4, -1e4, -1e4}, {1e4, 1e4, 1e4}};
@@ -141,7 +141,7 @@ static void metal(struct stage *stage)
     stage->test.solids[0].surface = (struct neph_surface){.metalness = 1, .roughness = 0.5};
 }
 
-/* Under a sky alone: Cycles finds no light that a mirror throws. */
+/* Under a sky only: Cycles finds no light from mirrors. */
 static void mirror(struct stage *stage)
 {
     metal(stage);
@@ -213,7 +213,7 @@ static void wind(struct stage *stage)
 #define KIND(kind) (1u << NEPH_MEDIUM_##kind)
 #define LIGHT(scattering) (1u << NEPH_SCATTERING_##scattering)
 
-/* An engine has a feature that it can render with any of these. */
+/* An engine has a feature if it renders it with any of these. */
 enum {
     ANY_KIND = KIND(HOMOGENEOUS) | KIND(HORIZON),
     ANY_DRIFT = KIND(GAUSSIAN) | KIND(HORIZON),
@@ -271,7 +271,7 @@ static bool accepts(const struct neph_engine *engine, const struct neph_scene *s
     return engine->can_render(scene, settings, reason, sizeof(reason));
 }
 
-/* A choice of an option that lets an engine render what it else cannot. */
+/* A choice of an option with which the engine can render the scene. */
 static bool find_choice(const struct neph_engine *engine, const struct neph_scene *scene,
                         char answer[ANSWER_SIZE])
 {
@@ -288,7 +288,7 @@ static bool find_choice(const struct neph_engine *engine, const struct neph_scen
     return false;
 }
 
-/* Higher is better; `answer` is written when it is better than `best`. */
+/* Higher is better; `answer` is set when the result exceeds `best`. */
 static int ask(const struct neph_engine *engine, const struct neph_scene *scene, int best,
                char answer[ANSWER_SIZE])
 {

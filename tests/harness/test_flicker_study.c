@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Flicker studies without a renderer: the tables name what there is, suites are disjoint, and what
- * is said of pairs and rankings is the arithmetic of made-up numbers.
+ * Flicker studies without a renderer: the tables refer to existing metrics, suites are disjoint,
+ * and pairs and rankings are computed correctly from synthetic values.
  */
 #include "tests/harness/published.h"
 
@@ -49,8 +49,7 @@ static void test_metrics_are_of_the_extractors_of_their_takes(void **state)
     assert_int_equal(neph_study_metrics[neph_study_lag()].take, NEPH_STUDY_STEP);
 }
 
-/* Settings of extractors are words: they have to say the numbers that the variants are made with.
- */
+/* Settings of extractors are texts; they must contain the numbers that the variants use. */
 static void test_settings_say_what_the_variants_do(void **state)
 {
     char words[64];
@@ -65,8 +64,8 @@ static void test_settings_say_what_the_variants_do(void **state)
     }
 }
 
-/* The march that a test is held against shares its steps and its sun, but not a shadow map, whose
- * errors are asked for. */
+/* The reference of a test shares its steps and sun, but not a cloud shadow map, whose error is
+ * measured. */
 static void test_a_reference_has_no_shadow_map(void **state)
 {
     struct neph_engine_info info;
@@ -145,7 +144,7 @@ static void test_a_scene_in_both_suites_is_refused(void **state)
     neph_dir_remove(folder, NULL);
 }
 
-/* ---- numbers of a study ---------------------------------------------------------------------- */
+/* --- values of a study ------------------------------------------------------------------------ */
 
 enum { SCENES = 4, PRESETS = 3, SEEDS = 2 };
 
@@ -199,8 +198,9 @@ static void assert_text_has(const struct neph_flicker_study *study, const char *
     neph_publication_finish(&publication);
 }
 
-/* Seeds a tenth and ten times make one; differences of 0.1 .. 0.4 decades have the mean 0.25, the
- * deviation sqrt(0.05 / 3), and Student's interval with three degrees of freedom. */
+/* Seeds with a tenth and ten times the value average to 1. Differences of 0.1 .. 0.4 decades have a
+ * mean of 0.25, a standard deviation of sqrt(0.05 / 3), and Student's interval with three degrees
+ * of freedom. */
 static void test_a_pair_is_students_interval_over_scenes(void **state)
 {
     struct neph_flicker_study study;
@@ -227,7 +227,7 @@ static void test_a_pair_is_students_interval_over_scenes(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* Two numbers below the floor are alike, and one seed that does not count leaves its scene out. */
+/* Two values below the floor are equal; a seed that does not count removes its scene. */
 static void test_what_takes_no_part(void **state)
 {
     struct neph_flicker_study study;
@@ -249,8 +249,8 @@ static void test_what_takes_no_part(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* A bound is the floor of both: what is measured below it is alike, what is above it is worse by as
- * much at least. */
+/* A bound is the floor of both presets: smaller values are equal to it, larger ones are worse by at
+ * least the difference. */
 static void test_a_bound_keeps_its_scene(void **state)
 {
     struct neph_flicker_study study;
@@ -273,7 +273,7 @@ static void test_a_bound_keeps_its_scene(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* Without a scene in common there is no number, and with one no interval. */
+/* Without a common scene there is no value, and with one no interval. */
 static void test_few_scenes_have_no_interval(void **state)
 {
     struct neph_flicker_study study;
@@ -296,8 +296,9 @@ static void test_few_scenes_have_no_interval(void **state)
     neph_flicker_study_finish(&study);
 }
 
-/* c is best, then a, then b, at all displays but one, where a is. How bright a scene is does not
- * widen the interval of a preset: here all scenes agree on what presets differ by. */
+/* c is best, then a, then b, at all displays but one, where a is best. Differences between scenes
+ * do not widen the interval of a preset: here all scenes agree on the differences between presets.
+ */
 static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
 {
     static const double relative[PRESETS] = {1.0, 2.0, 0.5};
@@ -319,11 +320,11 @@ static void test_a_ranking_that_turns_with_the_display_is_none(void **state)
     }
     neph_assert_ok(neph_study_ranking(&study, 0, order, NULL), NULL);
     assert_true(order[0] == 2 && order[1] == 0 && order[2] == 1);
-    assert_text_has(&study, "The order holds at all 6 displays.");
+    assert_text_has(&study, "The order is the same at all 6 displays.");
     for (int s = 0; s < SCENES; s++)
         for (int seed = 0; seed < SEEDS; seed++)
             neph_study_cell_at(&study, s, 0, seed, metric)->displays[4] = 1e-2;
-    assert_text_has(&study, "The order holds at 5 of 6 displays: it is no ranking.");
+    assert_text_has(&study, "The order is the same at 5 of 6 displays: it is not a ranking.");
     neph_flicker_study_finish(&study);
 }
 
@@ -344,7 +345,7 @@ static void test_output_holds_every_number_and_says_why_some_do_not_count(void *
     const char *text = published_text(publication.text, &publication);
     assert_non_null(strstr(text, "three, b+\"x\"=1: reference-limited: for a test."));
     assert_non_null(strstr(text, "| three | 1 (1) | *1 (1) | 1 (1) |"));
-    assert_non_null(strstr(text, "64 frames tell periods of 2 to 8 frames apart"));
+    assert_non_null(strstr(text, "64 frames resolve periods of 2 to 8 frames"));
     const char *csv = published_text(publication.csv, &publication);
     assert_int_equal(count_of(csv, "\r\n"), 1 + count);
     assert_non_null(strstr(csv, "three,\"b+\"\"x\"\"=1\",1,"));

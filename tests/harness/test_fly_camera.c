@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The camera of `neph fly`: where it goes, how fast, and where it does not go.
+ * The camera of `neph fly`: movement, speed, collisions.
  */
 #include "tests/neph_test.h"
 
@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/* Rotations and sums of a few terms of size 10. */
+/* Rounding of rotations and sums of a few terms of size 10. */
 #define ROUNDING (64.0 * DBL_EPSILON)
 
 static struct neph_camera_key start = {.position_m = {0, 2, 0}, .look_at_m = {0, 2, -10}};
@@ -107,7 +107,7 @@ static void test_solids_are_not_entered(void **state)
     motion.turn_right_rad = 0.1;
     neph_fly_camera_move(&camera, &scene, &motion);
     assert_vector(camera.key.position_m, 0, 2, 0);
-    assert_true(camera.key.look_at_m.x > 0.5); /* it has turned all the same */
+    assert_true(camera.key.look_at_m.x > 0.5); /* it turns nevertheless */
 }
 
 static void test_it_stays_where_a_scene_file_may_put_it(void **state)
@@ -122,7 +122,7 @@ static void test_it_stays_where_a_scene_file_may_put_it(void **state)
     assert_true(camera.key.look_at_m.z < -9e5 && camera.key.look_at_m.z >= -1e6);
 }
 
-/* Two seconds to what there is to see. */
+/* Two seconds to the nearest visible object. */
 static void test_speed_follows_the_scene(void **state)
 {
     struct neph_scene scene = make_scene();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Keys and mouse of `neph fly`, and the keys that a text presses.
+ * Keys and mouse of `neph fly`, and key presses written as text.
  */
 #include "tests/neph_test.h"
 
@@ -41,7 +41,7 @@ static void test_held_keys_fly_until_they_are_let_go(void **state)
     struct neph_fly_motion motion = neph_controls_motion(&controls, 0.25, 1.0);
     assert_true(motion.forward == 1.0 && motion.right == -1.0 && motion.up == 1.0);
     assert_true(motion.time_s == 0.25 && motion.speed_factor == 1.0);
-    key(&controls, 'd', true); /* against A */
+    key(&controls, 'd', true); /* opposite to A */
     key(&controls, NEPH_FLY_KEY_SHIFT, true);
     motion = neph_controls_motion(&controls, 0.25, 1.0);
     assert_true(motion.forward == 4.0 && motion.right == 0.0);
@@ -49,7 +49,7 @@ static void test_held_keys_fly_until_they_are_let_go(void **state)
     assert_true(neph_controls_motion(&controls, 0.25, 1.0).forward == 0.0);
 }
 
-/* A window that no longer has the keys is not told when they come up. */
+/* A window without the focus gets no key-up events. */
 static void test_nothing_is_held_without_the_focus(void **state)
 {
     struct neph_controls controls = {.split_share = 0.5};
@@ -108,7 +108,7 @@ static void test_orders_come_in_their_order_and_not_without_end(void **state)
     struct neph_controls controls = {.split_share = 0.5};
     key(&controls, '3', true);
     key(&controls, 'x', true);
-    key(&controls, 'w', true); /* no order */
+    key(&controls, 'w', true); /* not a command */
     neph_controls_take(&controls, &(struct neph_fly_event){.kind = NEPH_FLY_CLOSED});
     const struct neph_fly_order first = neph_controls_next(&controls);
     assert_true(first.command == NEPH_FLY_PRESET && first.number == 3);
@@ -120,7 +120,7 @@ static void test_orders_come_in_their_order_and_not_without_end(void **state)
     assert_int_equal(controls.order_count, NEPH_FLY_ORDERS_MAX);
 }
 
-/* One that no key chooses can be seen at the start alone. */
+/* A preset without a key could only be seen at the start. */
 static void test_each_preset_has_a_key(void **state)
 {
     for (int i = 0; neph_engine_realtime.presets[i].name; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A way that was flown, as a scene file: read back it has the same camera in every frame.
+ * A flight saved as a scene file has the same camera in every frame when it is loaded.
  */
 #include "tests/base/scratch.h"
 
@@ -58,7 +58,7 @@ static struct neph_camera_key key_of(double x)
                                     .look_at_m = {x, 2.0, -10.0 / 3.0}};
 }
 
-/* Stands at 0, goes for five frames, stands for five, goes on. */
+/* Static at 0, moves for five frames, static for five, moves on. */
 static double place(int frame)
 {
     return frame < 3 ? 0.0 : frame < 8 ? 0.1 * (frame - 2) : frame < 13 ? 0.5 : 0.7;
@@ -104,7 +104,7 @@ static void test_no_file_is_replaced(void **state)
     free(path);
 }
 
-/* A name is free when none of the files that are to have it are there: each of two, alone. */
+/* A name is free when none of its files exists; either of two files by itself takes it. */
 static void test_a_name_is_free_of_all_its_files(void **state)
 {
     static const char *const suffixes[] = {".exr", ".png", NULL};
@@ -118,7 +118,8 @@ static void test_a_name_is_free_of_all_its_files(void **state)
     neph_arena_finish(&arena);
 }
 
-/* 120 bytes are a title's room, and 24 of them the end's: the 96th and 97th here are one. */
+/* A title has room for 120 bytes, 24 of them for its end: bytes 96 and 97 here are one character.
+ */
 static void test_a_long_title_is_cut_between_characters(void **state)
 {
     struct neph_scene *scene = make_scene(state);

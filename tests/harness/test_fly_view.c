@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What `neph fly` shows: display codes by its own table, letters, and the maps over a picture
- * against the metrics that they are named after.
+ * The view of `neph fly`: display codes from its own table, glyphs, and the maps against the
+ * metrics after which they are named.
  */
 #include "tests/harness/image_test.h"
 
@@ -28,9 +28,9 @@ static void make_values(float *values)
     values[6] = 1.0f;
 }
 
-/* How far from the border of two codes OpenColorIO may take the other one, as a share of the code:
- * its straight part has the slope 12.9232, where it meets the curve, in place of 12.92 (2.5e-4),
- * and on its way over XYZ float32 rounds some ten times. */
+/* Distance from the border of two codes, as a share of the code, at which OpenColorIO may choose
+ * the other one: its straight part has the slope 12.9232 at the junction instead of 12.92 (2.5e-4),
+ * and on its way over XYZ it rounds about ten times in float32. */
 static double border_share(double value)
 {
     return value <= 0.0031308 ? 2.6e-4 : 1e-6;
@@ -81,7 +81,7 @@ static void test_a_pixel_with_a_nan_is_magenta(void **state)
     neph_encoder_destroy(encoder);
 }
 
-/* ---- letters --------------------------------------------------------------------------------- */
+/* --- glyphs ----------------------------------------------------------------------------------- */
 
 static void test_letters_of_all_texts_are_there_and_differ(void **state)
 {
@@ -99,8 +99,8 @@ static void test_letters_of_all_texts_are_there_and_differ(void **state)
     assert_ptr_equal(neph_font_glyph('\xc3'), box);
 }
 
-/* A picture of 7 x 400 pixels becomes 92 times as large; text on it stays inside and is where it
- * is asked for, also when it is longer than the canvas. */
+/* An image of 7 x 400 pixels is enlarged 92 times; text stays inside the canvas and at its place,
+ * even when it is longer than the canvas. */
 static void test_text_stays_on_the_canvas(void **state)
 {
     static const uint8_t white[3] = {255, 255, 255};
@@ -153,7 +153,8 @@ static void test_pixels_are_made_larger_and_the_line_stands_on_them(void **state
 
 /* ---- maps ------------------------------------------------------------------------------------ */
 
-/* By hand: differences 0.5, -0.25 and 0 in one channel of two pixels, mean of the reference 1. */
+/* By hand: differences of 0.5, -0.25 and 0 in one channel of two pixels; the reference's mean is 1.
+ */
 static void test_an_error_is_that_of_all_channels(void **state)
 {
     struct neph_image *reference = grey_image(2, 1, 1.0f), *test = grey_image(2, 1, 1.0f);
@@ -182,8 +183,8 @@ static float linear_of(double code)
     return (float)pow((code / 255.0 + 0.055) / 1.055, 2.4);
 }
 
-/* Flickers of amplitude 8/255 at the periods 4, 2 and 8 frames, one in each row, and a drift. The
- * second alone of these has an a4; a run of 70 frames leaves 64. */
+/* Flicker with an amplitude of 8/255 at periods of 4, 2 and 8 frames, one in each row, and a drift.
+ * Only the first has an a4. A run of 70 frames keeps 64. */
 static void test_flicker_is_that_of_the_metric(void **state)
 {
     static const double cosines[8] = {1, M_SQRT1_2, 0, -M_SQRT1_2, -1, -M_SQRT1_2, 0, M_SQRT1_2};
@@ -207,7 +208,7 @@ static void test_flicker_is_that_of_the_metric(void **state)
     assert_true(neph_heat_flicker_show(flicker, &a4, rgb));
     assert_int_equal(a4.frame_count, 64);
     assert_true(a4.share_1 == 0.25);
-    /* Radiance is a float32: its codes are off by some 1e-5, and the drift leaves less. */
+    /* Radiance is float32: its codes are off by about 1e-5, and the drift leaves less. */
     neph_assert_close(a4.mean, 8.0 / 255.0 / 4.0, 0.0, 2e-5);
     /* Half of the scale: the middle of magma in the first row, black in the others. */
     assert_true(rgb[0] > 150 && rgb[1] < 80);
@@ -217,8 +218,7 @@ static void test_flicker_is_that_of_the_metric(void **state)
     neph_heat_flicker_destroy(flicker);
 }
 
-/* In pictures that are too large only every third pixel of a row is looked at; the map still
- * covers all. */
+/* In large frames only every third pixel of a row is sampled; the map still covers all pixels. */
 static void test_large_pictures_are_looked_at_in_steps(void **state)
 {
     enum { WIDTH_PX = 301, HEIGHT_PX = 200 };
@@ -254,7 +254,7 @@ static void test_a_median_is_of_what_was_measured(void **state)
     assert_true(neph_fly_times_median_s(&times) == 2.0);
     neph_fly_times_add(&times, 0.5);
     assert_true(neph_fly_times_median_s(&times) == 1.0);
-    for (int i = 0; i < NEPH_FLY_TIMES_MAX; i++) /* all others are forgotten */
+    for (int i = 0; i < NEPH_FLY_TIMES_MAX; i++) /* the oldest are dropped */
         neph_fly_times_add(&times, 7.0);
     assert_true(neph_fly_times_median_s(&times) == 7.0);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The fog study where its numbers are known in closed form: fog that only glows, so thick that each
- * direction of the sphere is opaque, or so thin that a step is what it is.
+ * The fog study where its values have closed forms: glowing fog so thick that every direction is
+ * opaque, or so thin that steps are isolated.
  */
 #include "tests/scene_builders.h"
 
@@ -9,7 +9,7 @@
 
 static struct neph_fog_study study;
 
-/* Glowing fog, looked at level from a height of 10 m; the ground is a box. */
+/* Glowing fog, seen horizontally from a height of 10 m; the ground is a box. */
 static void set_stage(struct test_scene *test, double extinction_per_m, double falloff_per_m)
 {
     test_scene_init(test);
@@ -45,14 +45,14 @@ static const struct neph_fog_row *row(enum neph_fog_model model, const char *nam
     return NULL;
 }
 
-/* What is physics is off by nothing, and so is what physics has for a look. */
+/* Without controls the error is 0, and so it is with the physical parameters. */
 static void test_what_is_physics_is_off_by_nothing(void **state)
 {
     struct test_scene test;
     set_stage(&test, 0.01, 0.02);
     test_add_box(&test, (struct neph_vec3){-500, -1, -500}, (struct neph_vec3){500, 0, 500});
     run(&test);
-    assert_int_equal(study.row_count, 2 * 4); /* none, all, and two of physics */
+    assert_int_equal(study.row_count, 2 * 4); /* none, all, and two with physical parameters */
     for (int i = 0; i < study.row_count; i++) {
         const struct neph_fog_row *off = &study.rows[i];
         const double seam = off->model == NEPH_FOG_FILAMENT ? 1e-3 : 1e-5;
@@ -62,8 +62,9 @@ static void test_what_is_physics_is_off_by_nothing(void **state)
     }
 }
 
-/* In fog that is opaque all around, a glow of cos^e adds 1 / (2 (e + 1)) of its colour to the mean
- * over the sphere, an opacity of 3/4 leaves a quarter of the sky, and a cutoff the whole. */
+/* In fog that is opaque in all directions a glow of cos^e adds 1 / (2 (e + 1)) of its colour to the
+ * mean over the sphere, an opacity of 3/4 leaves a quarter of the sky, and a cutoff the whole sky.
+ */
 static void test_energy_over_the_sphere(void **state)
 {
     struct test_scene test;
@@ -88,7 +89,7 @@ static void test_energy_over_the_sphere(void **state)
     }
 }
 
-/* Fog nearly even: what is cut off at 300 m had 1 - e^-0.3 of fog before it in every direction. */
+/* Nearly constant fog: a cutoff at 300 m removes 1 - e^-0.3 of fog in every direction. */
 static void test_a_jump_is_found_where_it_is(void **state)
 {
     struct test_scene test;
@@ -103,8 +104,8 @@ static void test_a_jump_is_found_where_it_is(void **state)
     assert_true(row(NEPH_FOG_UNREAL, "max_opacity")->transmittance_jump < 1e-12);
 }
 
-/* The seam of the engines' series, of known size: Filament's mean is short of half its exponent,
- * Unreal's of a sixth of its square. */
+/* The step at the series' switch distance, of known size: Filament's mean lacks half of its
+ * exponent, Unreal's a sixth of its square. */
 static void test_the_seam_of_a_series_is_found(void **state)
 {
     const double shares[] = {pow(0.01 * M_LN2, 2.0) / 6.0, 0.5 * 0.00125};
@@ -119,7 +120,7 @@ static void test_the_seam_of_a_series_is_found(void **state)
     }
 }
 
-/* E albedo over the sphere is a lobe of 1. */
+/* A lobe of 1 integrates to E albedo over the sphere. */
 static void test_a_lobe_beside_the_suns_light(void **state)
 {
     struct test_scene test;
@@ -136,7 +137,7 @@ static void test_a_lobe_beside_the_suns_light(void **state)
     neph_assert_close(row(NEPH_FOG_UNREAL, "of physics")->lobe_over_sun, 1.0, 1e-12, 0.0);
 }
 
-/* What begins later with physics before it is off by what lies behind alone. */
+/* Fog that starts later, with physical fog before it, has an error only from the part behind. */
 static void test_near_fog_by_physics(void **state)
 {
     struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is said beside a frame because no picture shows it: how much optical depth one step of a
- * marcher spans, how noisy the frame is; and the seeds that make scenes independent.
+ * Notes beside a frame: the optical depth of a marcher's step, the noise; and the seeds that make
+ * scenes independent.
  */
 #include "tests/scene_builders.h"
 
@@ -11,7 +11,7 @@
 #include "harness/run/noise.h"
 #include "harness/run/seed.h"
 
-/* A slab 10 m deep, seen from straight ahead. */
+/* A slab 10 m deep, seen perpendicularly. */
 struct stage {
     struct neph_scene scene;
     struct neph_camera_key key;
@@ -31,7 +31,7 @@ static void make_slab(struct stage *stage, double optical_depth)
                    .bounds = {{-50, -50, -5}, {50, 50, 5}},
                    .extinction_color = white,
                    .albedo = white,
-                   /* so wide that it is even */
+                   /* wide enough to be constant */
                    .gaussian = {{0, 0, 0}, 1e4},
                    .extinction_per_m = 0.1 * optical_depth}},
     };
@@ -77,7 +77,7 @@ static void test_long_steps_are_warned_of(void **state)
     assert_null(neph_step_depth_warning(NAN, march));
 }
 
-/* By the estimate's own steps; the frame is all light of the media, or half of it. */
+/* With the estimate's own steps; the frame has only light of the media, or half of it. */
 static double step_bias_of(const struct neph_shot *shot, const struct neph_engine *engine,
                            float behind)
 {
@@ -106,8 +106,9 @@ static double step_bias(const struct stage *stage, const char *engine_name, floa
     return step_bias_of(&shot, engine, behind);
 }
 
-/* With the sun behind the camera both ways are as long, and of the light of a step of optical depth
- * x a march has 1 / cosh(x / 2). The estimate is twice the difference to half of the steps. */
+/* With the sun behind the camera both path lengths are equal, and a marcher gets 1 / cosh(x / 2) of
+ * the light of a step of optical depth x. The estimate is twice the difference to half of the
+ * steps. */
 static void test_the_step_bias_of_a_slab(void **state)
 {
     struct stage stage;
@@ -183,7 +184,7 @@ static struct neph_image *noisy(uint64_t seed, double noise)
     return image;
 }
 
-/* Both ways, with 12288 numbers: to sqrt(2 / 12288) and four times that. */
+/* Both estimates, from 12288 numbers: to sqrt(2 / 12288) and four times that. */
 static void test_noise_is_known(void **state)
 {
     struct neph_image *a = noisy(1, 0.02), *b = noisy(2, 0.02);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Engines are handed scenes that stand still: an engine that paints what it was given shows the sun
- * and the wind of the frame, under the scene's own name, hash and frame.
+ * Engines get static scenes: an engine that writes its input into the frame shows sun and wind of
+ * the frame, under the scene's name, hash and frame number.
  */
 #include "tests/base/scratch.h"
 #include "tests/neph_test.h"
@@ -16,7 +16,7 @@ static bool can_render(const struct neph_scene *scene, const struct neph_setting
     return !neph_scene_moves(scene);
 }
 
-/* R: towards the sun along x. G: how bright it is. B: where the blob is. */
+/* R: direction to the sun along x. G: its brightness. B: position of the blob. */
 static enum neph_status paint(const struct neph_shot *shot, struct neph_image **frame,
                               struct neph_cost *cost, struct neph_diag *diag)
 {
@@ -61,7 +61,9 @@ static void test_engines_see_the_scene_of_the_frame(void **state)
     const struct neph_engine_info info = {.available = true};
     struct neph_job job = {
         .engine = &painter, .info = &info, .shot = {.scene = scene, .width_px = 1, .height_px = 1}};
-    static const int keys[] = {0, 1, 2, 2, 2, 2, 3, 4, 5}; /* of the pictures: a pause of 3 at 2 */
+    static const int keys[] = {0, 1, 2, 2, 2,
+                               2, 3, 4, 5}; /* frame numbers, with a pause of 3 at 2
+                                                              */
     for (int i = 0; i < scene->frame_count; i++) {
         struct neph_image *frame = NULL;
         struct neph_cost cost = {0};

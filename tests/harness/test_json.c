@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What jansson refuses never gets lost on its way up.
+ * Values that jansson refuses are errors in all callers.
  */
 #include "tests/neph_test.h"
 
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* The three ways in which jansson makes nothing of something. */
+/* The three ways in which jansson returns NULL. */
 static json_t *refused(int which)
 {
     static const char latin1[] = "caf\xe9";
@@ -24,7 +24,7 @@ static void test_a_list_without_one_of_its_rows_is_none(void **state)
         neph_json_add(&list, json_integer(1));
         assert_int_equal(json_array_size(list), 1);
         neph_json_add(&list, refused(which));
-        neph_json_add(&list, json_integer(3)); /* comes too late */
+        neph_json_add(&list, json_integer(3)); /* after the error */
         assert_null(list);
         neph_json_set(&object, "a", json_integer(1));
         neph_json_set(&object, "b", refused(which));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the judge of nights owes, on series of which the answer is known. How often it errs:
- * test_backtest.c.
+ * The judgement of nightly runs on series with known answers. Its error rates: test_backtest.c.
  */
 #include "tests/neph_test.h"
 
@@ -45,7 +44,7 @@ static void test_fixed_series(void **state)
         {-0.25, -0.2425, true, NEPH_JUDGED_BETTER},
         {-0.25, -0.2575, true, NEPH_JUDGED_WORSE},
         {-0.25, 0.26, true, NEPH_JUDGED_WORSE},
-        {1e-9, 3e-9, false, NEPH_JUDGED_MOVED}, /* a change of what is nothing beside the unit */
+        {1e-9, 3e-9, false, NEPH_JUDGED_MOVED}, /* a change far below the unit */
         {0.0, 1e-3, false, NEPH_JUDGED_WORSE},
         {NAN, 0.25, false, NEPH_JUDGED_NOT},
         {0.25, NAN, false, NEPH_JUDGED_NOT},
@@ -71,7 +70,7 @@ static struct neph_series drawn(const double *past, const double *errors, double
     return series;
 }
 
-/* One test alone: its p-value is that of z = difference / hypot(errors). */
+/* A single test: its p-value is that of z = difference / hypot(errors). */
 static void test_a_drawn_series_by_its_errors(void **state)
 {
     const double before = 1.0, error = 0.03;
@@ -84,8 +83,8 @@ static void test_a_drawn_series_by_its_errors(void **state)
     }
 }
 
-/* Eleven nights of one program are one draw, of which nobody knows the noise: another program's
- * draw is no change yet. Nor is it after a week of the same bits, when others are known. */
+/* Eleven runs of one program are one random draw with an unknown noise: another program's draw is
+ * not yet a change, nor is it after a week of equal bits when other draws are known. */
 static void test_repeated_bits_are_one_draw(void **state)
 {
     uint64_t random = 5;
@@ -106,7 +105,7 @@ static void test_repeated_bits_are_one_draw(void **state)
     neph_assert_close(judge_one(&series).p, first.p, 0.0, 0.0);
 }
 
-/* Holm: the same deviation among fifty that have none needs fifty times the p-value. */
+/* Holm: the same deviation among fifty without one needs a p-value fifty times as large. */
 static void test_all_chances_share_one_alpha(void **state)
 {
     enum { MANY = 50 };
@@ -115,7 +114,7 @@ static void test_all_chances_share_one_alpha(void **state)
     struct neph_verdicts verdicts;
     for (int i = 0; i < MANY; i++)
         series[i] = drawn(&before, &error, i == 3 ? 1.16 : 1.001, 0.04);
-    series[MANY] = fixed(&same, 0.25); /* these have no chance and cost none */
+    series[MANY] = fixed(&same, 0.25); /* deterministic: no test, no correction */
     series[MANY + 1] = drawn(&before, NULL, 1.0, NAN);
     neph_assert_ok(neph_judge(series, MANY + 2, alpha, &verdicts, NULL), NULL);
     assert_int_equal(verdicts.compared, MANY + 2);
@@ -125,7 +124,7 @@ static void test_all_chances_share_one_alpha(void **state)
     neph_verdicts_finish(&verdicts);
 }
 
-/* Nights about a level with a known deviation; the generator is that of all property tests. */
+/* Runs about a level with a known deviation, from the generator of all property tests. */
 static void fill(double *past, int count, double level, double deviation, uint64_t *random)
 {
     for (int i = 0; i < count; i++)
@@ -140,7 +139,7 @@ static struct neph_series timed(const double *past, int count, double tonight)
     return series;
 }
 
-/* A machine that is busy for two nights; a change that stays; too few nights; a faster one. */
+/* A machine that is busy for two runs; a lasting change; too few runs; a faster one. */
 static void test_durations(void **state)
 {
     uint64_t random = 7;
@@ -159,7 +158,7 @@ static void test_durations(void **state)
     assert_true(isnan(judge_one(&series).change));
 }
 
-/* What the floor says is what is found: just above it, and not just below. */
+/* A change just above the floor is found, one just below is not. */
 static void test_the_floor_is_what_can_be_seen(void **state)
 {
     uint64_t random = 11;
@@ -179,7 +178,7 @@ static void test_the_floor_is_what_can_be_seen(void **state)
     }
 }
 
-/* A change that is below the floor of each scene, and the same in all. */
+/* A change below each scene's floor that is equal in all scenes. */
 static void test_an_engine_over_all_scenes(void **state)
 {
     enum { SCENES = 40, NIGHTS = 40 };
@@ -204,8 +203,8 @@ static void test_an_engine_over_all_scenes(void **state)
     neph_verdicts_finish(&verdicts);
 }
 
-/* A scene without a duration of one night, as when the machine was busy, stays in the mean; one
- * without a number of the accepted night, or of other nights, is not and is not counted. */
+/* A scene without a duration in one run, for example on a busy machine, stays in the mean. A scene
+ * without a value in the accepted run, or in other runs, does not and is not counted. */
 static void test_one_busy_night_switches_no_mean_off(void **state)
 {
     enum { SCENES = 6, NIGHTS = 40 };
@@ -231,7 +230,7 @@ static void test_one_busy_night_switches_no_mean_off(void **state)
     neph_verdicts_finish(&verdicts);
 }
 
-/* A truth that has moved takes all engines with it; an engine that has, itself alone. */
+/* A changed truth changes all engines; a changed engine only itself. */
 static void test_a_stale_truth(void **state)
 {
     enum { SCENES = 6, SERIES = 3 * SCENES };

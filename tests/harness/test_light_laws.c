@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The laws of lighting models hold for true light: single scattering of a thin ball by its closed
- * form, slabs by adding-doubling; and what is off comes out as off by so much.
+ * The laws for lighting models hold for exact light (single scattering of a thin ball in closed
+ * form, slabs by adding-doubling), and planted errors are reported with their size.
  */
 #include "tests/neph_test.h"
 
@@ -12,7 +12,7 @@ static const double e_w_per_m2 = NEPH_STAGE_IRRADIANCE_W_PER_M2;
 
 typedef double radiance_function(const struct neph_stage *stage, const struct neph_pixel_ray *ray);
 
-/* Scattered once where hardly anything is lost on the way. */
+/* Single scattering with negligible attenuation. */
 static double thin_radiance(const struct neph_stage *stage, const struct neph_pixel_ray *ray)
 {
     const struct neph_scene *scene = &stage->scene;
@@ -64,8 +64,8 @@ static struct seen see_all(const struct neph_light_law_case *of, enum neph_stage
     return seen;
 }
 
-/* The value of a case over its truth, when radiance is `factor` times what was seen from view
- * `first` on. */
+/* The value of a case over its truth, when the radiance from view `first` on is multiplied by
+ * `factor`. */
 static double find_ratio(const struct neph_light_law_case *of, const struct seen *seen, int first,
                          double factor)
 {
@@ -78,10 +78,9 @@ static double find_ratio(const struct neph_light_law_case *of, const struct seen
     return value / truth;
 }
 
-/* The rule for suns is exact up to Legendre order 23, beyond which Henyey-Greenstein has g^24; half
- * of the ball's optical depth is lost on the way, which its closed form does not know; and pixels
- * stand for rings around the axis of the suns, which leaves 2.4e-4 at g = 0.5, where the rest is
- * less. */
+/* The quadrature over suns is exact up to Legendre order 23; beyond it Henyey-Greenstein has g^24.
+ * The ball's attenuation, half of its optical depth, is not in the closed form. Pixels represent
+ * rings around the suns' axis, which leaves 2.4e-4 at g = 0.5; all else is smaller. */
 static void test_furnace_of_a_thin_ball(void **state)
 {
     for (double g = -0.5; g < 0.51; g += 0.5) {
@@ -93,8 +92,8 @@ static void test_furnace_of_a_thin_ball(void **state)
     }
 }
 
-/* The midpoint rule of 16 pixels across a face: its error falls with their square. Half of what
- * leaves a white slab is missing: as much is missing of all. */
+/* Midpoint rule over 16 pixels across a face: its error falls with their square. Removing half of
+ * the light that leaves a white slab removes half of all light. */
 static void test_fluxes_of_a_slab(void **state)
 {
     const struct neph_light_law_case balance = {NEPH_LAW_BALANCE, 4.0, 0.2, 1.0},
@@ -111,7 +110,7 @@ static void test_fluxes_of_a_slab(void **state)
                       1e-9, 0.0);
 }
 
-/* A narrow view has a mean over its half a degree, which for smooth light is its middle. */
+/* A narrow view averages over half a degree; smooth light has its mean at the centre. */
 static void test_reciprocity_of_a_slab(void **state)
 {
     const struct neph_light_law_case of = {NEPH_LAW_RECIPROCITY, 4.0, 0.2, 1.0};
@@ -120,7 +119,7 @@ static void test_reciprocity_of_a_slab(void **state)
     neph_assert_close(find_ratio(&of, &seen, 0, 3.0), 1.0, 1e-4, 0.0);
 }
 
-/* Every law is there, for a white medium; and where a flux is, the balance is of the same slab. */
+/* Every law has a case with a white medium, and every flux has a balance of the same slab. */
 static void test_cases(void **state)
 {
     int of_law[NEPH_LAW_RECIPROCITY + 1] = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The light study's numbers against closed forms: bins, bias and rms with planted noise, what a
- * view ray meets in a slab, and a fit that finds the coefficients its truth was made with.
+ * Values of the light study against closed forms: bins, bias and rms with planted noise, a view ray
+ * in a slab, and a fit that recovers the coefficients of its truth.
  */
 #include "tests/scene_builders.h"
 
@@ -27,7 +27,7 @@ static void test_bins(void **state)
         assert_int_equal(neph_light_bin((enum neph_light_axis)axis, edges[0] - 1e-3), -1);
         assert_int_equal(neph_light_bin((enum neph_light_axis)axis, NAN), -1);
     }
-    /* A tenth that comes through is an edge: dense parts are whole bins. */
+    /* A transmittance of a tenth is an edge, so dense parts are whole bins. */
     assert_int_equal(neph_light_bin(NEPH_LIGHT_EYE, -log(0.1) + 1e-12), 3);
     assert_int_equal(neph_light_bin(NEPH_LIGHT_EYE, -log(0.1) - 1e-12), 2);
 }
@@ -36,8 +36,8 @@ static void test_sums_without_noise(void **state)
 {
     struct neph_light_sums sums = {.count = 0}, first = {.count = 0}, second = {.count = 0};
     assert_true(isnan(neph_light_bias(&sums)) && isnan(neph_light_rms(&sums)));
-    neph_light_sums_add(&first, 3.0, 1.0, 1.0);  /* off by 2 */
-    neph_light_sums_add(&second, 2.0, 3.0, 3.0); /* off by -1 */
+    neph_light_sums_add(&first, 3.0, 1.0, 1.0);  /* error 2 */
+    neph_light_sums_add(&second, 2.0, 3.0, 3.0); /* error -1 */
     neph_light_sums_merge(&sums, &first);
     neph_light_sums_merge(&sums, &second);
     assert_int_equal(sums.count, 2);
@@ -47,8 +47,8 @@ static void test_sums_without_noise(void **state)
     assert_true(neph_light_bias_noise(&sums) == 0.0);
 }
 
-/* A model 20 % too bright, and off by 0.1 up and down; a truth of 1 whose seeds are off by up to
- * 0.8 each, eight times what the model is off by in a pixel. */
+/* A model 20 % too bright, with an error of 0.1 up and down; a truth of 1 whose seeds are off by up
+ * to 0.8 each, eight times the model's error of a pixel. */
 static void test_noise_is_taken_out(void **state)
 {
     enum { COUNT_OF_PIXELS = 40000 };
@@ -58,7 +58,7 @@ static void test_noise_is_taken_out(void **state)
         neph_light_sums_add(&sums, 1.2 + (i % 2 ? 0.1 : -0.1),
                             1.0 + neph_test_uniform(&seed, -0.8, 0.8),
                             1.0 + neph_test_uniform(&seed, -0.8, 0.8));
-    /* A uniform number of +-0.8 has the variance 0.64 / 3; the mean of two has half of it. */
+    /* A uniform number of +-0.8 has a variance of 0.64 / 3, the mean of two half of it. */
     const double variance = 0.64 / 3.0, error = sqrt(variance / 2.0 / COUNT_OF_PIXELS);
     neph_assert_close(neph_light_bias_noise(&sums), 1.2 * error, 0.05, 0.0);
     neph_assert_close(neph_light_bias(&sums), 0.2, 0.0, 5.0 * 1.2 * error);
@@ -86,7 +86,7 @@ static struct neph_pixel_ray look_down(double cosine)
     return (struct neph_pixel_ray){{0.0, 5.0, 0.0}, {sqrt(1.0 - cosine * cosine), -cosine, 0.0}};
 }
 
-/* Single scattering where optical depths towards eye and sun are scaled. */
+/* Single scattering with scaled optical depths towards eye and sun. */
 static double slab_lit(double depth, double cosine, double scale)
 {
     return depth * neph_phi(scale * (1.0 + cosine / 0.8) * depth);
@@ -103,8 +103,8 @@ static void test_view_of_a_slab(void **state)
         neph_assert_close(view.eye_depth, depth, 1e-9, 0.0);
         neph_assert_close(view.sun_depth, half * cosine / 0.8, 1e-6, 0.0);
         neph_assert_close(view.angle_rad, acos(0.6 * ray.direction.x - 0.8 * cosine), 1e-12, 0.0);
-        /* 128 steps h: the sun's exponent in the middle of each is off by (h k)^2 / 24 and h^2 k /
-         * 12 as in test_march_light; 2e-4 of the depth is left out. */
+        /* 128 steps h: the error of the sun's exponent at the middle of each is (h k)^2 / 24 and
+         * h^2 k / 12 as in test_march_light; 2e-4 of the depth is left out. */
         const double h = depth / 128.0, k = cosine / 0.8;
         for (int s = 0; s < NEPH_LIGHT_SCALES; s++)
             neph_assert_close(view.lit[s], slab_lit(depth, cosine, neph_light_scale(s)),
@@ -132,7 +132,7 @@ static void test_lit_between_scales(void **state)
     for (double scale = 1.0; scale > 1e-7; scale *= 0.9)
         worst = fmax(worst, fabs(neph_light_lit_at(lit, scale) / slab_lit(30.0, 1.0, scale) - 1.0));
     print_message("worst between scales: %g\n", worst);
-    /* (ln 2)^2 / 8 of the second derivative of ln((1 - e^-x) / x) by ln x, 0.4 at most. */
+    /* (ln 2)^2 / 8 of the second derivative of ln((1 - e^-x) / x) over ln x, 0.4 at most. */
     assert_true(worst < 0.025);
 }
 
@@ -157,7 +157,7 @@ static void test_octaves_of_a_slab(void **state)
 
 enum { CELLS = 12, PIXELS = 40 };
 
-/* Slabs seen at many angles, with the radiance that some coefficients give. */
+/* Slabs at many angles, with the radiance of given coefficients. */
 static void make_cell(const struct neph_octaves_fit *truth, int index,
                       struct neph_light_pixel pixels[PIXELS], struct neph_light_cell *cell)
 {
@@ -195,8 +195,8 @@ static void test_fit_finds_its_truth(void **state)
     print_message("bias %g before, %g after\n", before.mean_bias, after.mean_bias);
     assert_int_equal(after.cell_count, CELLS);
     assert_true(before.mean_bias > 0.3);
-    /* The ridge pulls on coefficients of some 1 with 4e-4 for each part of a cell: of the bias that
-     * is its root, 0.02, at most, and half of it is enough here. */
+    /* The ridge term pulls coefficients of about 1 with 4e-4 for each part of a cell; the resulting
+     * bias is at most its root, 0.02; half of that is reached here. */
     assert_true(after.mean_bias < 0.01 && after.mean_rms < 0.02);
     assert_true(whole.mean_bias < 0.01 && whole.mean_rms < 0.02);
 }
@@ -247,7 +247,7 @@ static void test_entries(void **state)
         neph_assert_close(neph_light_entry_at(&entry, i).g, 0.1 * (i + 1), 1e-15, 0.0);
 }
 
-/* What the issue of light asks of the cells, of each suite whole. */
+/* Coverage that every suite must have. */
 static void test_suites_cover(void **state)
 {
     static const char *const names[] = {"tuning", "test", "test2"};
@@ -287,7 +287,7 @@ static struct neph_light_sums off_by(double bias, int count)
     return sums;
 }
 
-/* Dense parts and whole pictures are judged apart, and too few pixels not at all. */
+/* Dense parts and whole frames are judged separately; too few pixels are not judged. */
 static void test_verdicts_of_parts(void **state)
 {
     static struct neph_light_cell cells[3];
@@ -323,7 +323,7 @@ static void test_models_offered(void **state)
         struct neph_diag diag = {.line = 0};
         neph_assert_ok(neph_light_model_parse(word, 99, NULL, &model, &diag), &diag);
         assert_true(neph_setting(model.engine, &model.settings, "steps") == 99.0);
-        assert_null(strstr(word, "lighting=octaves")); /* march_octaves stands for it */
+        assert_null(strstr(word, "lighting=octaves")); /* march_octaves provides it */
         singles += strcmp(word, "march") == 0;
         count++;
     }
@@ -353,8 +353,8 @@ static void test_models_by_name(void **state)
                          NEPH_ERR_USAGE);
 }
 
-/* Every scene can be loaded, where its data is at hand, and every cell be lit; under the sanitizers
- * the fourth, a slab: clouds are seconds of noise each. */
+/* Loads every scene whose data is installed, and lights every cell; under the sanitizers only the
+ * fourth, a slab, as clouds take seconds of noise each. */
 static void check_suite(const struct neph_light_entry *entries, int count)
 {
     struct neph_diag diag = {.line = 0};
@@ -376,7 +376,7 @@ static void check_suite(const struct neph_light_entry *entries, int count)
     }
 }
 
-/* The last suite has no kind of medium that the others have not: what it costs waits. */
+/* The last suite has no kind of medium beyond the others, and waits for the nightly tests. */
 static void test_suites_share_nothing(void **state)
 {
     enum { SUITES = 3 };

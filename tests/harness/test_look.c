@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Who claims no physics: by engine, by the light of a look, by the look of a fog.
+ * Which engines are non-physical: by engine, by lighting, by fog model.
  */
 #include "tests/neph_test.h"
 
@@ -19,7 +19,7 @@ static void test_what_a_look_is(void **state)
     static const struct {
         const char *engine, *setting;
         bool is_look;
-        const char *fog; /* in the words for the look of a fog; NULL: there are none */
+        const char *fog; /* in the reason for non-physical fog; NULL: none */
     } cases[] = {
         {"exact", NULL, false, NULL},
         {"tracer", NULL, false, NULL},

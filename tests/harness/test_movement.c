@@ -6,7 +6,7 @@
 
 enum { SIDE_PX = 20 };
 
-/* Linear value of a luma of sRGB, above its straight part. */
+/* Linear value of an sRGB luma above the straight part. */
 static float linear(double luma)
 {
     return (float)pow((luma + 0.055) / 1.055, 2.4);
@@ -38,9 +38,9 @@ static void fill(struct neph_movement *movement, const double *lumas, int count)
     neph_movement_end(movement);
 }
 
-/* A pulse of height h in one of four frames in half of the pixels: less its mean, h / 4, it is
- * 3/4 h there and -1/4 h else; its amplitudes are a4 = h / 2 and a2 = h / 4. The tolerance is the
- * single precision of the frames: 1e-6. */
+/* A pulse of height h in one of four frames, in half of the pixels. Minus its mean h / 4 it is 3/4
+ * h there and -1/4 h otherwise; its amplitudes are a4 = h / 2 and a2 = h / 4. Tolerance: single
+ * precision, 1e-6. */
 static void test_a_pulse_in_each_cycle(void **state)
 {
     static const double lumas[] = {0.7, 0.5, 0.5, 0.5, 0.7, 0.5, 0.5, 0.5, 0.9};
@@ -55,7 +55,7 @@ static void test_a_pulse_in_each_cycle(void **state)
     neph_movement_finish(&movement);
 }
 
-/* Six cycles that all are less: the sign test gives 2 / 2^6. */
+/* Six cycles, all smaller: the sign test gives 2 / 2^6. */
 static void test_paired_over_time(void **state)
 {
     double strong[24], weak[24];

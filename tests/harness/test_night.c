@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A night without its renderers: what is read from results, in which order steps are worth their
- * time, and what is found in histories of which the answer is known.
+ * Nightly runs without renderers: reading of results, order of steps, and findings in histories
+ * with known answers.
  */
 #include "tests/harness/image_test.h"
 #include "tests/harness/store_test.h"
@@ -26,7 +26,8 @@ static void make_plan(struct neph_arena *arena, const char *tier, const char *on
     neph_assert_ok(neph_night_plan_make(&params, arena, plan, &diag), &diag);
 }
 
-/* What the quick tier measures, the full one does under the same names and by the same commands. */
+/* The full tier measures the series of the quick tier under the same names and with the same
+ * commands. */
 static void test_the_full_tier_goes_on_with_the_series_of_the_quick_one(void **state)
 {
     struct neph_arena arena = {NULL};
@@ -53,7 +54,7 @@ static bool has_series(const struct neph_sweep_plan *plan, const char *name)
     return false;
 }
 
-/* Presets, plans and their series that steps name are there: a night would find out in the dark. */
+/* Presets, plans and series that steps name exist. */
 static void test_what_steps_name_is_there(void **state)
 {
     struct neph_arena arena = {NULL};
@@ -89,7 +90,7 @@ static void test_what_steps_name_is_there(void **state)
     neph_arena_finish(&arena);
 }
 
-/* Froxels, lamps, shadow maps of clouds, sheets, looks of fog and the sky: a scene each. */
+/* One scene each for froxels, point lights, cloud shadow maps, sheets, fog models and the sky. */
 static void test_a_quick_night_looks_at_the_air(void **state)
 {
     static const char *const wanted[] = {"failure froxel_leak",       "sweep spot_fence",
@@ -107,7 +108,7 @@ static void test_a_quick_night_looks_at_the_air(void **state)
     neph_arena_finish(&arena);
 }
 
-/* Steps and series keep the word that the stress tests had in the first nights. */
+/* Steps and series keep the word "failure" that the stress tests had first. */
 static void test_the_stress_tests_keep_their_word_in_names(void **state)
 {
     static const struct {
@@ -154,7 +155,7 @@ static void test_what_is_timed_can_be_rendered(void **state)
     neph_arena_finish(&arena);
 }
 
-/* Engines and seeds that are asked for are those of the catalogue alone. */
+/* Requested engines and seeds apply to the catalogue only. */
 static void test_what_is_asked_for_goes_to_the_catalogue(void **state)
 {
     const char *const engines[] = {"command"};
@@ -207,10 +208,10 @@ static void test_what_tells_most_a_second_comes_first(void **state)
                                        {.guess_s = 10, .guess_series = 10}};
     const struct neph_night_plan plan = {steps, 4, ""};
     const struct neph_step_history history[4] = {
-        {NAN, 0, 1}, /* as guessed: one a second */
-        {5.0, 20, 1} /* four */,
-        {2.0, 2, 9}, /* one, and not looked at for nine nights */
-        {100.0, 1000, 1} /* ten, and long */};
+        {NAN, 0, 1}, /* as estimated: one per second */
+        {5.0, 20, 1} /* four per second */,
+        {2.0, 2, 9}, /* one per second, not run for nine nights */
+        {100.0, 1000, 1} /* ten per second, and long */};
     bool done[4] = {false};
     assert_int_equal(neph_night_plan_next(&plan, history, done, 1000.0, false), 3);
     assert_int_equal(neph_night_plan_next(&plan, history, done, 60.0, false), 2);
@@ -323,7 +324,7 @@ static void test_results_of_the_other_suites(void **state)
     read_text(NEPH_NIGHT_SPEED, speed, NAN, &arena, &numbers); /* on a busy machine */
     assert_int_equal(numbers.count, 1);
     read_text(
-        NEPH_NIGHT_SPEED, /* a device of its own is its own unit */
+        NEPH_NIGHT_SPEED, /* a device of its own is its own environment */
         "{\"scene\": \"fog\", \"scene_hash\": \"0123456789\", \"size_px\": [8, 6], "
         "\"ceilings\": {\"buffer_samples_per_s\": 1e9}, \"engines\": [{\"engine\": \"march\", "
         "\"version\": \"V\", \"device\": \"card\", \"frame_s\": {\"median\": 0.002}}]}",
@@ -346,12 +347,12 @@ static void test_results_between_warnings(void **state)
 
 /* ---- histories ------------------------------------------------------------------------------- */
 
-/* Nights in a store of the test's own: the state of each test below. */
+/* Runs in a store of the test: the state of each test below. */
 struct bench {
     struct scratch scratch;
     struct neph_store *store;
     struct neph_database *index;
-    struct neph_night_comparison c; /* the last */
+    struct neph_night_comparison c; /* the latest */
 };
 
 static int open_bench(void **state)
@@ -377,7 +378,7 @@ static int close_bench(void **state)
 
 #define bench_test(function) cmocka_unit_test_setup_teardown(function, open_bench, close_bench)
 
-/* A night of one step that is over, or goes on. */
+/* Adds a run of one step, finished or not. */
 static int64_t add_night(struct bench *bench, const struct neph_history_step *step,
                          const struct neph_measurement *numbers, int count, bool is_over)
 {
@@ -434,7 +435,7 @@ static void compare(struct bench *bench, int64_t night, int64_t against)
     compare_within(bench, night, against, NULL);
 }
 
-/* Tonight has this number of the fog alone. */
+/* Compares a run with only this value of the fog. */
 static void compare_fog_of(struct bench *bench, const struct neph_measurement *number)
 {
     compare(bench, add_night(bench, &fog_step, number, 1, true), 0);
@@ -456,7 +457,7 @@ static void test_a_night_without_a_baseline_compares_nothing(void **state)
                      NEPH_ERR_NOT_FOUND);
 }
 
-/* One of each kind of finding. */
+/* One finding of each kind. */
 static void test_what_is_found_in_a_night(void **state)
 {
     const struct neph_measurement before[] = {
@@ -495,7 +496,7 @@ static void test_what_is_found_in_a_night(void **state)
         assert_string_equal(series + strlen(series) - strlen(end), end);
     }
     assert_int_equal(bench->c.compared, 3);
-    assert_int_equal(bench->c.fresh, 1); /* the scene that was changed */
+    assert_int_equal(bench->c.fresh, 1); /* the changed scene */
     assert_int_equal(bench->c.elsewhere, 1);
     assert_false(bench->c.passes);
 }
@@ -514,18 +515,18 @@ static void test_another_size_and_a_broken_step(void **state)
     step.reason = "a crash";
     compare(bench, add_night(bench, &step, NULL, 0, false), 0);
     assert_int_equal(count_found(&bench->c, NEPH_FOUND_STEP), 1);
-    assert_int_equal(count_found(&bench->c, NEPH_FOUND_MISSING), 0); /* that is said once */
+    assert_int_equal(count_found(&bench->c, NEPH_FOUND_MISSING), 0); /* reported once */
     assert_false(bench->c.passes);
 }
 
-/* Durations of a step that could not be calibrated are not missing; what else it lacks is. */
+/* Durations of a step without calibration are not missing; its other missing values are. */
 static void test_a_busy_machine_fails_no_night(void **state)
 {
     const struct neph_measurement numbers[] = {
         {"speed/fog@1/march/evaluations", "fixed", 42.0, NAN, "D", ""},
         {"speed/fog@1/march/time", "timed", 1.0, NAN, "D; on host", ""}};
     const struct {
-        int first, count; /* of the numbers that tonight has */
+        int first, count; /* of the run's values */
         double calibration_s;
         int missing;
     } cases[] = {{0, 2, 0.1, 0}, {0, 1, NAN, 0}, {0, 1, 0.1, 1}, {1, 1, 0.1, 1}, {0, 0, NAN, 1}};
@@ -541,8 +542,8 @@ static void test_a_busy_machine_fails_no_night(void **state)
     }
 }
 
-/* A change that was meant: it alarms until it is accepted, for its series alone, and then a change
- * back alarms. */
+/* An intended change: an alarm for its series until it is accepted; then a change back is an alarm.
+ */
 static void test_acceptances_of_a_series(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
@@ -565,7 +566,7 @@ static void test_acceptances_of_a_series(void **state)
     assert_int_equal(count_found(&bench->c, NEPH_FOUND_BETTER), 2);
 }
 
-/* A number that was accepted by itself, and gone; until a night without it is accepted. */
+/* A value that was accepted by itself is missed until a run without it is accepted. */
 static void test_what_was_accepted_by_itself_is_missed(void **state)
 {
     const char *const a = FOG("1", "radiance rel_rmse/exact"), *const b = FOG("1", "radiance "
@@ -588,13 +589,13 @@ static void test_what_was_accepted_by_itself_is_missed(void **state)
     assert_int_equal(bench->c.finding_count, 0);
 }
 
-/* ---- what is not compared -------------------------------------------------------------------- */
+/* --- values that are not compared ------------------------------------------------------------- */
 
 #define SEA "catalog/sea@1/march/radiance rel_rmse/exact"
 
 static const struct neph_history_step sea_step = {"catalog sea", "done", "", "96x54", 1.0, NAN};
 
-/* A first night of fog and sea, accepted. */
+/* A first run of fog and sea, accepted. */
 static void accept_two_steps(struct bench *bench)
 {
     const struct neph_measurement sea = {SEA, "fixed", 0.25, NAN, "D", ""};
@@ -603,15 +604,15 @@ static void accept_two_steps(struct bench *bench)
     accept(bench, "*", first);
 }
 
-/* Compare a night of the fog alone, with these steps in its plan. */
+/* Compares a run of the fog only, with these steps in its plan. */
 static void compare_fog(struct bench *bench, const char *const *planned, int planned_count)
 {
     const struct neph_night_scope scope = {.planned = planned, .planned_count = planned_count};
     compare_within(bench, add_night(bench, &fog_step, &fog, 1, false), 0, &scope);
 }
 
-/* What the plan has and time did not allow is no alarm, for thirty nights; what the plan has not,
- * is. Its acceptance ends the alarm. */
+/* A planned step without time is no alarm for thirty runs; a step that left the plan is one, until
+ * it is accepted. */
 static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
@@ -629,12 +630,12 @@ static void test_a_step_that_was_not_run_and_one_that_is_gone(void **state)
         assert_true(bench->c.passes != overdue && bench->c.not_run == 1);
         add_night(bench, &fog_step, &fog, 1, true);
     }
-    accept(bench, SEA, 5); /* which has not measured it */
+    accept(bench, SEA, 5); /* it has not measured the series */
     compare_fog(bench, planned, 1);
     assert_true(bench->c.passes && bench->c.finding_count == 0);
 }
 
-/* A night that had no time for the sea, accepted: the sea is still compared with the first. */
+/* An accepted run without time for the sea: the sea is still compared with the first run. */
 static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **state)
 {
     static const char *const planned[] = {"catalog fog", "catalog sea"};
@@ -653,7 +654,7 @@ static void test_an_accepted_night_loses_no_step_that_it_had_no_time_for(void **
     assert_int_equal(bench->c.fresh, 0);
 }
 
-/* A number of tonight in an environment, accepted in another. */
+/* Compares a value with one accepted in another environment. */
 static void judge_elsewhere(struct bench *bench, const struct neph_measurement *before,
                             const struct neph_measurement *tonight, enum neph_found found,
                             bool passes)
@@ -667,8 +668,8 @@ static void judge_elsewhere(struct bench *bench, const struct neph_measurement *
     assert_int_equal(bench->c.findings[0].found, found);
 }
 
-/* A version that is raised in the night of a regression does not hide it, and one that is raised
- * without one is no alarm. Durations and frames of fewer samples cannot be compared. */
+/* A raised version does not hide a regression of the same run, and is no alarm by itself.
+ * Durations, and frames with fewer samples, are not comparable. */
 static void test_numbers_of_another_environment(void **state)
 {
     static const struct {
@@ -714,7 +715,8 @@ static void test_numbers_of_another_environment(void **state)
     }
 }
 
-/* An engine that is said to draw from tonight on, so that it would have eight nights of grace. */
+/* An engine that is declared stochastic from this run on does not get eight runs without judgement.
+ */
 static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **state)
 {
     struct neph_measurement number = fog;
@@ -726,7 +728,7 @@ static void test_a_fixed_number_that_is_called_drawn_is_judged_as_before(void **
     assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
 }
 
-/* By less than matters each night: the accepted night is what each is compared with. */
+/* Small changes in every run: each is compared with the accepted run. */
 static void test_a_little_worse_each_night_is_found(void **state)
 {
     struct neph_measurement number = fog;
@@ -739,7 +741,7 @@ static void test_a_little_worse_each_night_is_found(void **state)
     }
 }
 
-/* Nights are in the order of their numbers, whatever the clock said. */
+/* Runs are ordered by number, whatever the clock says. */
 static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
 {
     const struct neph_history_night who = {"quick", "a", "program", "host"};
@@ -755,7 +757,7 @@ static void test_a_clock_that_was_set_back_changes_no_verdict(void **state)
     assert_int_equal(count_found(&bench->c, NEPH_FOUND_WORSE), 1);
 }
 
-/* Nights on which a series was worse are no part of what later ones are compared with. */
+/* Runs in which a series was worse are not used for later comparisons. */
 static void test_nights_that_were_worse_are_set_aside(void **state)
 {
     struct bench *bench = *state;
@@ -768,7 +770,7 @@ static void test_nights_that_were_worse_are_set_aside(void **state)
         if (is_slow)
             neph_assert_ok(neph_history_judge(bench->index, night, number.series, "worse", NULL),
                            NULL);
-        add_night(bench, &fog_step, &number, 0, true); /* goes on with it, and ends it */
+        add_night(bench, &fog_step, &number, 0, true); /* resumes the run and finishes it */
         if (i == 0)
             accept(bench, "*", night);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the jobs of a night are told and leave: to the last bit, for this night alone, whole or not
- * at all.
+ * Input and output files of a nightly run's jobs: exact to the last bit, for this run only,
+ * complete or absent.
  */
 #include "tests/base/scratch.h"
 
@@ -82,7 +82,7 @@ static void test_what_is_of_another_night_or_torn_is_not_found(void **state)
     begin(state, &arena, 7, &old, INFINITY);
     begin(state, &arena, 8, &young, INFINITY);
     assert_string_not_equal(old.name, young.name);
-    neph_assert_ok(neph_night_jobs_keep(&old, &step, &record, &numbers, NULL), NULL); /* late */
+    neph_assert_ok(neph_night_jobs_keep(&old, &step, &record, &numbers, NULL), NULL); /* too late */
     assert_false(look(&young, &record, &numbers));
     neph_assert_ok(neph_night_jobs_keep(&young, &step, &record, &numbers, NULL), NULL);
     assert_true(look(&young, &record, &numbers));
@@ -98,7 +98,7 @@ static void test_what_is_of_another_night_or_torn_is_not_found(void **state)
     neph_arena_finish(&arena);
 }
 
-/* A step that cannot run shows whether it was tried. */
+/* A step that cannot run records whether it was tried. */
 static void run(void **state, double begin_by, const char *expected)
 {
     char path[SCRATCH_PATH_MAX];
@@ -111,12 +111,12 @@ static void run(void **state, double begin_by, const char *expected)
     struct neph_step_place place = {.arena = &arena, .program_path = "/bin/false", .host = "host"};
     neph_assert_ok(neph_dir_create(scratch_path(state, path, "store"), NULL), NULL);
     begin(state, &arena, 7, &jobs, begin_by);
-    for (int i = 0; i < 2; i++) /* the second time there is nothing left to do */
+    for (int i = 0; i < 2; i++) /* the second time nothing is left to do */
         neph_assert_ok(
             neph_night_jobs_run(&jobs, &step, scratch->folder, jobs.folder, &place, &diag), &diag);
     assert_true(look(&jobs, &record, &numbers));
     assert_string_equal(record.outcome, expected);
-    assert_true(neph_path_is_dir(scratch_path(state, path, "store"))); /* a link to it is gone */
+    assert_true(neph_path_is_dir(scratch_path(state, path, "store"))); /* a link to it is removed */
     neph_night_jobs_finish(&jobs);
     neph_arena_finish(&arena);
 }

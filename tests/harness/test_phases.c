@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The check of phase functions: passes what is one, and notices what is not.
+ * The check of phase functions accepts valid ones and rejects others.
  */
 #include "tests/neph_test.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The pictures of the physics suite: drawn once for every view and row that has a frame, named
- * there, and of the truth's size.
+ * The images of the physics suite: drawn once for every view and row with a frame, named in the
+ * results, in the truth's size.
  */
 #include "tests/base/scratch.h"
 #include "tests/harness/image_test.h"
@@ -29,7 +29,7 @@ static void fill_truth(double truth[PIXELS])
         truth[p] = 0.1 + 0.01 * p;
 }
 
-/* A frame of truth times `factor`. */
+/* A frame with the truth times `factor`. */
 static void write_frame(const char *path, int width_px, double factor)
 {
     struct neph_image *image = grey_image(width_px, HEIGHT, 0.0);
@@ -42,7 +42,7 @@ static void write_frame(const char *path, int width_px, double factor)
 
 enum { ROWS_MAX = 4 };
 
-/* A suite of one check, and one row per frame; a NULL frame was not rendered. */
+/* A suite of one check, with one row per frame; a NULL frame was not rendered. */
 struct suite {
     double truth[PIXELS];
     struct neph_participant participants[ROWS_MAX];
@@ -92,7 +92,7 @@ static void test_view_says_what_it_needs(void **state)
     neph_physics_view_describe(&view, truth, &described);
     assert_string_equal(described.what,
                         "camera looks 50° down, 60° aside from the sun, which stands 30° high");
-    /* Mean 0.1 + 0.01 * 11.5; brightest 0.33: 0.9 / 0.33 = 2^1.447, so 1 EV in half stops. */
+    /* Mean 0.1 + 0.01 * 11.5; maximum 0.33: 0.9 / 0.33 = 2^1.447, so 1 EV in half stops. */
     neph_assert_close(described.difference_scale, 0.0215, 1e-12, 0.0);
     assert_true(described.exposure_ev == 1.0);
 }
@@ -132,7 +132,7 @@ static void test_every_frame_is_drawn(void **state)
     assert_false(same_bytes(scratch, truth, rows[1].pictures[0]));
     assert_false(same_bytes(scratch, rows[1].differences[0], rows[2].differences[0]));
 
-    /* A report that is published again draws nothing twice. */
+    /* Publishing a report again draws nothing twice. */
     suite.rows[0].paths[0] = "/nowhere.exr";
     neph_assert_ok(neph_physics_pictures(&suite.physics, scratch->folder, &diag), &diag);
     neph_physics_finish(&suite.physics);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The study of the picture chain: its chains make sense, and what is measured of films whose error
- * and flicker are known is that.
+ * The study of the display chain: its chains are valid, and sequences with known error and flicker
+ * give these values.
  */
 #include "tests/harness/image_test.h"
 
@@ -38,7 +38,7 @@ static void test_the_chains_make_sense(void **state)
     }
 }
 
-/* A mark as SVG, all colours but white being one. */
+/* A mark as SVG, with all colours except white replaced by one. */
 static char *grey_mark(int number)
 {
     char *text = NULL;
@@ -64,7 +64,7 @@ static void test_marks_differ_without_their_colours(void **state)
         free(marks[i]);
 }
 
-/* ---- films ----------------------------------------------------------------------------------- */
+/* --- sequences -------------------------------------------------------------------------------- */
 
 struct film {
     struct neph_vulkan *vulkan;
@@ -72,7 +72,7 @@ struct film {
     struct neph_post_film film;
 };
 
-/* A reference of 0.2, and a test that is off by turns. */
+/* A reference of 0.2, and a test with alternating errors. */
 static void open_film(struct film *f, double even, double odd)
 {
     struct neph_diag diag = {0};
@@ -106,7 +106,8 @@ static struct neph_post_numbers measured(struct film *f, const char *text)
     return numbers;
 }
 
-/* Off by 10 % up and down by turns: an rms of 10 % that changes by 20 % from frame to frame. */
+/* An error of 10 % with alternating sign: an rms of 10 % with a change of 20 % from frame to frame.
+ */
 static void test_what_is_known_is_measured(void **state)
 {
     struct film f;
@@ -115,11 +116,11 @@ static void test_what_is_known_is_measured(void **state)
     neph_assert_close(numbers.scene_error, 0.1, 1e-5, 0.0);
     neph_assert_close(numbers.scene_change, 0.2, 1e-5, 0.0);
     assert_true(numbers.flip > 0.0 && numbers.seen > 1.0);
-    /* A curve that is flatter there hides a part; light is what it was. */
+    /* A flatter curve hides a part; the light before it is unchanged. */
     const struct neph_post_numbers flatter = measured(&f, "tone=on tone_map=agx exposure_ev=3");
     assert_true(flatter.seen < 0.5 * numbers.seen && flatter.flip < numbers.flip);
     assert_true(flatter.scene_error == numbers.scene_error);
-    /* What is twice as bright, and of the same contrast, is seen at least as well. */
+    /* Twice the brightness at the same contrast is at least as visible. */
     const struct neph_post_numbers hdr = measured(&f, "tone=on tone_map=none encode=pq");
     assert_true(isnan(hdr.flip) && hdr.seen > numbers.seen);
     close_film(&f);
@@ -132,13 +133,13 @@ static void test_what_is_true_has_no_error_but_of_grain(void **state)
     const struct neph_post_numbers still = measured(&f, "tone=on tone_map=unreal bloom=conserving "
                                                         "auto_exposure=on upscale=bilinear");
     assert_true(still.scene_error == 0.0 && still.flip == 0.0 && still.luma_change == 0.0);
-    /* Uniform noise of 8 steps of 8 bits, another in each frame: sqrt(2 / 12) times its range. */
+    /* Uniform noise of 8 steps of 8 bits, new in each frame: sqrt(2 / 12) times its range. */
     const struct neph_post_numbers grain = measured(&f, "tone=on tone_map=none grain=8");
     neph_assert_close(grain.luma_change, 8.0 / 255.0 * sqrt(1.0 / 6.0), 0.03, 0.0);
     close_film(&f);
 }
 
-/* A frame that is brighter than the reference is shown as bright, once the eye is used to it. */
+/* A frame brighter than the reference is displayed equally bright once the exposure has adapted. */
 static void test_the_eye_forgives_what_is_brighter(void **state)
 {
     struct film f;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The POV-Ray engine: its brackets and digits, the text it writes, and, where POV-Ray is
- * installed, its frames against closed forms. Tolerances: what the midpoint rule and the 16-bit
- * brackets leave, as stated at each test.
+ * The POV-Ray engine: brackets and digits, the scene text and, where POV-Ray is installed, frames
+ * against closed forms. Tolerances: the midpoint rule and the 16-bit brackets, as stated at each
+ * test.
  */
 #include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
@@ -57,7 +57,7 @@ static struct neph_solid *add_sphere(struct test_scene *stage, struct neph_vec3 
 
 /* ---- Brackets ------------------------------------------------------------------------------- */
 
-/* What POV-Ray writes for a bracketed value. */
+/* POV-Ray's output for a bracketed value. */
 static void write_codes(double value, double gain, uint16_t codes[3])
 {
     for (int i = 0; i < 3; i++)
@@ -86,7 +86,7 @@ static void test_brackets_recover_values(void **state)
     }
 }
 
-/* Expose simulated pixels as the engine does; returns the number of renders. */
+/* Exposes simulated pixels as the engine does; returns the number of renders. */
 static int expose_simulated(const double *values, size_t count, double gain,
                             const struct neph_povray_target *target,
                             struct neph_povray_reading *readings)
@@ -193,7 +193,7 @@ static void test_phase_constants(void **state)
 
 static const struct neph_bounds room = {{-5.0, 0.0, -10.0}, {5.0, 4.0, -4.0}};
 
-/* Everything that a scene can hold. */
+/* All elements of a scene. */
 static void set_full_stage(struct test_scene *stage)
 {
     test_stage(stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
@@ -249,7 +249,7 @@ static bool is_known_word(const char *word, size_t length)
     return strstr(known, padded);
 }
 
-/* Every word outside comments is one of ours; every character is harmless. */
+/* Every word outside of comments is the engine's; every character is harmless. */
 static void assert_plain(const char *text)
 {
     for (const char *at = text; *at;) {
@@ -286,7 +286,8 @@ static void test_text_holds_no_string_of_the_scene(void **state)
     }
 }
 
-/* An eye on a face, a spot at the eye and lamps near rays: a face cut in doubles, a mask, cubes. */
+/* An eye on a face, a spot light at the eye, and point lights near rays: a face moved in double
+ * precision, a mask, cubes. */
 static void test_text_near_eyes_and_lights(void **state)
 {
     struct test_scene stage;
@@ -322,7 +323,7 @@ static void test_text_near_eyes_and_lights(void **state)
     }
 }
 
-/* Everything that surfaces can be in clear air: a mirror in the sun, noise, a checker. */
+/* All kinds of surfaces in clear air: a mirror in the sun, noise, a checker. */
 static void set_surfaces(struct test_scene *stage)
 {
     test_stage(stage, (struct neph_vec3){0.0, 1.0, 5.0}, (struct neph_vec3){0.0, 1.0, -5.0});
@@ -336,8 +337,8 @@ static void set_surfaces(struct test_scene *stage)
     add_box(stage, (struct neph_bounds){{1, 0, -3}, {3, 2, -1}}, 0.9)->surface.metalness = 1.0;
 }
 
-/* Noise is declared once a seed, and of media or light between solids there is no word where there
- * is none. */
+/* Noise is declared once per seed; media and light between solids are not mentioned where there are
+ * none. */
 static void test_text_of_surfaces(void **state)
 {
     struct test_scene stage;
@@ -360,7 +361,7 @@ static void test_text_of_surfaces(void **state)
     }
 }
 
-/* Its file has the values, the last column and row again the first, and zeros around. */
+/* The noise file has the values, the first column and row repeated at the end, and zeros around. */
 static void test_noise_s_file(void **state)
 {
     const int n = NEPH_NOISE_CELLS;
@@ -390,20 +391,20 @@ static void test_text_refuses_what_is_not_a_number(void **state)
 static void test_faces_of_containers_stand_alone(void **state)
 {
     struct test_scene stage;
-    set_full_stage(&stage); /* both media share all faces and stand on the ground at y = 0 */
+    set_full_stage(&stage); /* both media share all faces and touch the ground at y = 0 */
     struct neph_povray_world world = world_of(&stage);
     const struct neph_bounds *a = &world.containers[0].bounds, *b = &world.containers[1].bounds;
     double gap_m = 1e-3 / world.units_per_m;
     assert_true(a->min_m.y < -gap_m && a->min_m.y > -1e-4);
     assert_true(b->min_m.y < a->min_m.y - gap_m && b->min_m.y > -1e-4);
     assert_true(b->max_m.x > a->max_m.x + gap_m);
-    assert_true(a->max_m.x == room.max_m.x); /* alone already: not moved */
+    assert_true(a->max_m.x == room.max_m.x); /* no other face there: not moved */
     assert_true(world.shift_error < 1e-6);
 }
 
 static const double inner_unit = 0.5 * 4e-3; /* half a step of a face, in units */
 
-/* A face moves outward from an eye on it or inside, inward from one outside, by one step; with a
+/* A face moves outward from an eye on it or inside, and inward from one outside, by one step; a
  * second medium on the same face by one more. */
 static void test_faces_keep_off_the_eye(void **state)
 {
@@ -426,7 +427,7 @@ static void test_faces_keep_off_the_eye(void **state)
 }
 
 /* Pixels of an orthographic camera whose rays begin 1e-4 m apart, in a world of 1e5 m, on both
- * sides of a face: the face has no place between them. */
+ * sides of a face: no position between them is left for the face. */
 static void test_crowds_of_origins_are_refused(void **state)
 {
     struct test_scene stage;
@@ -443,7 +444,7 @@ static void test_crowds_of_origins_are_refused(void **state)
     assert_non_null(strstr(diag.message, "the face y = 0 m of medium 1"));
 }
 
-/* From 1e-10 m above a ground POV-Ray does not see it; what is above it is rendered. */
+/* Within 1e-10 m above the ground POV-Ray does not see it; from higher up the scene is rendered. */
 static void test_eye_on_a_solid_is_refused(void **state)
 {
     struct test_scene stage;
@@ -458,7 +459,7 @@ static void test_eye_on_a_solid_is_refused(void **state)
     assert_non_null(strstr(diag.message, "an eye on a solid"));
 }
 
-/* A lamp in the fog on the ray of a pixel; a spot there that shines across the ray is none. */
+/* A point light in fog on a pixel's ray is refused, a spot light that shines across it is not. */
 static void test_lights_on_rays_are_refused(void **state)
 {
     struct test_scene stage;
@@ -482,7 +483,7 @@ static void test_lights_on_rays_are_refused(void **state)
     neph_assert_ok(neph_povray_cut_rays(&world, &diag), &diag);
 }
 
-/* ---- What it can model ---------------------------------------------------------------------- */
+/* --- supported scenes ------------------------------------------------------------------------ */
 
 static void test_which_surfaces_it_can_render(void **state)
 {
@@ -491,7 +492,7 @@ static void test_which_surfaces_it_can_render(void **state)
     set_surfaces(&stage);
     struct neph_solid *mirror = &stage.solids[2];
     const struct {
-        const char *why; /* NULL: it can */
+        const char *why; /* NULL: supported */
         double roughness;
         int scattering, mirrors, lights;
     } rows[] = {
@@ -549,7 +550,7 @@ static void test_probe_without_povray(void **state)
 
 /* ---- Frames --------------------------------------------------------------------------------- */
 
-/* Render with POV-Ray in a scratch folder of an awkward name. `assignment`: NULL is fine. */
+/* Renders with POV-Ray in a scratch folder whose name needs quoting. `assignment` may be NULL. */
 static struct neph_image *render_with_setting(const struct test_scene *stage, unsigned layers,
                                               double intervals, const char *assignment)
 {
@@ -579,7 +580,7 @@ static struct neph_image *render(const struct test_scene *stage, unsigned layers
     return render_with_setting(stage, layers, intervals, NULL);
 }
 
-/* How a channel differs from the truth. */
+/* Difference of a channel from the truth. */
 struct difference {
     double mean, truth_mean, largest, largest_relative;
 };
@@ -591,8 +592,8 @@ static double value_of(struct neph_rgb colour, int channel)
 
 enum quantity { RADIANCE, VOLUME, TRANSMITTANCE, DEPTH };
 
-/* What each pixel's ray brings, for the caller to free. Without scattering when that is not looked
- * at: it is most of the work. */
+/* Exact light of each pixel's ray, for free(). Without scattering where it is not compared, as it
+ * takes most of the time. */
 static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_scattering scattering)
 {
     struct neph_ray_light *lights = calloc((size_t)WIDTH * HEIGHT, sizeof(*lights));
@@ -603,7 +604,7 @@ static struct neph_ray_light *trace(const struct test_scene *stage, enum neph_sc
     for (int p = 0; p < WIDTH * HEIGHT; p++) {
         struct neph_pixel_ray ray = neph_camera_ray(&camera, WIDTH, HEIGHT, p % WIDTH, p / WIDTH);
         lights[p] = neph_transport_ray(&scene, ray.origin_m, ray.direction);
-        lights[p].hit_m *= neph_vec3_dot(ray.direction, camera.forward); /* as depth is written */
+        lights[p].hit_m *= neph_vec3_dot(ray.direction, camera.forward); /* depth as in the file */
     }
     return lights;
 }
@@ -677,7 +678,7 @@ static void check_transmittance(const struct test_scene *stage, double intervals
     neph_image_destroy(frame);
 }
 
-/* Along a side, to optical depths of 10, and of 18, where the floor is 1e-8. */
+/* Along a side, to optical depths of 10 and 18, where the floor is 1e-8. */
 static void test_transmittance_of_boxes(void **state)
 {
     static const double extinctions_per_m[] = {0.5, 0.9};
@@ -692,7 +693,7 @@ static void test_transmittance_of_boxes(void **state)
 
 static void test_transmittance_of_height_fog(void **state)
 {
-    struct test_scene stage; /* camera inside; two layers; optical depths to about 5 */
+    struct test_scene stage; /* camera inside; two layers; optical depths up to about 5 */
     test_stage(&stage, (struct neph_vec3){0.0, 2.0, 5.0}, (struct neph_vec3){0.0, 1.5, -5.0});
     struct neph_bounds bounds = {{-30.0, 0.0, -30.0}, {30.0, 10.0, 10.0}};
     struct neph_medium *fog = add_medium(&stage, bounds, 0.3, 0.5, 0.5);
@@ -702,7 +703,7 @@ static void test_transmittance_of_height_fog(void **state)
     check_transmittance(&stage, 50, 2e-4);
 }
 
-/* A fog without bounds, cut to the container that the scene chooses. */
+/* Fog without bounds, cut to the scene's container. */
 static void test_transmittance_of_open_fog(void **state)
 {
     struct test_scene stage;
@@ -716,7 +717,7 @@ static void test_transmittance_of_open_fog(void **state)
     neph_image_destroy(frame);
 }
 
-/* The light of a plane-parallel slab, scattered once, seen from below. */
+/* Radiance of a plane-parallel slab with single scattering, seen from below. */
 static double slab_radiance(const struct test_scene *stage, struct neph_vec3 ray,
                             double thickness_m)
 {
@@ -772,13 +773,13 @@ static void check_light(const struct test_scene *stage, const struct neph_image 
         struct difference volume = compare_with(lights, frame, names[1][channel], VOLUME, channel);
         assert_true(fabs(all.mean) < 1e-3 * all.truth_mean);
         assert_true(fabs(volume.mean) < 1e-3 * volume.truth_mean);
-        assert_true(all.largest_relative < 0.02); /* midpoints beside shadow edges */
+        assert_true(all.largest_relative < 0.02); /* midpoints next to shadow edges */
     }
     free(lights);
 }
 
-/* Two overlapping media of different phase functions, a fog among them, a ground that touches
- * both, a sphere with its shadow, and colours that are not proportional. */
+/* Two overlapping media with different phase functions, one of them a fog; a ground that touches
+ * both, a sphere with its shadow, and coefficients with different colours. */
 static void test_full_scene(void **state)
 {
     struct test_scene stage;
@@ -792,7 +793,7 @@ static void test_full_scene(void **state)
     neph_image_destroy(frame);
 }
 
-/* The scene of before, seen by parallel rays. */
+/* The same scene with an orthographic camera. */
 static void test_orthographic_camera(void **state)
 {
     struct test_scene stage;
@@ -821,9 +822,9 @@ static void test_no_scattering(void **state)
     neph_image_destroy(frame);
 }
 
-/* Slabs that glow: a bracket leaves half a quantum of an eighth of full scale, 6.3e-5, and 200
- * midpoints leave h^2 / 24 of the optical depth h between them, on rays up to a quarter longer than
- * the slab is thick. */
+/* Slabs with emission. A bracket leaves half a quantum of an eighth of full scale, 6.3e-5. 200
+ * midpoints leave h^2 / 24, where h is the optical depth between them, on rays up to a quarter
+ * longer than the slab's thickness. */
 static void test_emission_of_slabs(void **state)
 {
     static const double extinctions_per_m[] = {0.01, 0.5, 5.0};
@@ -844,7 +845,7 @@ static void test_emission_of_slabs(void **state)
     }
 }
 
-/* The full scene with a fog and a box that glow in colours of their own. */
+/* The full scene with emission of different colours in a fog and a box. */
 static void test_emission_beside_the_sun(void **state)
 {
     struct test_scene stage;
@@ -856,7 +857,7 @@ static void test_emission_beside_the_sun(void **state)
     neph_image_destroy(frame);
 }
 
-/* An empty scene needs no render at all. */
+/* An empty scene needs no render. */
 static void test_empty_scene(void **state)
 {
     struct test_scene stage;
@@ -870,8 +871,8 @@ static void test_empty_scene(void **state)
     neph_image_destroy(frame);
 }
 
-/* Ground and a turned box with two patterns in the sun, the lines of the box's in its faces: at how
- * many of `count` pixels their light is the truth's. */
+/* Ground and a rotated box in the sun, each with a pattern; lines of the box's pattern lie in its
+ * faces. All of the `count` pixels except `may_differ` have the true light. */
 static void compare_patterns(enum neph_pattern pattern, int may_differ)
 {
     struct test_scene stage;
@@ -910,7 +911,7 @@ static void compare_patterns(enum neph_pattern pattern, int may_differ)
 
 static void test_checkers(void **state)
 {
-    compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a place on a line may round either way */
+    compare_patterns(NEPH_PATTERN_CHECKER, 2); /* a point on a line may be rounded to either side */
 }
 
 static void test_noise(void **state)
@@ -918,8 +919,9 @@ static void test_noise(void **state)
     compare_patterns(NEPH_PATTERN_NOISE, 0);
 }
 
-/* A black floor and ball before a white mirror, under an even sky: a pixel of the mirror is black
- * or the sky's times its colour, as the mirrored ray meets a solid or none. */
+/* A black floor and ball in front of a white mirror, under a uniform sky. A pixel of the mirror is
+ * black where the mirrored ray hits a solid, and otherwise the sky's radiance times the mirror's
+ * colour. */
 static void test_a_mirror(void **state)
 {
     struct test_scene stage;
@@ -958,9 +960,9 @@ static void test_a_mirror(void **state)
     neph_image_destroy(frame);
 }
 
-/* The endless step of scenes/catalog/surface_step.yaml, nearly black: at a distance d from its foot
- * the plane sees (1 + d / sqrt(d^2 + h^2)) / 2 of the sky, and its light is that times the albedo;
- * what comes from the other surface adds half the albedo of the rest at most. */
+/* The infinite step of scenes/catalog/surface_step.yaml, nearly black. At a distance d from its
+ * foot the plane sees (1 + d / sqrt(d^2 + h^2)) / 2 of the sky; its radiance is this times the
+ * albedo. The other surface adds at most half the albedo of the remaining part. */
 static void test_radiosity_at_a_step(void **state)
 {
     const double albedo = 0.02;
@@ -1026,9 +1028,9 @@ static void test_export_runs_by_hand(void **state)
     neph_dir_remove(directory, NULL);
 }
 
-/* ---- A POV-Ray that fails: a shell script of the same name, first in PATH ------------------- */
+/* --- a POV-Ray that fails: a shell script of the same name, first in PATH -------------------- */
 
-/* Render the depth of a scene with the impostor; returns the status. */
+/* Renders the depth of a scene with the script in place of POV-Ray; returns the status. */
 static enum neph_status render_with(const char *script, double time_limit_s, char message[1024])
 {
     struct neph_diag diag = {0};
@@ -1064,7 +1066,7 @@ static void test_failures_are_told(void **state)
     assert_int_equal(render_with("#!/bin/sh\nexec sleep 60\n", 0.3, message), NEPH_ERR_TIMEOUT);
 }
 
-/* A version that was measured does not suffice: it must render. */
+/* A known version is not enough: the probe renders. */
 static void test_probe_tries_it(void **state)
 {
     const struct neph_engine *engine = &neph_engine_povray;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * POV-Ray where its fixed tolerances are a part of the scene: eyes on and beside the faces of
- * containers, lights at the eye and beside the rays of pixels. Frames are compared with the truth
- * pixel by pixel.
+ * POV-Ray where its fixed tolerances matter: eyes on and next to faces of containers, lights at the
+ * eye and next to rays of pixels. Frames are compared with the truth pixel by pixel.
  */
 #include "tests/harness/engine_test.h"
 #include "tests/scene_builders.h"
@@ -14,7 +13,7 @@
 
 enum { WIDTH = 12, HEIGHT = 7 };
 
-/* ---- Scenes ---------------------------------------------------------------------------------- */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static const struct neph_bounds cube = {{-1, -1, -1}, {1, 1, 1}};
 
@@ -55,7 +54,7 @@ static void make_spot(struct neph_light *light, struct neph_vec3 axis, double in
     light->outer_cosine = cos(outer_deg * NEPH_RAD_PER_DEG);
 }
 
-/* ---- Frames ---------------------------------------------------------------------------------- */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 static enum neph_status render(const struct test_scene *stage, unsigned layers, double intervals,
                                struct neph_image **frame, double *cpu_s, struct neph_diag *diag)
@@ -79,8 +78,8 @@ struct difference {
     double worst_transmittance;
 };
 
-/* What a pixel may be off by: a part of its value, light, and light of a unit of a way through the
- * medium, which is longer for a ray along a face. */
+/* Tolerances of a pixel: a fraction of its value, an absolute radiance, and a radiance per unit of
+ * the ray's length in the medium, which is longer along a face. */
 struct tolerance {
     double relative, absolute, across_a_face;
 };
@@ -115,19 +114,20 @@ static struct difference compare(const struct test_scene *stage, const struct ne
     return off;
 }
 
-/* ---- Eyes on faces --------------------------------------------------------------------------- */
+/* ---- eyes on faces --------------------------------------------------------------------------- */
 
-/* 50 midpoints of a path of optical depth 4 at most: (4/50)^2 / 24, and as much for the sun's; and
- * the brackets' 1e-4, or 1e-6 of the brightest. A face is moved by 4e-3 units, 1e-8 m in the scenes
- * here, and 1 m of their media scatters less than 0.1 of the sun's 1 W/m^2. */
+/* 50 midpoints of a path of optical depth 4 at most: (4/50)^2 / 24, and the same for the ray to the
+ * sun. The brackets leave 1e-4, or 1e-6 of the brightest pixel. A face is moved by 4e-3 units, 1e-8
+ * m in these scenes, and 1 m of their media scatters less than 0.1 of the sun's 1 W/m^2. */
 static const struct tolerance on_a_face = {6.5e-4, 5e-8, 1e-9};
-/* Fog without bounds is cut at 16 scale heights, more along a slanted ray, which 250 midpoints are
- * few for: a pixel of the frames here is off by 9e-3, and by 25 times as much with 50. */
+/* Fog without bounds is cut at 16 scale heights, more along a slanted ray; 250 midpoints are few
+ * for such a length. A pixel of these frames is off by 9e-3, and by 25 times as much with 50
+ * midpoints. */
 static const struct tolerance without_bounds = {2e-2, 5e-8, 1e-9};
-/* The brackets' half quantum of an eighth of full scale. */
+/* Half a quantum of an eighth of full scale, from the brackets. */
 static const double coarse_transmittance = 6.3e-5;
 
-/* Eyes on faces of the box, and beside them, see its fog. */
+/* Eyes on faces of the box, and next to faces, see its fog. */
 static void test_eye_on_a_face(void **state)
 {
     static const struct {
@@ -162,7 +162,7 @@ static void test_eye_on_a_face(void **state)
 
 enum media_kind { EVEN, THINNING, TWO, VOXELS, WITHOUT_BOUNDS, MEDIA_KINDS };
 
-/* Media with faces where the cube of before has them. */
+/* Media with their faces at the faces of the cube above. */
 static void set_media(struct test_scene *stage, enum media_kind kind, struct neph_grid *grid)
 {
     struct neph_medium *medium = &stage->scene.media[0];
@@ -180,8 +180,8 @@ static void set_media(struct test_scene *stage, enum media_kind kind, struct nep
     }
 }
 
-/* Eyes on faces, edges and corners, in front of them and behind, by both cameras; every second in a
- * scene with a wall, whose units are others. */
+/* Eyes on, in front of and behind faces, edges and corners, with both cameras. Every second scene
+ * has a wall, which changes the units. */
 static void test_eyes_on_random_faces(void **state)
 {
     neph_test_waits_for_the_night();
@@ -189,7 +189,7 @@ static void test_eyes_on_random_faces(void **state)
     double cpu_s = 0.0;
     int wrong = 0;
     print_message("  seed %llu\n", (unsigned long long)seed);
-    /* Whose light ends at the cube: a node more on each side is 0. */
+    /* The medium ends at the cube: one more node on each side is 0. */
     struct neph_grid *grid = random_lattice((const int[3]){5, 5, 5},
                                             (struct neph_vec3){-2. / 3, -2. / 3, -2. / 3},
                                             (struct neph_vec3){1. / 3, 1. / 3, 1. / 3}, 0.2, &seed);
@@ -212,7 +212,7 @@ static void test_eyes_on_random_faces(void **state)
         set_media(&stage, (enum media_kind)(i % MEDIA_KINDS), grid);
         if (i % 2)
             add_wall(&stage);
-        /* The plane of origins in the face, or across it. Parallel rays need bounds. */
+        /* The plane of ray origins lies in the face, or crosses it. Parallel rays need bounds. */
         if (i % 4 >= 2 && i % MEDIA_KINDS != WITHOUT_BOUNDS) {
             const struct neph_vec3 axes[3] = {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
             stage.scene.camera_up = (struct neph_vec3){0.3, 0.4, 0.5};
@@ -242,16 +242,17 @@ static void test_eyes_on_random_faces(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* ---- Lights ---------------------------------------------------------------------------------- */
+/* ---- lights ---------------------------------------------------------------------------------- */
 
-/* A piece of a ray may be off by 1/12 of (1/10)^2 where it begins (povray_lamps.c), and by as much
- * as on a face by absorption. Brackets leave 1e-4 of the median, which is 1e-3 or more here. */
+/* A segment of a ray has an error of at most 1/12 of (1/10)^2 at its beginning (povray_lamps.c),
+ * and the same error as on a face from absorption. Brackets leave 1e-4 of the median, which is 1e-3
+ * or more here. */
 static const struct tolerance near_a_light = {.relative = 1.5e-3, .absolute = 1e-7};
-/* The ramp between the two angles of a cone may be a few steps wide. */
+/* The ramp between the two angles of a cone may be only a few steps wide. */
 static const struct tolerance near_a_spot = {.relative = 6e-3, .absolute = 1e-7};
 
-/* A spot at the eye, before the fog; with a wall behind it; a
- * lamp on the ray of the middle pixel before the fog; a spot beside that ray in the fog. */
+/* A spot light at the eye in front of the fog; the same with a wall behind the fog; a point light
+ * on the ray of the middle pixel in front of the fog; a spot light next to this ray in the fog. */
 static void test_lights_near_rays(void **state)
 {
     static const struct {
@@ -286,7 +287,7 @@ static void test_lights_near_rays(void **state)
     print_message("  %.2f s cpu\n", cpu_s);
 }
 
-/* Where a random light is. */
+/* The position of a random light. */
 enum place {
     AT_THE_EYE,
     NEAR_THE_EYE,
@@ -297,7 +298,7 @@ enum place {
     PLACES
 };
 
-/* A random light beside the ray of a random pixel. */
+/* A random light next to the ray of a random pixel. */
 struct trial {
     enum place place;
     double distance_m; /* from the ray; on a face: from the face, outward */

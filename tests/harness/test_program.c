@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which build of a program is installed, and that a job's key knows: shell scripts play the
+ * The installed build of a program, which is part of a job's key. Shell scripts replace the
  * program.
  */
 #include "harness/engines/program.h"
@@ -18,10 +18,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* A folder that is first in PATH, and is TMPDIR. */
+/* A folder that is both TMPDIR and first in PATH. */
 struct place {
     char folder[64];
-    char *path, *program; /* PATH as it was; the script's file */
+    char *path, *program; /* PATH before the test; the script's file */
 };
 
 static int set_up(void **state)
@@ -67,7 +67,8 @@ static void ask(const char *expected_text, char build[NEPH_BUILD_SIZE])
     free(text);
 }
 
-/* The folder it runs in, which it may tell, is another one each time and says nothing. */
+/* The build depends on the program's file and output; its working folder is a new one at every call
+ * and is removed from the output. */
 static void test_a_build_is_its_file_and_its_words(void **state)
 {
     const struct place *place = *state;
@@ -91,7 +92,8 @@ static int count_entries(const char *path)
     return count - 2;
 }
 
-/* A killed process is gone before the keeper of its children, which shares its lock, has let go. */
+/* After a process is killed, the process that watches its children, and shares its lock, still runs
+ * for a moment. */
 static void wait_for_locks(const char *path)
 {
     DIR *folder = opendir(path);
@@ -106,7 +108,7 @@ static void wait_for_locks(const char *path)
     closedir(folder);
 }
 
-/* kill -9 in the middle of a probe leaves a folder, which the next probe takes away. */
+/* A probe killed with SIGKILL leaves a folder, which the next probe removes. */
 static void test_a_killed_probe_is_swept(void **state)
 {
     const struct place *place = *state;

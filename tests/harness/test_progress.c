@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The time that is left.
+ * Estimates of the remaining time.
  */
 #include "tests/neph_test.h"
 
@@ -44,7 +44,7 @@ static void test_steps_that_fall_away_are_not_waited_for(void **state)
     assert_int_equal(total, 1);
 }
 
-/* References of a study are steps that nobody expected. */
+/* References of a study are steps that were not announced. */
 static void test_no_count_passes_its_total(void **state)
 {
     struct neph_progress progress = neph_progress_start(true, 0);
@@ -59,7 +59,7 @@ static void test_no_count_passes_its_total(void **state)
     assert_true(neph_progress_left_s(&progress) == 2.0);
 }
 
-/* Two processes: what the other has done is done, and what is left is done by both. */
+/* Two processes: the other's finished work counts, and both share the remaining work. */
 static void test_others_shorten_the_time(void **state)
 {
     struct neph_progress progress = neph_progress_start(true, 0);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which engine a report calls the worst, and why: frames whose error has a closed form.
+ * The engine with the largest error in a report, and the reason: frames with an error in closed
+ * form.
  */
 #include "tests/harness/image_test.h"
 
@@ -15,7 +16,7 @@ static double none(int x, int y)
     return 0.0;
 }
 
-/* +0.1 and -0.1 in turns: a mean of 0, an RMSE of 0.1. */
+/* +0.1 and -0.1 alternate: a mean of 0, an RMSE of 0.1. */
 static double alternating(int x, int y)
 {
     return (x + y) % 2 == 0 ? 0.1 : -0.1;
@@ -27,7 +28,7 @@ static double offset(int x, int y)
     return 0.02;
 }
 
-/* The reference has a step in brightness at x = 32; the error lies in the two columns at it. */
+/* The reference has a step in brightness at x = 32; the error is in the two columns next to it. */
 static double at_step(int x, int y)
 {
     (void)y;
@@ -73,8 +74,8 @@ static void test_an_offset_is_all_of_its_error(void **state)
     neph_assert_close(parts.edge_pixel_share, 0.0, 0.0, 0.0);
 }
 
-/* Two frames that are off by +e and by -e differ by 2 e: half of its square is twice the squared
- * error of one frame. */
+/* Two frames with errors +e and -e differ by 2 e: half of its square is twice the squared error of
+ * one frame. */
 static void test_noise_is_what_two_seeds_differ_by(void **state)
 {
     (void)state;
@@ -103,7 +104,7 @@ static void test_frames_without_a_difference_have_no_parts(void **state)
     assert_true(isnan(parts_of(image_of(none, false), test, test).offset_share));
 }
 
-/* ---- the order ------------------------------------------------------------------------------- */
+/* ---- order ----------------------------------------------------------------------------------- */
 
 static void measure(struct neph_frame_result *frame, const char *engine,
                     double (*error)(int x, int y), bool step)
@@ -129,7 +130,7 @@ struct run {
     struct neph_validation validation;
 };
 
-/* exact is the truth, march is too bright by 2 %, realtime has no bias and an RMSE of 10 %. */
+/* exact is the truth, march is 2 % too bright, realtime has no bias and an RMSE of 10 %. */
 static void begin(struct run *run)
 {
     *run = (struct run){.scene = {.name = "slab", .frame_count = FRAMES, .truth = 0}};
@@ -177,7 +178,7 @@ static void test_a_failed_gate_comes_first(void **state)
     assert_string_equal(list[0].frame->engine->name, "march");
     assert_true(list[0].is_failing);
     assert_false(list[1].is_failing);
-    run.scene.truth = -1; /* nothing to be off from */
+    run.scene.truth = -1; /* no reference to compare with */
     assert_int_equal(neph_ranking(&run.validation, list, FRAMES), 0);
     end(&run);
 }
@@ -191,10 +192,10 @@ static void test_the_cause_is_what_was_measured(void **state)
     neph_ranking(&run.validation, list, FRAMES);
     const char *realtime = neph_ranked_cause(&list[0], &run.arena);
     const char *march = neph_ranked_cause(&list[1], &run.arena);
-    assert_non_null(strstr(march, "one offset of the whole picture, +2\u00a0%"));
-    assert_non_null(strstr(march, "Where: spread over the picture"));
-    assert_non_null(strstr(realtime, "march, which marches the same light"));
-    assert_non_null(strstr(realtime, "is off by 2\u00a0%: the error comes from the reuse"));
+    assert_non_null(strstr(march, "one offset of the whole frame, +2\u00a0%"));
+    assert_non_null(strstr(march, "Where: spread over the frame"));
+    assert_non_null(strstr(realtime, "march, the ray marcher with the same lighting"));
+    assert_non_null(strstr(realtime, "has an error of 2\u00a0%: the error comes from the reuse"));
     neph_measurements_finish(&run.frames[2].measurements);
     measure(&run.frames[2], "realtime", at_step, true);
     neph_ranking(&run.validation, list, FRAMES);

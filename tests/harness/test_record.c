@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Records: a struct, its JSON and its row say the same.
+ * Records: a struct, its JSON and its table row agree.
  */
 #include "tests/base/scratch.h"
 
@@ -86,7 +86,7 @@ static void test_what_json_lacks_is_nothing(void **state)
     assert_null(neph_record_json(&form, &infinite));
 }
 
-/* Whatever the order of its keys. */
+/* The order of keys does not matter. */
 static void test_a_digest_is_of_what_json_says(void **state)
 {
     char path[SCRATCH_PATH_MAX], a[NEPH_HASH_HEX_SIZE], b[NEPH_HASH_HEX_SIZE];

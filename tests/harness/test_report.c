@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A report that is published again and again: what is drawn is drawn once, the page that is there
- * stays whole, and what is not neph's is given back.
+ * A report that is published repeatedly: a chart is drawn only once, an existing page stays
+ * complete, and folders that neph did not create are put back.
  */
 #include "tests/base/scratch.h"
 #include "tests/harness/image_test.h"
@@ -14,7 +14,7 @@
 
 enum { WIDTH = 4, HEIGHT = 3, SCENES_MAX = 2 };
 
-/* A node that writes down that it ran, and copies the specification to the chart. */
+/* A script in place of node: it records that it ran, and copies the specification to the chart. */
 static const char node[] =
     "#!/bin/sh\necho run >> \"${0%/bin/node}/runs\"\n/bin/cat \"$2\" > \"$3\"\n";
 
@@ -33,7 +33,7 @@ static void write_frame(void **state, const char *name, float value)
     write_image(scratch_path(state, path, name), grey_image(WIDTH, HEIGHT, value));
 }
 
-/* A page, a node and frames of the test's own. */
+/* A page, a node and frames of the test. */
 static int setup(void **state)
 {
     static const char *const page[] = {"page.html",     "report.html",     "report.css",
@@ -135,7 +135,7 @@ static ino_t inode_of(void **state, const char *name)
     return info.st_ino;
 }
 
-/* Whether the page shows just this. */
+/* Whether the data of the published page equals the given one. */
 static bool is_published(void **state, const struct neph_validation *validation)
 {
     char path[SCRATCH_PATH_MAX];
@@ -179,7 +179,7 @@ static void test_what_is_drawn_is_drawn_once(void **state)
     assert_string_equal(validation.charts[0].svg, "charts/speed.svg");
     assert_true(is_published(state, &validation));
     neph_report_close(report);
-    assert_int_equal(count_in_out(state), 1); /* the report alone */
+    assert_int_equal(count_in_out(state), 1); /* only the report */
     neph_validation_finish(&validation);
 }
 
@@ -198,8 +198,8 @@ static void test_a_scene_has_a_viewer(void **state)
     neph_validation_finish(&validation);
 }
 
-/* What a study left beside the report is part of it, so that the report can be moved; without one
- * there is nothing. */
+/* A page that a study left next to the report is copied into it, so that the report can be moved.
+ * Without such a page there is none. */
 static void test_a_page_beside_it_is_taken(void **state)
 {
     char folder[SCRATCH_PATH_MAX], page[SCRATCH_PATH_MAX];
@@ -213,7 +213,7 @@ static void test_a_page_beside_it_is_taken(void **state)
         neph_file_write(scratch_path(state, page, "out/screen/index.html"), "page", 4, &diag),
         &diag);
     publish(report, &validation);
-    assert_false(validation.has_screen); /* somebody else's */
+    assert_false(validation.has_screen); /* neph did not create it */
     neph_assert_ok(
         neph_file_write(scratch_path(state, page, "out/screen/.neph-owned"), "neph", 4, &diag),
         &diag);
@@ -228,7 +228,8 @@ static void test_a_page_beside_it_is_taken(void **state)
     neph_validation_finish(&validation);
 }
 
-/* Neither where a frame is no measurement, nor where there is no room: the report stands. */
+/* There is no viewer where a frame is no measurement, or where space is insufficient; the report is
+ * published anyway. */
 static void test_a_scene_may_have_no_viewer(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -327,7 +328,7 @@ static void assert_verdict(const struct neph_validation *validation, const char 
     assert_string_equal(text, expected);
 }
 
-/* "pass" is about the frames that were compared. */
+/* "pass" refers only to frames that were compared. */
 static void test_a_verdict_names_the_engines_that_it_is_without(void **state)
 {
     struct neph_validation made = validation_of(state);

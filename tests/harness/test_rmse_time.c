@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Times to a stated error on ladders whose law is known: error^2 = bias^2 + c / t^a.
+ * Time to a given error on series of sample counts with a known law: error^2 = bias^2 + c / t^a.
  */
 #include "tests/neph_test.h"
 
@@ -10,7 +10,7 @@
 
 enum { RUNGS = 4 };
 
-/* Rungs at 1, 2, 4, 8 s with the noise `first_noise` on the first. */
+/* Points at 1, 2, 4, 8 s; the first has the noise `first_noise`. */
 static void make_ladder(double first_noise, double power, double bias,
                         struct neph_rmse_rung rungs[RUNGS])
 {
@@ -38,7 +38,7 @@ static void test_laws_are_found_within_and_beyond(void **state)
 {
     static const double powers[] = {1.0, 1.5};
     static const struct {
-        double part; /* of the first rung's noise */
+        double part; /* of the first point's noise */
         enum neph_rmse_found found;
     } cases[] = {{2.0, NEPH_RMSE_BEFORE},
                  {0.8, NEPH_RMSE_WITHIN},
@@ -66,7 +66,7 @@ static void test_bias_costs_time_and_is_a_floor(void **state)
 {
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.006, rungs);
-    /* 1 %: the noise must go down to 0.8 %. */
+    /* 1 %: the noise must fall to 0.8 %. */
     expect(rungs, 0.01, NEPH_RMSE_BEYOND, pow(0.05 / 0.008, 2.0));
     expect(rungs, 0.0059, NEPH_RMSE_NEVER, NAN);
     expect(rungs, 0.001, NEPH_RMSE_NEVER, NAN);
@@ -76,7 +76,7 @@ static void test_a_bias_that_is_not_known_decides_nothing(void **state)
 {
     struct neph_rmse_rung rungs[RUNGS];
     make_ladder(0.05, 1.0, 0.0, rungs);
-    for (int k = 0; k < RUNGS; k++) /* as much as the noise's own scatter would make it */
+    for (int k = 0; k < RUNGS; k++) /* as much as the noise itself scatters */
         rungs[k].bias2 = (k % 2 ? 0.3 : -0.3) * rungs[k].noise2;
     assert_true(neph_rmse_law_of(rungs, RUNGS).bias2_high > 1e-4);
     expect(rungs, 0.01, NEPH_RMSE_UNKNOWN, NAN);
@@ -90,7 +90,7 @@ static void test_noise_that_does_not_fall_is_not_extrapolated(void **state)
     expect(rungs, 0.10, NEPH_RMSE_UNKNOWN, NAN);
 }
 
-/* A rung that is good by chance is followed by one that is not: the later one counts. */
+/* A point with a small error by chance is followed by a larger error: the later crossing counts. */
 static void test_the_last_crossing_counts(void **state)
 {
     struct neph_rmse_rung rungs[RUNGS];
@@ -100,7 +100,7 @@ static void test_the_last_crossing_counts(void **state)
     expect(rungs, rmse, NEPH_RMSE_WITHIN, 6.0);
 }
 
-/* Times that are all the same have no slope, and an all but level one no end. */
+/* Equal times have no slope, and an almost constant error has no limit. */
 static void test_times_that_tell_nothing_are_not_extrapolated(void **state)
 {
     struct neph_rmse_rung rungs[RUNGS];
@@ -116,7 +116,7 @@ static void test_times_that_tell_nothing_are_not_extrapolated(void **state)
     expect(rungs, 0.10, NEPH_RMSE_UNKNOWN, NAN);
 }
 
-/* A busy machine mixes the times of rungs. The law is one of times, and holds. */
+/* A busy machine changes the order of times. The law is a function of time, and stays valid. */
 static void test_the_order_of_the_rungs_is_that_of_their_times(void **state)
 {
     static const int order[RUNGS] = {2, 0, 3, 1};

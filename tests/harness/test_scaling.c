@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Exponents by their closed forms, verdicts on them, scenes of so many voxels, and that fronts hold
- * up to their intervals.
+ * Exponents against closed forms, verdicts on them, scenes with given voxel counts, and the
+ * stability of fronts within their intervals.
  */
 #include "tests/neph_test.h"
 
@@ -125,7 +125,7 @@ static const struct neph_ladder_light *light_named(const char *name)
     return light;
 }
 
-/* What a still camera does without, and what the wind asks for. */
+/* Parts that a static camera does not need, and parts that wind needs. */
 static void test_parts_for_motion(void **state)
 {
     static const struct {
@@ -145,8 +145,9 @@ static void test_parts_for_motion(void **state)
     }
 }
 
-/* Froxels where a medium is near, a map where clouds throw shadows, each for lights that it knows;
- * and the ladder has rungs with them where a scene needs any. */
+/* Froxels where a medium is near, a shadow map where clouds cast shadows, each for the lighting
+ * that supports it. The list of candidates contains settings with these parts where a scene needs
+ * any. */
 static void test_parts_of_the_air(void **state)
 {
     static const struct {
@@ -181,7 +182,7 @@ static void test_parts_of_the_air(void **state)
     }
 }
 
-/* Engines for one kind of scene are rungs where the scene is of it. */
+/* Engines for one kind of scene are candidates where the scene is of this kind. */
 static void test_the_ladder_has_engines_of_one_kind(void **state)
 {
     static const struct {
@@ -205,8 +206,8 @@ static void test_the_ladder_has_engines_of_one_kind(void **state)
     }
 }
 
-/* A program reads the scene's file: it can have what differs from that in sun and camera alone, as
- * the job tells these. */
+/* An external program reads the scene's file. It can render variants that differ from the file only
+ * in sun and camera, as the job passes both. */
 static void test_a_program_gets_variants_of_its_file(void **state)
 {
     struct neph_scene *scene = load("gaussian_blob"), *step = NULL, *other = NULL, *both = NULL;
@@ -229,7 +230,7 @@ static void test_a_program_gets_variants_of_its_file(void **state)
     neph_scene_destroy(scene);
 }
 
-/* `neph pick` looks at the user's renderer where there is one. */
+/* `neph pick` includes the user's renderer if there is one. */
 static void test_the_ladder_has_a_guest(void **state)
 {
     char path[] = "/tmp/neph_test_scaling_XXXXXX";
@@ -260,7 +261,7 @@ static void test_the_ladder_has_a_guest(void **state)
 
 enum { SWEEPS = 2, POINTS = 3 };
 
-/* Three points by cost and error; the second is worse than the first by `gap`. */
+/* Three points by cost and error; the second is worse than the first by the factor `gap`. */
 static void make_sweep(const struct neph_sweep_series *series, double gap, double half,
                        struct neph_sweep_point points[POINTS], struct neph_sweep *sweep)
 {
@@ -292,26 +293,27 @@ static void test_fronts_hold_up_to_intervals(void **state)
     assert_int_equal(outcome(sweeps, 0), NEPH_STABILITY_ON);
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_WITHIN);
     assert_int_equal(outcome(sweeps, 2), NEPH_STABILITY_ON);
-    make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]); /* and now they do not */
+    make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]); /* now they are disjoint */
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_MOVED);
     make_sweep(&series, 1.5, 0.1, points[0], &sweeps[0]);
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_OFF);
     points[1][1].evaluations = NAN;
     assert_int_equal(outcome(sweeps, 1), NEPH_STABILITY_ABSENT);
-    /* Beaten by half as much again at twice the cost: a third off would do, of both. */
+    /* The second point is beaten: an error 1.5 times as large at twice the cost. A reduction of
+     * both by a third would put it on the front. */
     make_sweep(&series, 1.5, 0.1, points[1], &sweeps[1]);
     assert_true(fabs(neph_stability_off(sweeps, SWEEPS, 1, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) -
                      0.5) < 1e-12);
     assert_true(neph_stability_off(sweeps, SWEEPS, 2, NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR) ==
                 0.0);
-    /* A point never beats itself, nor one that is as good. */
+    /* A point beats neither itself nor an equal one. */
     assert_false(
         neph_stability_beats(&points[0][0], &points[0][0], NEPH_SWEEP_COST_WORK, NEPH_SWEEP_ERROR));
 }
 
 /* --- seeds ---------------------------------------------------------------------------------- */
 
-/* Nearly normal, of variance 1: the sum of twelve even ones. */
+/* Nearly normal, variance 1: the sum of twelve uniform random numbers. */
 static double normal(uint64_t *seed)
 {
     double sum = -6.0;
@@ -320,7 +322,7 @@ static double normal(uint64_t *seed)
     return sum;
 }
 
-/* Three seeds of a number without an interval of its own: 95 % of such intervals hold the truth. */
+/* Three seeds of a value that has no interval: 95 % of the computed intervals contain the truth. */
 static void test_intervals_hold_what_seeds_differ_by(void **state)
 {
     enum { TRIALS = 2000, SEEDS = 3 };
@@ -333,16 +335,17 @@ static void test_intervals_hold_what_seeds_differ_by(void **state)
         const struct neph_sweep_value mean = neph_sweep_repeated(values, SEEDS);
         held += mean.low <= 1.0 && 1.0 <= mean.high;
     }
-    /* 95 % give or take four standard deviations of the count */
+    /* 95 %, plus or minus four standard deviations of the count */
     assert_true(abs(held - 95 * TRIALS / 100) < 4 * sqrt(0.95 * 0.05 * TRIALS));
-    /* One seed has the interval over its picture; several have both, squares added up. */
+    /* One seed has the interval over its pixels. Several seeds have both intervals, added as
+     * squares. */
     const struct neph_sweep_value one = {2.0, 1.7, 2.4}, same[] = {one, one, one};
     const struct neph_sweep_value alone = neph_sweep_repeated(&one, 1),
                                   three = neph_sweep_repeated(same, 3);
     assert_true(alone.low == 1.7 && alone.high == 2.4);
     assert_true(three.value == 2.0 && fabs(three.low - 1.7) < 1e-12 &&
                 fabs(three.high - 2.4) < 1e-12);
-    /* 4.302653 is Student's for two degrees of freedom; 0.1 / sqrt(3) the error of the mean. */
+    /* Student's t for two degrees of freedom is 4.302653; the mean's error is 0.1 / sqrt(3). */
     const struct neph_sweep_value apart[] = {{1.9, 1.6, 2.2}, {2.0, 1.7, 2.3}, {2.1, 1.8, 2.4}};
     const struct neph_sweep_value both = neph_sweep_repeated(apart, 3);
     assert_true(fabs(both.high - 2.0 - hypot(0.3, 4.302653 * 0.1 / sqrt(3.0))) < 1e-6);
@@ -350,7 +353,7 @@ static void test_intervals_hold_what_seeds_differ_by(void **state)
         isnan(neph_sweep_repeated((struct neph_sweep_value[]){one, {NAN, NAN, NAN}}, 2).value));
 }
 
-/* Sweeps of seeds beside each other share none, of points or of the truth. */
+/* Sweeps with consecutive seeds have no seed in common, neither of points nor of the truth. */
 static void test_sweeps_share_no_seed(void **state)
 {
     enum { BASES = 16, REPEATS = 99 + 2 };
@@ -367,8 +370,8 @@ static void test_sweeps_share_no_seed(void **state)
 
 enum { PLANTED_SWEEPS = 3, PLANTED_POINTS = 8, PLANTED_SEEDS = 3 };
 
-/* Fronts of sweeps whose numbers are those of the plan times what a seed makes of them; `gone` is a
- * sweep in which the engine of the third point is another one. */
+/* Fronts of sweeps whose values are planned ones times random noise of each seed. In the sweep
+ * `gone` the third point comes from a different engine. */
 static int moved_points(uint64_t *seed, double noise, int gone)
 {
     struct neph_sweep_series series = {.name = (char[]){"a"}};
@@ -400,8 +403,9 @@ static int moved_points(uint64_t *seed, double noise, int gone)
     return moved;
 }
 
-/* By pairs the second point costs more for the same number: which of both is on the front, chance
- * decides, and nothing has moved. A point that is another engine's in one sweep has. */
+/* In each pair the second point costs more at an equal value. Which of the two is on the front
+ * depends on noise; no point has moved. A point that comes from a different engine in one sweep has
+ * moved. */
 static void test_planted_fronts(void **state)
 {
     enum { TRIALS = 300 };

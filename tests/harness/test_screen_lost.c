@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Why a screen does not know what it does not: a wall of which the picture shows a part, a screen
- * between the camera and a wall, a post that hides nothing.
+ * Why a screen-space method misses light: a wall that is partly outside of the frame, a screen
+ * between camera and wall, a post that hides nothing.
  */
 #include "tests/scene_builders.h"
 
@@ -9,8 +9,8 @@
 
 enum { SIDE = 64, RAYS = 4096 };
 
-/* The camera looks along -z from above, without perspective: its picture is 4 m wide, and its sides
- * are the planes x = -2 and x = 2. */
+/* An orthographic camera looks along -z from above: its frame is 4 m wide, with sides at the planes
+ * x = -2 and x = 2. */
 static void set_ground(struct test_scene *test)
 {
     test_scene_init(test);
@@ -21,7 +21,7 @@ static void set_ground(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-50, -1, -50}, (struct neph_vec3){50, 0, 50});
 }
 
-/* At the pixel that shows a place of the ground. */
+/* Evaluates the pixel that shows a given point of the ground. */
 static void look_from(const struct test_scene *test, double x_m, double z_m, double reach_m,
                       double shares[NEPH_SCREEN_LOSSES])
 {
@@ -42,7 +42,7 @@ static double standing_rectangle(double distance_m, double width_m, double heigh
            (2.0 * M_PI);
 }
 
-/* The ground before it sees the wall from x = 1.5 to 7; beyond 2 it is off the picture. Half a
+/* The ground sees the wall from x = 1.5 to 7; the part beyond 2 is outside of the frame. Half a
  * pixel is 3 cm. */
 static void test_a_wall_that_goes_on_beyond_the_picture(void **state)
 {
@@ -55,13 +55,13 @@ static void test_a_wall_that_goes_on_beyond_the_picture(void **state)
     neph_assert_close(shares[NEPH_LOST_OFF], off, 0.06, 0.002);
     neph_assert_close(shares[NEPH_LOST_BEHIND], 0.0, 0.0, 0.002);
     neph_assert_close(shares[NEPH_LOST_THIN], 0.0, 0.0,
-                      0.01);                 /* past its near end, and behind it */
-    look_from(&test, 1.0, 0.0, 1.2, shares); /* the part off the picture begins 1.4 m away */
+                      0.01);                 /* rays past its near end, and behind it */
+    look_from(&test, 1.0, 0.0, 1.2, shares); /* the part outside of the frame begins 1.4 m away */
     assert_true(shares[NEPH_LOST_OFF] == 0.0);
 }
 
-/* A plate lies over the ground: from beneath, its lower side is met, which the camera does not see;
- * beside it, rays go behind its edge and meet that side, or pass. */
+/* A plate above the ground. From below, rays hit its lower side, which the camera does not see.
+ * From the side, rays go behind its edge and hit the lower side, or pass. */
 static void test_a_plate_over_the_ground(void **state)
 {
     struct test_scene test;
@@ -71,12 +71,12 @@ static void test_a_plate_over_the_ground(void **state)
     look_from(&test, 0.0, 0.9, INFINITY, shares);
     assert_true(shares[NEPH_LOST_BEHIND] > 0.05 && shares[NEPH_LOST_OFF] == 0.0);
     assert_true(shares[NEPH_LOST_THIN] > 0.005);
-    look_from(&test, 0.0, 0.9, 0.3, shares); /* it is farther */
+    look_from(&test, 0.0, 0.9, 0.3, shares); /* the plate is farther away */
     for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
         neph_assert_close(shares[i], 0.0, 0.0, 1e-9);
 }
 
-/* From all of a convex thing's own surface nothing is lost to itself, nor from open ground. */
+/* A convex body loses no light to itself, and open ground loses none. */
 static void test_a_ball_and_the_ground(void **state)
 {
     struct test_scene test;
@@ -86,7 +86,7 @@ static void test_a_ball_and_the_ground(void **state)
     for (int i = 0; i < NEPH_SCREEN_LOSSES; i++)
         assert_true(shares[i] == 0.0);
     test_add_sphere(&test, (struct neph_vec3){0, 0.5, 0}, 0.5);
-    look_from(&test, -1.6, 0.0, INFINITY, shares); /* half of the ball, seen from its side */
+    look_from(&test, -1.6, 0.0, INFINITY, shares); /* half of the ball, seen from the side */
     assert_true(shares[NEPH_LOST_BEHIND] > 0.0 && shares[NEPH_LOST_OFF] == 0.0);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which files a user means by files, folders, patterns and globs; what is refused; whose frames
- * operands are; and frames by content, whatever their name.
+ * Which files a user means by files, folders, patterns and globs; refused inputs; whether operands
+ * are reference or test frames; and frame formats by content, whatever the file's name.
  */
 #include "tests/base/scratch.h"
 #include "tests/harness/image_test.h"
@@ -14,7 +14,7 @@
 
 enum { NAMES_MAX = 8 };
 
-/* Empty files in the folder of the test, which becomes the working one: paths are short. */
+/* Empty files in the test's folder, which becomes the working folder: paths are short. */
 static void make_files(void **state, const char *const names[NAMES_MAX])
 {
     const struct scratch *scratch = *state;
@@ -98,7 +98,7 @@ static const struct found {
     {{"f10.exr", "f9.exr", "f8.exr", "g.exr"}, {"f*.exr"}, {"f8.exr", "f9.exr", "f10.exr"}},
     {{"x/f1.exr", "y/f1.exr", "y/f1.exr.txt"}, {"?/f1.exr"}, {"x/f1.exr", "y/f1.exr"}},
     {{"f1.exr", "f2.exr", "f3.exr"}, {"f[12].exr", "f3.exr"}, {"f1.exr", "f2.exr", "f3.exr"}},
-    /* the number is the run that changes, wherever it is */
+    /* the number is the run of digits that changes, wherever it is */
     {{"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"},
      {"b10_v2.exr", "b8_v2.exr", "b9_v2.exr"}, /* the order of a shell */
      {"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"}},
@@ -110,12 +110,12 @@ static const struct found {
      {"b8_v2.exr", "b9_v2.exr", "b10_v2.exr"}},
     {{"9/f1.exr", "10/f1.exr", "11/f1.exr"}, {"*/f1.exr"}, {"9/f1.exr", "10/f1.exr", "11/f1.exr"}},
     {{"f1.0009", "f1.0010"}, {"f1.*"}, {"f1.0009", "f1.0010"}},
-    /* of two the one that counts up by one */
+    /* of two numbers, the one that increases by one */
     {{"f9_t1.50.exr", "f10_t1.75.exr", "f11_t2.00.exr"},
      {"f*"},
      {"f9_t1.50.exr", "f10_t1.75.exr", "f11_t2.00.exr"}},
     {{"s1_f10.exr", "s2_f9.exr", "s1_f11.exr"}, {"s*"}, {"s2_f9.exr", "s1_f10.exr", "s1_f11.exr"}},
-    /* a minus, of any width and with or without zeros */
+    /* a minus, of any width, with or without zeros */
     {{"f.-0002.exr", "f.-0001.exr", "f.0000.exr", "f.0001.exr"},
      {"f.*"},
      {"f.-0002.exr", "f.-0001.exr", "f.0000.exr", "f.0001.exr"}},
@@ -129,7 +129,7 @@ static const struct found {
      {"f.-0002.exr", "f.-001.exr", "f.0000.exr"}},
     {{"f.-2.exr", "f.-1.exr", "f.-01.exr"}, {"f.%d.exr"}, {"f.-2.exr", "f.-1.exr"}},
     {{"f.-11.exr", "f.-12.exr", "f.-10.exr"}, {"f.*"}, {"f.-12.exr", "f.-11.exr", "f.-10.exr"}},
-    /* a hyphen behind a letter or a digit is none, but where the numbers go through 0 */
+    /* a hyphen after a letter or a digit is no minus, except where the numbers pass through 0 */
     {{"s-0001.exr", "s-0002.exr", "s-0003.exr"},
      {"s*"},
      {"s-0001.exr", "s-0002.exr", "s-0003.exr"}},
@@ -138,7 +138,7 @@ static const struct found {
      {"f%04d.exr"},
      {"f-002.exr", "f-001.exr", "f0000.exr", "f0001.exr"}},
     {{"f-0001.exr", "f0000.exr"}, {"f0000.exr", "f-0001.exr"}, {"f-0001.exr", "f0000.exr"}},
-    /* identifiers of letters and digits order nothing */
+    /* identifiers of letters and digits do not affect the order */
     {{"f.0001.9e3779b1.exr", "f.0002.1b54a32d.exr", "f.0003.c0ffee12.exr", "f.0010.7f4a7c15.exr"},
      {"f.000*"},
      {"f.0001.9e3779b1.exr", "f.0002.1b54a32d.exr", "f.0003.c0ffee12.exr"}},
@@ -168,7 +168,7 @@ static const struct found {
      {"./f.####.exr"},
      {"./f.-002.exr", "./f.-001.exr", "./f.0000.exr"}},
     {{"f#.0001.exr", "f#.0002.exr"}, {"f#.%04d.exr"}, {"f#.0001.exr", "f#.0002.exr"}},
-    {{"f.####.exr", "f.0001.exr"}, {"f.####.exr"}, {"f.####.exr"}}, /* a file of that name */
+    {{"f.####.exr", "f.0001.exr"}, {"f.####.exr"}, {"f.####.exr"}}, /* a file of this name */
     /* more digits than any frame number has: a name */
     {{"20240229123456789012345.exr", "2.exr"},
      {"20240229123456789012345.exr", "2.exr"},
@@ -239,7 +239,7 @@ static const struct refused {
     {{"f-1.exr", "f-2.exr", "f1.exr", "f2.exr"},
      {"f*"},
      NEPH_ERR_INPUT,
-     "'f*' holds more than one sequence"},
+     "'f*' has more than one sequence"},
     {{"f.0001.9e3779b1.exr", "f.0003.1b54a32d.exr"},
      {"f.*"},
      NEPH_ERR_INPUT,
@@ -260,11 +260,11 @@ static const struct refused {
     {{"d/f1.exr", "d/f2.exr", "d/z1.exr"},
      {"d"},
      NEPH_ERR_INPUT,
-     "'d' holds more than one sequence: 'd/f1.exr' and 'd/z1.exr'"},
+     "'d' has more than one sequence: 'd/f1.exr' and 'd/z1.exr'"},
     {{"f1.exr", "f1_a.exr", "f2.exr", "f2_a.exr"},
      {"f*"},
      NEPH_ERR_INPUT,
-     "'f*' holds more than one sequence"},
+     "'f*' has more than one sequence"},
 };
 
 static void test_what_is_no_sequence_is_refused(void **state)
@@ -285,8 +285,7 @@ static void test_what_is_no_sequence_is_refused(void **state)
     }
 }
 
-/* ---- by position ------------------------------------------------------------------------------
- */
+/* ---- by position ----------------------------------------------------------------------------- */
 
 static const struct found by_position[] = {
     {{"f.0004.exr", "f.0000.exr", "f.0002.exr"},
@@ -318,7 +317,7 @@ static void test_gaps_and_doubles_by_position(void **state)
     }
 }
 
-/* Random names: whatever surrounds the number, the order is that of the numbers. */
+/* Random names: whatever surrounds the number, files are in numerical order. */
 static void test_numbers_order_random_names(void **state)
 {
     static const char *const heads[] = {"f.", "shot_", "", "v2-a_", "take 3 "}, *const tails[] = {
@@ -391,17 +390,17 @@ static void test_frames_belong_together_by_number(void **state)
     assert_int_equal(chdir("/"), 0);
 }
 
-/* ---- whose operands -------------------------------------------------------------------------- */
+/* ---- reference and test operands ------------------------------------------------------------- */
 
 static const struct split {
     const char *references[NAMES_MAX], *operands[NAMES_MAX];
-    const char *mine; /* R or T for each operand; else what the message says */
+    const char *mine; /* R or T for each operand; otherwise a part of the message */
 } splits[] = {
     {{"r/f1.exr"}, {"t/f1.exr", "t/f2.exr"}, "TT"},
     {{"r/f1.exr"}, {"r/f2.exr", "r/f3.exr", "t/f1.exr", "t/f2.exr"}, "RRTT"},
     {{"r/f1.exr"}, {"t/f1.exr", "r/f2.exr"}, "TR"},
     {{"x1.exr"}, {"x2.exr", "y1.exr", "y2.exr"}, "RTT"},
-    {{"v1.1.exr"}, {"v1.2.exr", "v2.1.exr"}, "RT"}, /* the last digits alone are the frame's */
+    {{"v1.1.exr"}, {"v1.2.exr", "v2.1.exr"}, "RT"}, /* only the last digits are the frame's */
     {{"s1_v1.exr"}, {"s2_v1.exr", "s3_v1.exr", "s1_v2.exr", "s2_v2.exr", "s3_v2.exr"}, "RRTTT"},
     {{"1/f1.exr"}, {"1/f2.exr", "1/f3.exr", "2/f1.exr", "2/f2.exr", "2/f3.exr"}, "RRTTT"},
     {{"1/f1.exr"}, {"2/f1.exr", "2/f2.exr", "2/f3.exr", "2/f4.exr"}, "TTTT"},
@@ -409,7 +408,7 @@ static const struct split {
     {{"r"}, {"t"}, "T"},
     {{"r/f%d.exr"}, {"r/f2.exr"}, "T"}, /* a quoted pattern has all of its frames */
     {{"r/f1.exr"}, {"t/f%d.exr"}, "T"},
-    {{"r/f1.exr"}, {"none.exr"}, "T"}, /* refused later, as not there */
+    {{"r/f1.exr"}, {"none.exr"}, "T"}, /* refused later, as a missing file */
     {{"r/f1.exr"}, {"r/f2.exr", "r/f3.exr"}, "no frames are left to be tested: 'r/f2.exr'"},
     {{"r/f1.exr"}, {NULL}, "no frames to be tested are named"},
     {{"r/f1.exr"}, {"t/f1.exr", "x1.exr"}, "more than one sequence: 't/f1.exr' and 'x1.exr'"},
@@ -473,7 +472,7 @@ static void test_frames_by_content(void **state)
 {
     char path[SCRATCH_PATH_MAX];
     struct neph_image *image = NULL;
-    scratch_path(state, path, "frame.png"); /* says the name */
+    scratch_path(state, path, "frame.png"); /* the message has the name */
     write_exr(path, 3.0f);
     neph_assert_ok(neph_frame_read(path, NULL, 0, &image, NULL), NULL);
     assert_true(image->channels[1].samples[1] == 3.0f);
@@ -512,7 +511,7 @@ static void test_frames_that_are_none(void **state)
     neph_image_destroy(image);
 }
 
-/* A frame with those channels, each 1 everywhere but for the first, which is 2. */
+/* A frame with these channels; each is 1 everywhere, except the first, which is 2. */
 static void write_channels(const char *path, const char *const *names)
 {
     struct neph_image *image = NULL;
@@ -530,7 +529,7 @@ static void test_colours_that_are_none_of_ours(void **state)
     static const struct {
         const char *channels[7], *layer;
         const char *has[4], *lacks[4];
-        const char *refused; /* NULL: it is read */
+        const char *refused; /* NULL: it can be read */
     } cases[] = {
         {{"X", "Y", "Z"}, NULL, {NULL}, {NULL}, "channels X Y Z and no R G B"},
         {{"N.X", "N.Y", "N.Z", "R", "G", "B"}, "N", {NULL}, {NULL}, "channels X Y Z"},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What Slurm is told, by commands of its names that note it: arrays no longer than it allows, hosts
- * that are marked, a last job that waits for all. With a real one: e2e_slurm.py.
+ * The commands sent to Slurm, recorded by scripts with the names of its programs: arrays no longer
+ * than its limit, marked hosts, a last job that waits for all. With a real Slurm: e2e_slurm.py.
  */
 #include "tests/base/scratch.h"
 
@@ -9,7 +9,7 @@
 
 #include <sys/stat.h>
 
-/* Numbers from 1 on, below a warning; where REFUSE is set, the second job is refused. */
+/* Job numbers from 1 on, below a warning; if REFUSE is set, the second job is refused. */
 static const char fake[] =
     "#!/bin/sh\n"
     "here=${0%/*}\n"
@@ -36,10 +36,11 @@ static int setup(void **state)
         chmod(path, 0755);
     }
     unsetenv("REFUSE");
-    return setenv("PATH", ((struct scratch *)*state)->folder, 1); /* all else is of the shell */
+    return setenv("PATH", ((struct scratch *)*state)->folder, 1); /* all other programs are the
+                                                                     shell's */
 }
 
-/* What was told, a line a command; to free. */
+/* The recorded commands, one a line; for free(). */
 static char *told(void **state)
 {
     char path[SCRATCH_PATH_MAX], *text = NULL;
@@ -61,7 +62,7 @@ struct batch {
     struct neph_slurm_batch batch;
 };
 
-/* Eight tasks, every third of which is timed, in a folder with an apostrophe in its name. */
+/* Eight tasks, every third of them timed, in a folder with an apostrophe in its name. */
 static void make_batch(void **state, struct batch *b)
 {
     static const char *const lines[] = {"a", "b", "c", "d", "e", "f", "g", "h"};
@@ -91,9 +92,9 @@ static void test_arrays_are_as_long_as_allowed_and_go_to_marked_hosts(void **sta
     char *text = NULL, *all = told(state);
     size_t size;
     neph_assert_ok(neph_file_read(b.manifest, 1000, &text, &size, NULL), NULL);
-    assert_string_equal(text, "b\nc\ne\nf\nh\na\nd\ng\n"); /* by hosts, else in order */
+    assert_string_equal(text, "b\nc\ne\nf\nh\na\nd\ng\n"); /* by hosts, otherwise in order */
     free(text);
-    /* 3 + 2 that go anywhere, 3 that are timed: no array has both, none is longer than 3. */
+    /* 3 + 2 tasks for any host, 3 timed tasks: no array has both kinds, none is longer than 3. */
     assert_told(all, "<--array=0-2%2> <--account=a> <--mem=4G> <--wrap> "
                      "<eval \"exec $(sed -n $((1 + SLURM_ARRAY_TASK_ID))p '");
     assert_told(all, "<--array=0-1%2> <--account=a> <--mem=4G> <--wrap> "
@@ -137,7 +138,7 @@ static void test_nothing_goes_to_hosts_that_nobody_named(void **state)
     make_batch(state, &b);
     assert_int_equal(neph_slurm_submit(&nothing, &b.batch, &diag), NEPH_ERR_USAGE);
     assert_non_null(strstr(diag.hint, "timing=FEATURE"));
-    char *all = told(state); /* what went before is taken back */
+    char *all = told(state); /* earlier jobs are cancelled */
     assert_told(all, "scancel <--quiet> <--name> <neph-1>");
     free(all);
     b.batch.task_count = 0;

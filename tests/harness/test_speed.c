@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Times of reports: start-up apart, an interval that is what it says, and more work that takes less
- * time is found where it is no chance, on times that are made up.
+ * Durations in reports, on synthetic values: start-up time is separated, intervals have their
+ * stated confidence, and a shorter time for more work is reported if it is significant.
  */
 #include "tests/neph_test.h"
 
@@ -18,7 +18,7 @@ static void assert_is(double value, double wanted)
         fail_msg("%.17g, not %.17g", value, wanted);
 }
 
-/* Two seconds of start within each render, 0.5 before: mean 3, standard error 1/sqrt(3), and
+/* Two seconds of start-up within each render, 0.5 before: mean 3, standard error 1/sqrt(3), and
  * Student's 97.5 % quantile of 2 degrees of freedom, (2 p - 1) / sqrt(2 p (1 - p)). */
 static void test_start_up_is_apart_and_the_interval_is_students(void **state)
 {
@@ -44,7 +44,7 @@ static void test_one_render_is_no_measurement(void **state)
     json_decref(json);
 }
 
-/* A start that was not measured is null; no render is shorter than its start. */
+/* An unmeasured start-up time is null; no render is shorter than its start-up. */
 static void test_an_unknown_start_is_no_number(void **state)
 {
     const double render_s[] = {1.0, 1.0};
@@ -57,7 +57,7 @@ static void test_an_unknown_start_is_no_number(void **state)
     json_decref(json);
 }
 
-/* t = 1.5 + 0.25 s a sample. A rung that was slow by chance moves no start. */
+/* t = 1.5 + 0.25 s a sample. A point that was slow by chance does not change the start-up time. */
 static void test_the_start_of_a_ladder(void **state)
 {
     const int samples[] = {4, 16, 64};
@@ -67,7 +67,7 @@ static void test_the_start_of_a_ladder(void **state)
 
 enum { POINTS = 6, SERIES = 2000 };
 
-/* A number of mean 0 and variance 1: the sum of twelve even ones. */
+/* A random number with mean 0 and variance 1: the sum of twelve uniform ones. */
 static double normal(uint64_t *state)
 {
     double sum = -6.0;
@@ -92,14 +92,15 @@ static void test_less_time_for_more_work_is_found(void **state)
     speeds[3] = made_up(1.75, 1.8, 1.9); /* below point 2, 2.7..3.3, and within point 1, 1.8..2.2 */
     assert_int_equal(neph_speed_falls(speeds, POINTS, &earlier), 3);
     assert_int_equal(earlier, 2);
-    speeds[2].repeats = 0; /* not measured: nothing is held against it */
+    speeds[2].repeats = 0; /* not measured: not compared with any point */
     assert_int_equal(neph_speed_falls(speeds, POINTS, &earlier), -1);
 }
 
-/* Work that does not show in the time at all, under noise: intervals of 95 % part by chance. Two of
- * six points may, in either order: no more than 15 pairs times 5 %, and in truth far fewer, since
- * intervals that part are far less likely than one that misses (two standard errors each, in
- * opposite directions). A cold start in the first points, as charts had it, is found always. */
+/* The duration does not depend on the work, but is noisy: intervals of 95 % are disjoint only by
+ * chance. Two of six points may be, in either order: at most 15 pairs times 5 %. The true rate is
+ * far lower: disjoint intervals are far less likely than one interval that misses the truth (two
+ * standard errors each, in opposite directions). A cold start in the first points, as real charts
+ * had it, is always found. */
 static void test_noise_is_not_taken_for_a_fall(void **state)
 {
     uint64_t random = 42;

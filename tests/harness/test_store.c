@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The promises of the store: an entry is what its key says or it is absent, runs at the same time
- * do not disturb each other, and nothing of killed or failed ones stays. Everything happens in one
- * process: its number is the same for all, as in containers, and tells nothing.
+ * Guarantees of the store: an entry matches its key or is absent, simultaneous runs do not disturb
+ * each other, and killed or failed runs leave nothing. All of this runs in one process: as in
+ * containers, all runs have the same process number, which therefore identifies none.
  */
 #include "tests/harness/store_test.h"
 
@@ -28,7 +28,7 @@ static void publish(struct neph_store *store, const char *key, const char *frame
     json_decref(record);
 }
 
-/* The seconds of an entry, or -1 when it is absent. */
+/* The seconds of an entry, or -1 if it is absent. */
 static double find(struct neph_store *store, const char *key)
 {
     char *path = NULL;
@@ -56,7 +56,7 @@ static void assert_gone(void **state, const char *part, const char *key)
     assert_false(neph_path_exists(path));
 }
 
-/* Replace text in the record of an entry by another of the same length. */
+/* Replaces text in the record of an entry by another of the same length. */
 static void edit_record(void **state, const char *key, const char *old, const char *new)
 {
     char folder[SCRATCH_PATH_MAX], *text = NULL;
@@ -146,7 +146,7 @@ static void test_damaged_and_missing_files_are_absent(void **state)
     neph_store_close(store);
 }
 
-/* Numbers and pictures beside the frame are results, too; other pictures are not kept. */
+/* Values and images next to the frame are results, too; other images are not stored. */
 static void test_edited_results_are_absent(void **state)
 {
     static const char *const results[] = {"flicker.json", "flip_0.png"};
@@ -194,7 +194,7 @@ static void test_runs_at_the_same_time_have_folders_of_their_own(void **state)
     struct neph_scratch *of_first = NULL, *of_second = NULL;
     neph_assert_ok(neph_store_begin(first, &of_first, NULL), NULL);
     scratch_put(neph_scratch_path(of_first), "frame.exr", "half");
-    struct neph_store *second = open_store(state); /* which sweeps */
+    struct neph_store *second = open_store(state); /* opening it removes leftovers */
     neph_assert_ok(neph_store_begin(second, &of_second, NULL), NULL);
     char *half = neph_path_join(neph_scratch_path(of_first), "frame.exr");
     assert_true(neph_path_exists(half));
@@ -236,7 +236,8 @@ static void test_failed_tries_stay_until_their_key_succeeds(void **state)
     neph_store_close(store);
 }
 
-/* As a kill -9 leaves it: a lock that nobody holds and a folder, temporary files, rests. */
+/* The leftovers of a killed process: a lock file without an owner and a folder, temporary files,
+ * suspended work. */
 static void leave_leftovers(void **state, const char *work)
 {
     char path[SCRATCH_PATH_MAX];
@@ -246,7 +247,7 @@ static void leave_leftovers(void **state, const char *work)
     neph_assert_ok(neph_dir_create(work, NULL), NULL);
     scratch_put(work, "frame.exr", "half");
     entry_path(state, "tmp", key_a, path);
-    strcat(path, ".1"); /* of a version that went by process numbers */
+    strcat(path, ".1"); /* from a version that used process numbers */
     neph_assert_ok(neph_dir_create(path, NULL), NULL);
     scratch_path(state, path, "store");
     scratch_put(path, ".neph-0123456789abcdef.tmp", "half");
@@ -276,7 +277,7 @@ static void test_leftovers_are_swept(void **state)
     neph_assert_close(find(store, key_a), 1.0, 0.0, 0.0);
     neph_store_close(store);
 
-    scratch_path(state, path, "store/resting"); /* what may still be gone on with stays */
+    scratch_path(state, path, "store/resting"); /* work that can still be resumed stays */
     scratch_put(path, key_b, "yesterday's");
     neph_store_close(open_store(state));
     assert_int_equal(scratch_count_in(state, "store/resting"), 1);

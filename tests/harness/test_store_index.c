@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The store's database: it says what the frames say, whatever happens to it or to who writes it.
+ * The store's database agrees with the frames, whatever happens to the database or its writer.
  */
 #include "tests/harness/store_test.h"
 
@@ -70,7 +70,7 @@ static json_t *export_of(struct neph_store *store)
     return document;
 }
 
-/* The store says what it said; frees that. */
+/* The store's export equals `before`, which is freed. */
 static void assert_exports(struct neph_store *store, json_t *before)
 {
     json_t *after = export_of(store);
@@ -93,7 +93,7 @@ static void remove_index(void **state)
     neph_assert_ok(neph_dir_remove(scratch_path(state, path, "store/index"), NULL), NULL);
 }
 
-/* A night of two series, and of a frame; NULL: of none. */
+/* A nightly run of two series and one frame; NULL: without a frame. */
 static int64_t make_night(struct neph_store *store, const char *revision, double value,
                           const char *frame)
 {
@@ -130,7 +130,7 @@ static void accept(struct neph_store *store, const char *series, int64_t night,
     neph_database_close(index);
 }
 
-/* ---- takeover and damage --------------------------------------------------------------------- */
+/* ---- upgrade and damage ---------------------------------------------------------------------- */
 
 static void test_a_store_without_a_database_is_taken_over(void **state)
 {
@@ -170,8 +170,8 @@ static void ignore_fault(const struct neph_store_fault *fault, void *context)
     assert_string_equal(fault->key, "");
 }
 
-/* Wherever it is damaged: frames and nights that were over are found, at once or, where SQLite
- * cannot tell that a text has changed, after a check. */
+/* For any damaged position, finished frames and runs are found: at once or, where SQLite cannot
+ * detect a changed text, after a check. */
 static void test_a_damaged_database_costs_nothing_that_was_finished(void **state)
 {
     uint64_t random = 20261125;
@@ -212,10 +212,10 @@ static void test_a_database_of_a_later_neph_is_refused(void **state)
     neph_database_close(database);
     assert_int_equal(neph_store_open(scratch_path(state, folder, "store"), &store, &diag),
                      NEPH_ERR_USAGE);
-    assert_non_null(strstr(diag.message, "form 4"));
+    assert_non_null(strstr(diag.message, "version 4"));
 }
 
-/* Steps that fail leave the form that was there. */
+/* Failing steps leave the previous schema. */
 static void test_migrations_are_whole_or_not_at_all(void **state)
 {
     static const char *const first[] = {"CREATE TABLE a (b INTEGER) STRICT", NULL};
@@ -244,7 +244,7 @@ static void test_migrations_are_whole_or_not_at_all(void **state)
     neph_database_close(database);
 }
 
-/* ---- a full disk, kills, others -------------------------------------------------------------- */
+/* ---- full disks, killed processes, other hosts ----------------------------------------------- */
 
 static void limit_files(rlim_t bytes)
 {
@@ -254,7 +254,7 @@ static void limit_files(rlim_t bytes)
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 }
 
-/* Files that may not grow stand for a disk that is full. */
+/* Files with a size limit simulate a full disk. */
 static void test_a_full_disk_is_survived(void **state)
 {
     struct neph_diag diag = {0};
@@ -279,7 +279,7 @@ static void test_a_full_disk_is_survived(void **state)
     neph_store_close(store);
 }
 
-/* In a process of its own: frames without end, each run of five in a store that is opened anew. */
+/* In a process of its own: publishes frames without end, five to each opened store. */
 static void publish_for_ever(void **state, int first)
 {
     for (;; first += 5) {
@@ -290,7 +290,8 @@ static void publish_for_ever(void **state, int first)
     }
 }
 
-/* The moments are counted in frames, and then in microseconds: a slow disk has as many of them. */
+/* Waits for a number of frames, and then for random microseconds: a slow disk has as many such
+ * moments. */
 static void wait_for_frames(void **state, int count, uint64_t *random)
 {
     while (scratch_count_in(state, "store/frames") < count)
@@ -320,7 +321,7 @@ static void test_kills_at_random_moments_are_survived(void **state)
         neph_store_close(store);
         kept = frames;
     }
-    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was ever set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was moved away */
 }
 
 static void wait_for_all(const pid_t *pids, int count)
@@ -392,7 +393,7 @@ static void take_fault(const struct neph_store_fault *fault, void *context)
     *faults += fault->key[0] == '\0' && strstr(fault->why, "night 1 ") != NULL;
 }
 
-/* SQLite has no checksums: a number that was changed in its file is right in form. */
+/* SQLite has no checksums: a changed number in its file is formally valid. */
 static void test_check_holds_nights_against_their_documents(void **state)
 {
     struct neph_store_sums sums;
@@ -425,7 +426,7 @@ static void count_any_fault(const struct neph_store_fault *fault, void *context)
     *removed += fault->removed;
 }
 
-/* Two nights, the second accepted and with a frame, and its document no longer what it was. */
+/* Two nightly runs; the second is accepted and has a frame, and its document is changed. */
 static json_t *spoil_a_document(void **state, struct neph_store *store, const char *text)
 {
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX];
@@ -439,7 +440,7 @@ static json_t *spoil_a_document(void **state, struct neph_store *store, const ch
     return export_of(store);
 }
 
-/* Made again, the database would be without it, and eviction would take a baseline's frames. */
+/* A rebuilt database would not contain the run, and eviction would remove frames of a baseline. */
 static void test_a_repair_keeps_a_night_whose_document_is_missing(void **state)
 {
     struct neph_store_sums sums;
@@ -500,8 +501,8 @@ static struct neph_store_gc collect(struct neph_store *store, int64_t limit_byte
     return gc;
 }
 
-/* Frame 1 is the oldest and of an accepted night, 2 comes next but was found a moment ago, 6 is of
- * now. */
+/* Frame 1 is the oldest and belongs to an accepted run; frame 2 is next, but was just used; frame 6
+ * is new. */
 static void test_gc_takes_the_longest_unused_and_no_baseline(void **state)
 {
     char key[NEPH_HASH_HEX_SIZE];
@@ -549,14 +550,14 @@ static void test_gc_tells_what_it_could_not_remove(void **state)
 
 /* ---- several hosts --------------------------------------------------------------------------- */
 
-/* From now on this is the host whose disk is that folder; "": a host alone. */
+/* From now on this process is the host with this folder as its disk; "": a single host. */
 static void be_host(void **state, const char *disk)
 {
     char path[SCRATCH_PATH_MAX];
     setenv("NEPH_STORE_INDEX", disk[0] ? scratch_path(state, path, disk) : "", 1);
 }
 
-/* Each host has a database of its own, and all say the same. */
+/* Each host has a database of its own, and all databases agree. */
 static void test_hosts_with_databases_of_their_own_agree(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -582,7 +583,7 @@ static void test_hosts_with_databases_of_their_own_agree(void **state)
     json_decref(of_a);
 }
 
-/* Rows of a store that was removed are none of the next at its path. */
+/* A new store at the path of a removed one does not inherit its rows. */
 static void test_a_store_that_was_made_again_is_another(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -617,7 +618,7 @@ static void test_where_no_database_is_wanted_frames_are_made_all_the_same(void *
     neph_store_close(store);
 }
 
-/* The night of jobs: begun on one host, ended on another. */
+/* A nightly run of jobs that begins on one host and ends on another. */
 static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
 {
     struct neph_database *index = NULL;
@@ -640,7 +641,7 @@ static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
     neph_assert_ok(neph_history_add(index, night, &step, &number, 1, NULL), NULL);
     neph_assert_ok(neph_history_end(index, folder, night, "pass", none, NULL), NULL);
     assert_int_equal(neph_history_adopt(index, folder, &who, night, "2026-01-31T00:00:00Z", NULL),
-                     NEPH_ERR_IO); /* it is over */
+                     NEPH_ERR_IO); /* the run is finished */
     neph_database_close(index);
     be_host(state, "disk_a");
     json_t *document = export_of(store);
@@ -654,7 +655,7 @@ static void test_a_night_that_ends_on_another_host_is_one_night(void **state)
     json_decref(none);
 }
 
-/* ---- nights ---------------------------------------------------------------------------------- */
+/* ---- nightly runs ---------------------------------------------------------------------------- */
 
 static void test_a_night_that_was_killed_goes_on(void **state)
 {
@@ -671,7 +672,7 @@ static void test_a_night_that_was_killed_goes_on(void **state)
         neph_history_begin(index, neph_store_folder(store), &who, &first, &resumed, NULL), NULL);
     assert_false(resumed);
     neph_assert_ok(neph_history_add(index, first, &step, &number, 1, NULL), NULL);
-    neph_database_close(index); /* and no end */
+    neph_database_close(index); /* without finishing the run */
     neph_assert_ok(neph_store_index(store, &index, NULL), NULL);
     neph_assert_ok(
         neph_history_begin(index, neph_store_folder(store), &who, &second, &resumed, NULL), NULL);
@@ -701,13 +702,13 @@ static void test_acceptances_are_added_and_never_changed(void **state)
     scratch_put(scratch_path(state, path, "store/history"), "night-000002.json", "{\"torn");
     neph_store_close(store);
     remove_index(state);
-    store = open_store(state); /* what hangs on a torn document is named and left out */
+    store = open_store(state); /* entries that depend on a torn document are reported and skipped */
     assert_int_equal(count_rows(store, "nights"), 1);
     neph_store_close(store);
 }
 
-/* What remains of one that is torn is not written over, and no later night has its number, by which
- * an old acceptance would make it a baseline. */
+/* A torn document is not overwritten, and no later run gets its number: an old acceptance would
+ * make that run a baseline. */
 static void test_numbers_of_torn_documents_are_not_given_again(void **state)
 {
     char folder[SCRATCH_PATH_MAX], path[SCRATCH_PATH_MAX], *text = NULL;
@@ -737,7 +738,7 @@ static void test_numbers_of_torn_documents_are_not_given_again(void **state)
     neph_store_close(store);
 }
 
-/* Its rows would be refused, for which the good database would be set aside at each opening. */
+/* The database would refuse its rows; a good database would be moved away at each opening. */
 static void test_a_step_without_a_time_leaves_its_night_out(void **state)
 {
     char path[SCRATCH_PATH_MAX];
@@ -750,11 +751,11 @@ static void test_a_step_without_a_time_leaves_its_night_out(void **state)
     store = open_store(state);
     assert_int_equal(count_rows(store, "nights"), 1);
     neph_store_close(store);
-    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was moved away */
 }
 
 /* Each has a number and a document. */
-/* On two hosts, which see of each other files alone. */
+/* On two hosts, which share only files. */
 static void test_acceptances_at_the_same_time_are_all_kept(void **state)
 {
     enum { RUNS = 4, EACH = 5 };
@@ -773,7 +774,7 @@ static void test_acceptances_at_the_same_time_are_all_kept(void **state)
     wait_for_all(pids, RUNS);
     assert_int_equal(count_rows(store, "acceptances"), RUNS * EACH);
     neph_store_close(store);
-    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was set aside */
+    assert_int_equal(scratch_count_in(state, "store/index"), 1); /* none was moved away */
 }
 
 int main(void)

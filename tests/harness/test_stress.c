@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The stress tests without a renderer: verdicts, what fails a run, expectations, how measures are
- * read off documents, and that the project's own files agree with each other.
+ * The stress tests without a renderer: verdicts, failure of a run, expectations, reading measures
+ * from documents, and consistency of the project's files.
  */
 #include "tests/base/scratch.h"
 
@@ -46,7 +46,7 @@ static void test_verdicts(void **state)
                          cases[i].verdict);
 }
 
-/* A run of a row and two presets. Nothing compared is no pass. */
+/* A run of one row and two presets. A run without comparisons does not pass. */
 static void test_what_fails_a_run(void **state)
 {
     static const struct {
@@ -178,7 +178,7 @@ static void test_measures_are_read(void **state)
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "seen_contrast", NAN, NULL, 0, why)));
     assert_string_equal(why, "it cannot be told");
     assert_true(isnan(read_off(NEPH_FAILING_FLICKER, "other", 1, NULL, 0, why)));
-    assert_string_equal(why, "the mask is empty, or the whole picture");
+    assert_string_equal(why, "the mask is empty, or the whole frame");
 }
 
 static void test_measures_are_of_metrics_that_there_are(void **state)
@@ -194,7 +194,7 @@ static void test_measures_are_of_metrics_that_there_are(void **state)
     }
 }
 
-/* Infinity is an answer of a distance alone; -inf is one value, though it is bad twice. */
+/* Infinity is valid only as a distance; -inf is one value, though it is invalid in two ways. */
 static void test_bad_values_are_counted_in_all_channels(void **state)
 {
     static const float values[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1.0f};
@@ -213,7 +213,7 @@ static void test_bad_values_are_counted_in_all_channels(void **state)
     }
 }
 
-/* ---- the project's own files ----------------------------------------------------------------- */
+/* ---- the project's files --------------------------------------------------------------------- */
 
 static void plan(struct neph_stress_suite *suite, bool full)
 {
@@ -223,7 +223,7 @@ static void plan(struct neph_stress_suite *suite, bool full)
     neph_assert_ok(neph_stress_plan(&params, suite, &diag), &diag);
 }
 
-/* As a run has it: a preset, or an engine. */
+/* As in a run: a preset, or an engine. */
 static struct neph_stress_column column_of(const char *name)
 {
     const struct neph_engine *engine = neph_engine_find(name);
@@ -256,7 +256,7 @@ static bool is_column(const char *name)
     return preset->name != NULL;
 }
 
-/* An entry that fits nothing would hide that what it excused is gone. */
+/* An expectation that matches nothing would hide that its failure no longer exists. */
 static void test_every_expectation_is_of_something(void **state)
 {
     struct neph_stress_suite suite;
@@ -283,7 +283,7 @@ static void test_every_expectation_is_of_something(void **state)
     neph_stress_finish(&suite);
 }
 
-/* A preset that a scenario is of, or an engine. */
+/* A preset that a scenario lists, or an engine. */
 static const char *somebody_of(const struct neph_failing *failing)
 {
     if (strcmp(failing->presets, "none") == 0)
@@ -291,7 +291,8 @@ static const char *somebody_of(const struct neph_failing *failing)
     return strstr(failing->presets, "off") ? "off" : "fixed";
 }
 
-/* Every scene says what fails; each is told how many bad values it has; every point is a scene. */
+/* Every scene states its failure, every scene has a count of bad values, and every point of a
+ * parameter is a scene. */
 static void test_every_scenario_can_be_run(void **state)
 {
     struct neph_stress_suite full, quick;
@@ -326,8 +327,8 @@ static int count_columns(const struct neph_stress_suite *suite, bool presets)
     return count;
 }
 
-/* Presets alone, engines alone, both, and neither: those of the tier, engines where a scenario is
- * of them. */
+/* Only presets, only engines, both, or neither: the presets of the tier, and engines where a
+ * scenario supports them. */
 static void test_presets_and_engines_choose_columns(void **state)
 {
     static const char *const ours[] = {"ours"}, *const march[] = {"march"};
@@ -353,7 +354,7 @@ static void test_presets_and_engines_choose_columns(void **state)
     }
 }
 
-/* An engine is asked for what is of a picture, in the scenarios of fog alone. */
+/* Engines have only measures of single frames, and only in scenarios with fog. */
 static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
 {
     struct neph_stress_suite suite;
@@ -376,7 +377,7 @@ static void test_engines_are_asked_for_what_is_of_a_picture(void **state)
 
 /* ---- order ----------------------------------------------------------------------------------- */
 
-/* News before what is known, what is far over its limit before what is a little. */
+/* New failures before known ones, larger excess over the limit before smaller. */
 static void test_the_worst_is_first(void **state)
 {
     const struct neph_failing_limit limit = {.limit = 2.0}, zero = {.limit = 0.0};
@@ -412,7 +413,7 @@ static bool is_asked_at(const struct neph_stress_suite *suite, int row, int colu
     return neph_stress_has_trial(suite, &point, column);
 }
 
-/* Each trial that is asked for is there once. */
+/* Each requested trial occurs exactly once. */
 static void assert_all_once(const struct neph_stress_suite *suite,
                             const struct neph_stress_trials *trials)
 {
@@ -472,14 +473,14 @@ static void test_several_begin_with_truths_and_with_what_takes_long(void **state
 
 enum { PIECES = 10 };
 
-/* What was told here; a line for each trial that was done anywhere is in a file. */
+/* Results received here; a file has one line for each trial, wherever it ran. */
 struct heard {
     char path[SCRATCH_PATH_MAX];
     int times[PIECES];
-    int whole; /* trials that were done here, in the end */
+    int whole; /* trials that ran here, at the end */
 };
 
-/* The last trial ends its process before it can tell. */
+/* The last trial ends its process before it sends its result. */
 static enum neph_status note(struct neph_worker *worker, void *context, struct neph_diag *diag)
 {
     struct heard *heard = context;
@@ -544,7 +545,7 @@ static enum neph_status hear_nothing(const char *text, void *context, struct nep
     return text ? neph_fail(diag, NEPH_ERR_IO, "the page cannot be written") : NEPH_OK;
 }
 
-/* Who cannot go on ends the others, also those who are about to tell. */
+/* A process that fails ends all others, also ones that are about to send. */
 static void test_what_fails_here_ends_all(void **state)
 {
     struct heard heard = {.whole = 0};
@@ -600,7 +601,7 @@ static void test_a_message_has_all_of_its_cells(void **state)
     assert_int_equal(read.reference_count, 7);
     for (int r = 0; r < 3; r++)
         assert_same_cell(&told[r][0], &heard[r][0]);
-    hearer.row_count = 2; /* of another plan */
+    hearer.row_count = 2; /* from another plan */
     assert_int_equal(neph_stress_read_message(text, &hearer, &read, &diag), NEPH_ERR_INTERNAL);
     assert_int_equal(neph_stress_read_message("{}", &hearer, &read, &diag), NEPH_ERR_INTERNAL);
     assert_int_equal(neph_stress_read_message("no", &hearer, &read, &diag), NEPH_ERR_INTERNAL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Evidence of the stress tests: which frame, row and frames in a row are shown of a sequence, and
- * that the pictures are of them.
+ * Evidence of the stress tests: the frame, row and consecutive frames that are shown from a
+ * sequence, and the content of the images.
  */
 #include "tests/base/scratch.h"
 
@@ -14,7 +14,7 @@
 
 enum { WIDTH = 6, HEIGHT = 5, FRAMES = 80, WORST = 50, ROW = 3 };
 
-/* Frames of a dim grey, and a reference of the same for all. */
+/* Dim grey frames, and one reference for all. */
 struct sequence {
     struct neph_image *images[FRAMES];
     char *paths[FRAMES]; /* none is read */
@@ -82,7 +82,7 @@ static struct neph_evidence find(const struct sequence *sequence)
     return evidence;
 }
 
-/* One frame is the worst; another row is off by less, and in more frames. */
+/* One frame has the largest error; another row has a smaller error in more frames. */
 static void disturb(struct sequence *sequence)
 {
     put(sequence, WORST, 1, 1, 1.25f);
@@ -103,7 +103,7 @@ static void test_the_worst_frame_and_the_row_of_most_energy(void **state)
     assert_int_equal(evidence.flip_first, WORST - 1);
     assert_int_equal(evidence.flip_count, NEPH_EVIDENCE_FLIPS);
     assert_true(evidence.scale == 0.05);
-    put(&sequence, FRAMES - 1, 0, 4, NAN); /* outweighs any number */
+    put(&sequence, FRAMES - 1, 0, 4, NAN); /* counts more than any number */
     evidence = find(&sequence);
     assert_int_equal(evidence.worst_frame, FRAMES - 1);
     assert_int_equal(evidence.row, 4);
@@ -111,7 +111,7 @@ static void test_the_worst_frame_and_the_row_of_most_energy(void **state)
     finish(&sequence);
 }
 
-/* A sequence of a frame, and one without a reference, of which bad values alone are seen. */
+/* A sequence of one frame, and one without a reference, where only bad values are visible. */
 static void test_short_ones_and_those_without_a_reference(void **state)
 {
     struct sequence sequence;
@@ -139,7 +139,7 @@ static bool is_listed(const json_t *names, const char *name)
     return false;
 }
 
-/* Linear red of a pixel of a picture. */
+/* Linear red of a pixel of an image. */
 static double red_at(void **state, const char *name, int x, int y, int width, int height)
 {
     char path[SCRATCH_PATH_MAX];
@@ -159,7 +159,7 @@ static void test_pictures_are_of_what_was_found(void **state)
     char folder[SCRATCH_PATH_MAX];
     start(state, &sequence);
     disturb(&sequence);
-    put(&sequence, WORST, 4, ROW, 0.0f); /* in the slice: black in the row of that frame */
+    put(&sequence, WORST, 4, ROW, 0.0f); /* in the slice: black in the row of this frame */
     const struct neph_evidence evidence = find(&sequence);
     const struct neph_evidence_source source = source_of(&sequence);
     json_t *names = json_array();
@@ -172,7 +172,7 @@ static void test_pictures_are_of_what_was_found(void **state)
     assert_int_equal(json_array_size(names), sizeof(drawn) / sizeof(drawn[0]));
     for (size_t i = 0; i < sizeof(drawn) / sizeof(drawn[0]); i++)
         assert_true(is_listed(names, drawn[i]));
-    /* Times 2, the exposure: 0.25 is half of white, 1.25 beyond it. */
+    /* Times 2, the exposure: 0.25 is half of white, 1.25 is beyond white. */
     assert_true(red_at(state, "worst.png", 1, 1, WIDTH, HEIGHT) == 1.0);
     assert_true(fabs(red_at(state, "worst_reference.png", 1, 1, WIDTH, HEIGHT) - 0.5) < 0.005);
     assert_true(red_at(state, "flip_1.png", 1, 1, WIDTH, HEIGHT) == 1.0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The page of the stress tests keeps its limit: the worst have their pictures, also when they come
- * late, and what was left out is counted.
+ * The size limit of the stress tests' page: the worst scenarios have images, even if they fail
+ * late, and omitted ones are counted.
  */
 #include "tests/base/scratch.h"
 
@@ -15,7 +15,7 @@
 
 enum { SCENES = 3, PICTURE_BYTES = 40000 };
 
-/* A scenario each, of a number over one column. */
+/* One scenario each, with one measure in one column. */
 struct fixture {
     char names[SCENES][16], exhibits[SCENES][SCRATCH_PATH_MAX], page_folder[SCRATCH_PATH_MAX];
     struct neph_failing_limit limit;
@@ -26,7 +26,7 @@ struct fixture {
     struct neph_stress_suite suite;
 };
 
-/* An entry of a store: a record, and a picture of so many bytes. */
+/* An entry of a store: a record, and an image of a given size. */
 static void make_exhibit(void **state, struct fixture *fixture, int number)
 {
     static const char record[] = "{\"pictures\": [\"worst.png\"], \"worst_frame\": 3}";
@@ -76,7 +76,7 @@ static void fail_cell(struct fixture *fixture, int number, double value)
                                                        fixture->exhibits[number], NULL};
 }
 
-/* Which scenes have evidence, as bits; pictures that lie in the folder are as many. */
+/* The scenes with evidence, as bits; the folder has as many images. */
 static int shown(const struct fixture *fixture, int *left_out)
 {
     char path[SCRATCH_PATH_MAX + 64];
@@ -107,7 +107,7 @@ static void publish(const struct fixture *fixture, struct neph_stress_page *page
     neph_assert_ok(neph_stress_page_publish(&fixture->suite, page, &diag), &diag);
 }
 
-/* Room for two of three, beside a page of some 50 kB and its data. */
+/* Space for two of three, besides a page of about 50 kB and its data. */
 static void test_the_worst_have_pictures(void **state)
 {
     struct fixture fixture;
@@ -129,7 +129,7 @@ static void test_the_worst_have_pictures(void **state)
     neph_report_folder_close(page.folder);
 }
 
-/* A folder that is somebody's is left alone. */
+/* A folder that neph did not create stays unchanged. */
 static void test_a_folder_of_somebody_else_is_refused(void **state)
 {
     struct neph_stress_page page = {.limit_bytes = 1000000};

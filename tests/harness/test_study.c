@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The step-halving study on engines made up for it, whose bias and noise are known: radiance
- * 1 + 0.2 step^2 + noise, the noise of a pixel either the same at all steps (paths that share their
- * seed) or not.
+ * The step-halving study on synthetic engines with known bias and noise: radiance 1 + 0.2 step^2 +
+ * noise; the noise of a pixel is either equal at all steps (paths with the same seed) or not.
  */
 #include "tests/base/scratch.h"
 
@@ -122,7 +121,7 @@ static struct neph_study run(const struct neph_engine *engine, void **state,
     return study;
 }
 
-/* Uniform noise of variance a^2 / 3; two seeds of so many pixels. */
+/* Uniform noise of variance a^2 / 3; two seeds with PIXELS pixels each. */
 static double noise_of_mean(void)
 {
     return noise_of_pixel / sqrt(3.0) / sqrt(2.0 * PIXELS);
@@ -136,7 +135,7 @@ static void test_shared_noise_cancels(void **state)
         const double step = 0.4 / (1 << i);
         neph_assert_close(study.levels[i].setting, step, 1e-15, 0);
         neph_assert_close(study.levels[i].noise, noise_of_mean(), 0.1, 0);
-        /* relative to a limit that the noise moves; frames are floats */
+        /* relative to a limit that depends on the noise; frames are floats */
         neph_assert_close(study.levels[i].bias, bias_of_step * step * step, 4.0 * noise_of_mean(),
                           1e-7);
         assert_true(study.levels[i].bias_noise < 1e-7);
@@ -158,7 +157,8 @@ static void test_fresh_noise_stays(void **state)
     assert_int_equal(study.verdict, NEPH_STUDY_NOISE);
 }
 
-/* An error that shrinks more slowly than it should has no limit that the last two steps tell. */
+/* An error that decreases more slowly than the declared order has no limit that the last two steps
+ * determine. */
 static void test_a_wrong_order_is_said(void **state)
 {
     const struct neph_study study = run(&rough, state, NEPH_OUTCOME_RENDERED);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sweeps without rendering: plans and what is refused of them, fronts, where names stand, and what
- * charts are made of. The table of keys in docs/sweep.md is what the fields print; `test_sweep
- * --write` writes it.
+ * Sweeps without rendering: plans and refused plans, fronts, positions of labels, and data of
+ * charts. The table of keys in docs/sweep.md is printed from the fields; `test_sweep --write`
+ * writes it.
  */
 #include "tests/printed_table.h"
 
@@ -63,7 +63,7 @@ static void test_a_plan_is_read(void **state)
     neph_sweep_plan_finish(&plan);
 }
 
-/* The light of a plan is for scenes with all orders of scattering, and for who names none. */
+/* The light of a plan applies to scenes with all orders of scattering, and to series without it. */
 static void test_the_light_is_that_of_the_scene(void **state)
 {
     struct neph_sweep_plan plan;
@@ -95,7 +95,8 @@ static void test_the_light_is_that_of_the_scene(void **state)
     neph_sweep_plan_finish(&plan);
 }
 
-/* `sky` of an engine's settings that meet a catalog's scene: 0 is off, -1 there is none. */
+/* `sky` of an engine's settings after adaptation to a catalogue scene: 0 is off, -1: no such
+ * setting. */
 static double sky_met(const char *scene_name, const char *engine_name, const char *word)
 {
     const struct neph_engine *engine = neph_engine_find(engine_name);
@@ -113,8 +114,8 @@ static double sky_met(const char *scene_name, const char *engine_name, const cha
     return sky < 0 ? -1.0 : settings.values[sky];
 }
 
-/* What refuses coloured air as a medium gets tables of it, and nothing else does: not what marches
- * it as ever, not where there is none, not what has no tables. */
+/* Engines that refuse coloured air as a medium get tables of it. No other case does: an engine that
+ * marches the air, a scene without air, an engine without tables. */
 static void test_air_comes_from_tables_where_it_must(void **state)
 {
     assert_true(sky_met("sky_earth", "realtime", "lighting=octaves") == 1.0);
@@ -125,15 +126,15 @@ static void test_air_comes_from_tables_where_it_must(void **state)
     assert_true(sky_met("sky_earth", "tracer", NULL) == -1.0);
 }
 
-/* Each with what the message must say. */
+/* Each with a part of the message. */
 static void test_bad_plans_are_refused(void **state)
 {
     static const struct {
         const char *text, *said;
     } bad[] = {
         {HEAD "- {name: a, engine: marsh}\n", "no engine 'marsh'"},
-        {HEAD "- {name: a, engine: march, vary: steps}\n", "come together"},
-        {HEAD "- {name: a, engine: march, values: 3 4}\n", "come together"},
+        {HEAD "- {name: a, engine: march, vary: steps}\n", "need each other"},
+        {HEAD "- {name: a, engine: march, values: 3 4}\n", "need each other"},
         {HEAD "- {name: a, engine: march, vary: stepps, values: 4}\n", "stepps"},
         {HEAD "- {name: a, engine: march, vary: steps, values: 0}\n", "1..65536"},
         {HEAD "- {name: a, engine: march, vary: steps, values: 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 "
@@ -186,7 +187,9 @@ static void test_the_plans_that_come_with_neph(void **state)
 static void test_the_manual_holds_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/sweep.md",
-                                        "<!-- written by tests/test_sweep --write -->\n",
+                                        "<!-- written by tests/test_sweep --write -->\n"
+                                        "| key | value | default | meaning |\n"
+                                        "| --- | --- | --- | --- |\n",
                                         "<!-- end -->\n", neph_sweep_plan_print_keys};
     check_readme(&table, *state);
 }
@@ -204,7 +207,7 @@ static void test_a_front(void **state)
         assert_int_equal(points[i].on_front, wanted[i]);
 }
 
-/* By its definition, on random points with many ties. */
+/* By definition, on random points with many ties. */
 static void test_fronts_of_random_points(void **state)
 {
     uint64_t seed = 20261124;
@@ -226,9 +229,9 @@ static void test_fronts_of_random_points(void **state)
     }
 }
 
-/* --- names ---------------------------------------------------------------------------------- */
+/* --- labels --------------------------------------------------------------------------------- */
 
-/* Whether the name of one meets a box around a middle. */
+/* Whether the label meets a box around a centre. */
 static bool name_meets(const struct neph_label *label, double x_px, double y_px, double width_px,
                        double height_px)
 {
@@ -243,8 +246,8 @@ static bool names_meet(const struct neph_label *a, const struct neph_label *b)
                       NEPH_LABEL_HEIGHT_PX);
 }
 
-/* Names that say that they are clear lie neither on each other nor on marks, and of ten among
- * thirty marks nearly all are. */
+/* Labels marked clear overlap neither each other nor marks; of ten among thirty marks nearly all
+ * are clear. */
 static void test_names_lie_on_nothing(void **state)
 {
     uint64_t seed = 20261124;
@@ -274,8 +277,8 @@ static void test_names_lie_on_nothing(void **state)
     assert_true(clear > (9 * TRIALS * MARKS / 3) / 10);
 }
 
-/* Between two places that are equal but for a line, the name takes the one without; and what stands
- * far from its mark is led to it. */
+/* The label takes a position without a line if another differs only by a line. A label far from
+ * its mark gets a leader line. */
 static void test_names_keep_off_lines(void **state)
 {
     const struct neph_label_line line = {100.0, 100.0, 300.0, 100.0};
@@ -284,7 +287,7 @@ static void test_names_keep_off_lines(void **state)
     neph_labels_place(&label, 1, &plot);
     assert_true(label.is_clear && !label.is_apart);
     assert_true(fabs(label.dy_px) >= 0.5 * NEPH_LABEL_HEIGHT_PX || label.dx_px < -60.0);
-    struct neph_label crowd[26] = {[0] = {.x_px = 300.0, .y_px = 200.0}}; /* the last is in it */
+    struct neph_label crowd[26] = {[0] = {.x_px = 300.0, .y_px = 200.0}}; /* the last is inside */
     for (int i = 0; i < 25; i++)
         crowd[i] = (struct neph_label){.x_px = 250.0 + 25.0 * (i % 5),
                                        .y_px = 176.0 + 12.0 * (i / 5)};
@@ -299,7 +302,7 @@ static void test_names_keep_off_lines(void **state)
 
 enum { POINTS = 4 };
 
-/* Two series of two points; one that was not rendered, one whose flicker is 0. */
+/* Two series of two points; one point was not rendered, one has a flicker of 0. */
 struct made {
     struct neph_sweep_plan plan;
     struct neph_sweep_point points[POINTS];
@@ -375,7 +378,7 @@ static void test_charts_hold_what_was_measured(void **state)
     assert_true(fabs(first / last - 2.0) < 1e-12); /* twice the time, order 1 */
     json_decref(spec);
     for (const struct neph_sweep_chart *chart = neph_sweep_charts; chart->id; chart++)
-        if (chart->y == NEPH_SWEEP_FLICKER) { /* its only point has no place on the axis */
+        if (chart->y == NEPH_SWEEP_FLICKER) { /* its only point is not on the axis */
             neph_assert_ok(
                 neph_sweep_chart_spec(&made.sweep, chart, &neph_sweep_chart_sizes[0], &spec, &diag),
                 &diag);
@@ -384,7 +387,7 @@ static void test_charts_hold_what_was_measured(void **state)
     neph_sweep_plan_finish(&made.plan);
 }
 
-/* Series against one of them: how many, and the first. */
+/* Compares series with one of them: returns the count, and the first comparison. */
 static int hold(const struct made *made, int base, enum neph_sweep_cost cost,
                 struct neph_sweep_equal *first)
 {
@@ -408,17 +411,17 @@ static void test_equal_error_and_equal_time(void **state)
     make_sweep(&made);
     struct neph_sweep_point *points = made.points;
     struct neph_sweep_equal held;
-    points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* that of the second point, in 0.03 s */
+    points[2].numbers[NEPH_SWEEP_ERROR].value = 0.05; /* the second point's, in 0.03 s */
     assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_TIME, &held), 1);
     assert_ptr_equal(held.series, &made.plan.series[1]);
     assert_true(fabs(held.cost_ratio - 1.5) < 1e-12);
     assert_true(isnan(held.number_ratio)); /* 0.03 s are beyond 0.02 s */
-    /* One point is held against what is as good, or costs as much; not against all else. */
+    /* A single point is compared only at an equal error or an equal cost. */
     assert_int_equal(hold(&made, 1, NEPH_SWEEP_COST_TIME, &held), 1);
     assert_true(fabs(held.cost_ratio - 2.0 / 3.0) < 1e-12 && isnan(held.number_ratio));
     points[2].numbers[NEPH_SWEEP_ERROR].value = 0.04;
     assert_int_equal(hold(&made, 1, NEPH_SWEEP_COST_TIME, &held), 0);
-    /* A series is held by the best of its points of which something can be said. */
+    /* A series is compared by the best of its comparable points. */
     points[1].time.median = 0.03;
     assert_int_equal(hold(&made, 0, NEPH_SWEEP_COST_TIME, &held), 1);
     assert_true(isnan(held.cost_ratio) && fabs(held.number_ratio - 0.8) < 1e-12);

@@ -102,7 +102,7 @@ static void print_aligned(const void *table, FILE *out)
     neph_table_print_aligned(table, out);
 }
 
-/* A text that is longer than its column moves those behind it. */
+/* A text that is longer than its column moves the columns behind it. */
 static void test_columns_of_a_width(void **state)
 {
     static const struct neph_column columns[] = {

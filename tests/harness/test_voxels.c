@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Media that other people's renderers have no formula for, handed to them as voxels, and media
- * whose extinction has colour: their frames against exact transport. A grid is handed over as it
- * is, so that half a voxel, an axis or a clipped skirt would show at full size; what is baked may
- * differ by the error that the bake reports.
+ * Media that external renderers have no formula for, exported as voxels, and media with coloured
+ * extinction: frames against exact transport. A grid is exported unchanged: an offset of half a
+ * voxel, a swapped axis or a clipped boundary layer would be fully visible. The error of a baked
+ * medium is at most the error that the bake reports.
  */
 #include "tests/harness/engine_test.h"
 
@@ -26,10 +26,9 @@ static const struct neph_engine *const engines[ENGINES] = {
     [POVRAY] = &neph_engine_povray,
 };
 
-/* The noise of the mean of 64 paths per pixel, or of none. */
+/* Noise of the mean of 64 paths per pixel, or of none. */
 static const double noise[ENGINES] = {3e-3, 0.0};
-/* Error of transmittance: the jitter of 1/160 of a step; 200 midpoints through a few large cells.
- * */
+/* Error of transmittance: jitter of 1/160 of a step; 200 midpoints through a few large cells. */
 static const double march_error[ENGINES] = {1e-4, 2e-4};
 
 static struct neph_scene *load(const char *name)
@@ -42,7 +41,7 @@ static struct neph_scene *load(const char *name)
     return scene;
 }
 
-/* The few large cells of the catalogue, stretched so that no two axes are alike. */
+/* The catalogue's few large cells, stretched so that the axes differ. */
 static struct neph_scene *load_voxels(void)
 {
     struct neph_scene *scene = load("voxel_grid");
@@ -93,7 +92,7 @@ static struct neph_ray_light truth_of(const struct neph_scene *scene, int pixel)
     return neph_transport_ray(scene, camera.position_m, ray);
 }
 
-/* How a frame differs, from one look at the truth of each pixel. */
+/* Differences of a frame, from one pass over the truth of each pixel. */
 struct difference {
     double transmittance; /* the largest of all pixels and channels */
     double volume[3];     /* relative, of the in-scattered light of the whole image */
@@ -126,7 +125,7 @@ static struct difference compare(const struct neph_scene *scene, const struct ne
 static void assert_scattering(const struct difference *off, double relative)
 {
     for (int c = 0; c < 3; c++)
-        assert_true(fabs(off->volume[c]) <= relative); /* NaN is none */
+        assert_true(fabs(off->volume[c]) <= relative); /* NaN fails */
 }
 
 static double baked_error(const struct neph_image *frame)
@@ -138,7 +137,7 @@ static double baked_error(const struct neph_image *frame)
 
 /* ---- grids ----------------------------------------------------------------------------------- */
 
-/* Step bias of the defaults: 4e-4 of radiance by the study, in cells as thick as these. */
+/* Step bias of the defaults: 4e-4 of radiance by the study, in cells of this thickness. */
 static void check_grid(int e)
 {
     struct neph_scene *scene = load_voxels();
@@ -152,24 +151,24 @@ static void check_grid(int e)
     neph_scene_destroy(scene);
 }
 
-/* From inside, cut by bounds: not whole any more, so it is baked. */
+/* From inside, cut by bounds: the grid is no longer complete, so it is baked. */
 static void check_cut_grid(int e)
 {
     struct neph_scene *scene = load_voxels();
     scene->camera_keys[0].position_m = (struct neph_vec3){0.1, 0.9, 0.2};
     scene->camera_keys[0].look_at_m = (struct neph_vec3){0.0, 1.0, -0.5};
     scene->media[0].bounds.max_m.x = 0.6;
-    scene->scattering = NEPH_SCATTERING_NONE; /* transmittance is all that is looked at */
+    scene->scattering = NEPH_SCATTERING_NONE; /* only transmittance is compared */
     struct neph_image *frame = render(e, scene, NEPH_LAYER_TRANSMITTANCE, 32);
     assert_true(compare(scene, frame).transmittance < 1.25 * baked_error(frame) + march_error[e]);
     neph_image_destroy(frame);
     neph_scene_destroy(scene);
 }
 
-/* ---- what is baked --------------------------------------------------------------------------- */
+/* ---- baked media ----------------------------------------------------------------------------- */
 
-/* Twice the nodes, a quarter of the error, and no more than the bake itself says; but for a
- * quarter: both are the largest of some thousand lines. */
+/* Twice the nodes, a quarter of the error. The error is at most 1.25 times the reported one: both
+ * are maxima over some thousand lines. */
 static void check_blob(int e)
 {
     struct neph_scene *scene = load("gaussian_blob");
@@ -185,7 +184,7 @@ static void check_blob(int e)
     neph_scene_destroy(scene);
 }
 
-/* A grid, a blob and a fog in one place; of different phase functions where that can be had. */
+/* A grid, a blob and a fog overlap; with different phase functions where supported. */
 static void check_mixture(int e)
 {
     struct neph_scene *scene = load_voxels(), *blob = load("gaussian_blob");
@@ -212,7 +211,8 @@ static void check_mixture(int e)
     neph_scene_destroy(blob);
 }
 
-/* In uneven media Cycles cannot do three extinctions at a time (scripts/blender_render.py). */
+/* Cycles does not support three extinctions at a time in heterogeneous media
+ * (scripts/blender_render.py). */
 static void check_coloured_fog(int e)
 {
     struct neph_scene *scene = load("coloured_fog");
@@ -225,7 +225,7 @@ static void check_coloured_fog(int e)
     neph_scene_destroy(scene);
 }
 
-/* Which engines are here: `*state` in the tests below. */
+/* Which engines are installed: `*state` in the tests below. */
 static int find_engines(void **state)
 {
     bool *found = calloc(ENGINES, sizeof(*found));
@@ -253,7 +253,7 @@ static void test_grids(void **state)
     on_both(*state, check_grid);
 }
 
-/* One engine is enough where the bake is to be judged, and POV-Ray starts faster. */
+/* One engine is enough to check the bake, and POV-Ray starts faster. */
 static void test_what_is_baked(void **state)
 {
     const bool *found = *state;
@@ -273,7 +273,7 @@ static void test_coloured_fog(void **state)
     on_both(*state, check_coloured_fog);
 }
 
-/* ---- what cannot be had ---------------------------------------------------------------------- */
+/* ---- unsupported media ----------------------------------------------------------------------- */
 
 /* 50 km of planet with a kilometre of air: the nodes would miss it. */
 static void test_what_does_not_fit_is_refused(void **state)
@@ -292,7 +292,7 @@ static void test_what_does_not_fit_is_refused(void **state)
     neph_scene_destroy(scene);
 }
 
-/* Where they overlap; side by side they are fine. */
+/* Where they overlap; disjoint ones are supported. */
 static void test_cycles_refuses_two_phases_in_one_place(void **state)
 {
     char reason[256] = "";

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The device that the jobs of a command share: opened at the first need, kept with its kernels,
- * replaced when it cannot serve another job; and frames are those of a device of their own.
+ * The device that jobs of a command share: opened at the first use, kept with its kernels, replaced
+ * when it cannot serve another job. Frames equal frames from a separate device.
  */
 #include "tests/neph_test.h"
 
@@ -56,7 +56,8 @@ static VKAPI_ATTR VkResult VKAPI_CALL lose(VkQueue queue, uint32_t count,
     return VK_ERROR_DEVICE_LOST;
 }
 
-/* Spoil a device in use: the next user gets a good one, and the user of the old one keeps that. */
+/* Makes a device in use invalid: the next user gets a new one, and the old one's user keeps the
+ * old. */
 static void check_replaced(void (*spoil)(struct neph_vulkan *vulkan))
 {
     struct neph_shared_device shared = {.open = NULL};
@@ -111,7 +112,7 @@ static void test_a_probe_opens_the_device_and_leaves_it_open(void **state)
     neph_shared_device_close(&shared);
 }
 
-/* Nothing is kept of a try that failed. */
+/* A failed attempt leaves nothing. */
 static void test_without_a_driver_each_need_says_so(void **state)
 {
     struct neph_shared_device shared = {.open = NULL};
@@ -178,7 +179,7 @@ static void test_frames_are_those_of_a_device_of_their_own(void **state)
     const struct neph_kernel *kernels = shared.open->vulkan->kernels;
     struct neph_image *second = render(scene, &shared);
     assert_non_null(kernels);
-    assert_ptr_equal(shared.open->vulkan->kernels, kernels); /* none was made for the second */
+    assert_ptr_equal(shared.open->vulkan->kernels, kernels); /* none was created for the second */
     assert_same(own, first);
     assert_same(own, second);
     neph_image_destroy(second);

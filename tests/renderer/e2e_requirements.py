@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What compiled shaders use, against the table of what a device must have (docs/devices.md): no
-capability without a row, and nothing beyond what Vulkan 1.2 promises that has none. And frames do
-not depend on the contents of fresh memory."""
+"""Capabilities and limits that the compiled shaders use, compared with the table of device
+requirements (docs/devices.md): each one has a row of the table or is guaranteed by Vulkan 1.2.
+Also: frames do not depend on the contents of uninitialized memory."""
 import array
 import os
 import pathlib
@@ -22,7 +22,7 @@ HEADER_WORDS = 5
  OP_SPEC_CONSTANT, OP_VARIABLE) = 10, 15, 16, 17, 20, 21, 22, 23, 28, 30, 32, 43, 50, 59
 LOCAL_SIZE, WORKGROUP, PUSH_CONSTANT = 17, 4, 9
 
-# Capabilities: of Vulkan itself, or by rows of the table.
+# Capabilities: part of Vulkan 1.2 (), or rows of the table.
 CAPABILITIES = {
     1: (),  # Shader
     11: ("shaderInt64",),
@@ -32,7 +32,7 @@ CAPABILITIES = {
     62: ("subgroupSupportedOperations",),  # GroupNonUniformVote
     5305: (),  # StorageTexelBufferArrayDynamicIndexing, which pack_shader.py removes
 }
-# The least that Vulkan promises of each limit that has no row.
+# Guaranteed minimum of each limit without a row.
 THREADS, SHARED_BYTES, PUSH_BYTES = 128, 16384, 128
 
 
@@ -45,7 +45,7 @@ def instructions(words):
 
 
 class Module:
-    """What a shader declares."""
+    """The declarations of a shader."""
     def __init__(self, path):
         self.capabilities, self.extensions, self.threads = set(), 0, 0
         self.bytes_in = {WORKGROUP: 0, PUSH_CONSTANT: 0}

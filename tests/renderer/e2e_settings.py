@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""renderer/settings.py: the page of the settings is that of their files, and an error in a file
-names file and setting."""
+"""renderer/settings.py: the page of settings agrees with the files, and an error message names the
+file and the setting."""
 import os
 import pathlib
 import subprocess
@@ -32,7 +32,7 @@ class Settings(unittest.TestCase):
                          "renderer/settings.py . --docs > docs/settings.md")
 
     def of(self, text):
-        """What the script says of a file of a pass, and the names that it makes."""
+        """The script's output for a pass's settings file, and the names that it generates."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             for name, content in (("march_settings.toml", ""), ("march_params.h", ""),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""renderer/c_structs.py: structs lie in C as in the shader; what C cannot say fails the build."""
+"""renderer/c_structs.py: C structs have the shader's layout, or the build fails."""
 import json
 import os
 import pathlib
@@ -13,7 +13,7 @@ SCRIPT = pathlib.Path(os.environ["NEPH_SOURCE_DIR"]) / "renderer" / "c_structs.p
 
 
 def write_structs(*shaders):
-    """The header, or what the script has to say."""
+    """The generated header, or the script's error message."""
     with tempfile.TemporaryDirectory() as folder:
         paths = []
         for number, members in enumerate(shaders):

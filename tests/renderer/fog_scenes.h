@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Media that the march and the tracer are both compared with the truth in.
+ * Scenes in which both the ray marcher and the path tracer are compared with the reference.
  */
 #ifndef NEPH_TESTS_FOG_SCENES_H
 #define NEPH_TESTS_FOG_SCENES_H
@@ -75,7 +75,7 @@ static inline void scene_yard(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){3, 2, -14}, 2.0);
 }
 
-/* Media that glow in colours of their own. */
+/* Gives the media emission of different colours. */
 static inline void make_glow(struct test_scene *test)
 {
     static const struct neph_rgb emissions[] = {{1, 20, 4}, {30, 1, 0}, {0, 2, 9}};
@@ -83,7 +83,7 @@ static inline void make_glow(struct test_scene *test)
         test->scene.media[m].emission_w_per_m2_sr = emissions[m % 3];
 }
 
-/* All orders of the light of a white sun before a black sky. */
+/* All orders of scattering, a white sun, a black sky. */
 static inline void make_sunlit(struct test_scene *test)
 {
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
@@ -91,8 +91,8 @@ static inline void make_sunlit(struct test_scene *test)
     test->scene.sun.irradiance_w_per_m2 = make_grey(1.0);
 }
 
-/* A slab from y = 0 to 1, wide as the world. In a narrow field of view all pixels are as good as in
- * one direction. */
+/* A slab from y = 0 to 1 without sides. With a narrow field of view all pixels have nearly the same
+ * direction. */
 static inline void slab_scene(struct test_scene *test, const struct neph_slab_params *slab,
                               bool from_below, double vertical_fov_rad)
 {
@@ -110,8 +110,8 @@ static inline void slab_scene(struct test_scene *test, const struct neph_slab_pa
     test->key.look_at_m = (struct neph_vec3){0.7, 0.5, 0.3};
 }
 
-/* By adding and doubling, in the middle of the picture. Light travels to the camera along -view,
- * sunlight along -x: the azimuth is between the two. */
+/* Reference by adding and doubling, for the middle of the frame. Light travels to the camera along
+ * -view and sunlight along -x, so the azimuth is the angle between the two. */
 static inline double slab_per_sr(const struct test_scene *test, const struct neph_slab_params *of)
 {
     const struct neph_vec3 view = neph_scene_camera(&test->scene, 0.0).forward;

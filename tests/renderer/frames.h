@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames by the engines of this folder and by the truth, and numbers that compare them. What cannot
- * be rendered fails the test. All frames and arrays are for the caller to destroy or to free.
+ * Frames of this folder's engines and of the reference, and numbers that compare them. A scene that
+ * cannot be rendered fails the test. The caller destroys or frees all frames and arrays.
  */
 #ifndef NEPH_TESTS_FRAMES_H
 #define NEPH_TESTS_FRAMES_H
@@ -17,7 +17,7 @@
 
 /* --- scenes and settings ---------------------------------------------------------------------- */
 
-/* A scene of the project: "catalog/sky_earth". For neph_scene_destroy(). */
+/* A scene of the project by its name, "catalog/sky_earth". For neph_scene_destroy(). */
 static inline struct neph_scene *test_load(const char *name)
 {
     char path[512];
@@ -28,7 +28,7 @@ static inline struct neph_scene *test_load(const char *name)
     return scene;
 }
 
-/* The scene as it stands in a frame. */
+/* The scene at one frame, without motion. */
 static inline struct neph_scene *test_still(const struct neph_scene *scene, double frame)
 {
     struct neph_scene *still = NULL;
@@ -37,7 +37,7 @@ static inline struct neph_scene *test_still(const struct neph_scene *scene, doub
     return still;
 }
 
-/* A preset of the real-time renderer (NULL: all defaults) with "key=value key=value". */
+/* A preset of the real-time renderer (NULL: all defaults), changed by "key=value key=value". */
 static inline struct neph_settings test_preset(const char *preset, const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
@@ -52,7 +52,7 @@ static inline struct neph_settings test_preset(const char *preset, const char *a
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
-/* One frame of the march by itself. `stats` may be NULL. */
+/* One frame of the ray marcher. `stats` may be NULL. */
 static inline struct neph_image *test_march(struct neph_vulkan *vulkan,
                                             const struct neph_scene *scene,
                                             const struct neph_march_params *params,
@@ -64,7 +64,7 @@ static inline struct neph_image *test_march(struct neph_vulkan *vulkan,
     return frame;
 }
 
-/* Another frame of a march. */
+/* The next frame of a ray marcher. */
 static inline struct neph_image *test_march_next(struct neph_march *march,
                                                  const struct neph_scene *scene,
                                                  struct neph_march_stats *stats)
@@ -75,7 +75,7 @@ static inline struct neph_image *test_march_next(struct neph_march *march,
     return frame;
 }
 
-/* A march of several frames. */
+/* A ray marcher for several frames. */
 static inline struct neph_march *test_march_open(struct neph_vulkan *vulkan,
                                                  const struct neph_scene *scene,
                                                  const struct neph_march_params *params)
@@ -86,7 +86,7 @@ static inline struct neph_march *test_march_open(struct neph_vulkan *vulkan,
     return march;
 }
 
-/* A tracer that ends with its samples. */
+/* Parameters of a tracer that stops after its samples. */
 static inline struct neph_tracer_params test_samples(int width_px, int height_px, uint64_t seed,
                                                      int samples)
 {
@@ -122,7 +122,7 @@ static inline struct neph_image *test_oracle(const struct neph_scene *scene, int
     return frame;
 }
 
-/* The last of `count` frames in real time, and what it has cost (may be NULL). */
+/* The last of `count` frames of the real-time renderer, and its statistics (may be NULL). */
 static inline struct neph_image *test_film(struct neph_vulkan *vulkan,
                                            const struct neph_scene *scene,
                                            const struct neph_realtime_params *params, int count,
@@ -141,7 +141,7 @@ static inline struct neph_image *test_film(struct neph_vulkan *vulkan,
     return image;
 }
 
-/* The sky of a planet, on the CPU. */
+/* The sky of a planet, computed on the CPU. */
 static inline struct neph_sky *test_sky(const struct neph_scene *scene,
                                         const struct neph_sky_params *params)
 {
@@ -153,7 +153,7 @@ static inline struct neph_sky *test_sky(const struct neph_scene *scene,
 
 /* --- rays ------------------------------------------------------------------------------------- */
 
-/* The ray of a pixel, counted along rows. */
+/* The ray of a pixel; pixels are counted along rows. */
 static inline struct neph_pixel_ray test_ray(const struct neph_scene *scene, int width_px,
                                              int height_px, int pixel)
 {
@@ -168,7 +168,7 @@ static inline struct neph_ray_light test_exact_ray(const struct neph_scene *scen
     return neph_transport_ray(scene, ray.origin_m, ray.direction);
 }
 
-/* The exact light of each pixel. */
+/* The exact light of every pixel. */
 static inline struct neph_ray_light *test_exact(const struct neph_scene *scene, int width_px,
                                                 int height_px)
 {
@@ -197,7 +197,8 @@ static inline struct test_rgb test_layer(const struct neph_image *frame, const c
     return rgb;
 }
 
-/* The first channel whose name or samples differ; NULL: both frames have the same bits. */
+/* The first channel with a different name or different samples; NULL: both frames have the same
+ * bits. */
 static inline const char *test_other_channel(const struct neph_image *a, const struct neph_image *b)
 {
     const size_t bytes = neph_image_pixel_count(a) * sizeof(float);
@@ -233,7 +234,7 @@ static inline void assert_same_channel(const struct neph_image *a, const struct 
                         neph_image_pixel_count(a) * sizeof(float));
 }
 
-/* The largest difference in a layer (NULL: R, G, B). Not for values that are no numbers. */
+/* The largest difference in a layer (NULL: R, G, B). All values must be finite. */
 static inline double test_largest_difference(const struct neph_image *a, const struct neph_image *b,
                                              const char *layer)
 {
@@ -245,7 +246,7 @@ static inline double test_largest_difference(const struct neph_image *a, const s
     return largest;
 }
 
-/* The root of the mean squared difference of R, G and B. */
+/* RMS difference of R, G and B. */
 static inline double test_rmse(const struct neph_image *image, const struct neph_image *truth)
 {
     const struct test_rgb one = test_layer(image, NULL), other = test_layer(truth, NULL);
@@ -257,7 +258,7 @@ static inline double test_rmse(const struct neph_image *image, const struct neph
     return sqrt(sum / (3.0 * (double)count));
 }
 
-/* The mean over pixels of |a - b|, over the mean of b. */
+/* Mean over pixels of |a - b|, over the mean of b. */
 static inline double test_distance(const struct neph_image *a, const struct neph_image *b,
                                    const char *channel)
 {
@@ -270,7 +271,7 @@ static inline double test_distance(const struct neph_image *a, const struct neph
     return off / sum;
 }
 
-/* The mean of a channel. */
+/* Mean of a channel. */
 static inline double test_mean(const struct neph_image *frame, const char *channel)
 {
     const float *values = neph_image_channel(frame, channel);

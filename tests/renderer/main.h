@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The main() of a test on a Vulkan device: all cases of its file, as the build lists them
+ * main() of a test on a Vulkan device. It runs all cases of its file, as listed by the build
  * (tests/CMakeLists.txt). Included at the end of the file.
  */
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame of the march by itself.
+ * One frame of the ray marcher, for tests that expect errors.
  */
 #ifndef NEPH_TESTS_MARCH_TEST_H
 #define NEPH_TESTS_MARCH_TEST_H

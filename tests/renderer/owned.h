@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How what tests of this folder make ends with the block of its variable: OWNED() of neph_test.h.
+ * Clean-up functions for the objects that tests of this folder create, called at the end of the
+ * block: OWNED() of neph_test.h.
  */
 #ifndef NEPH_TESTS_OWNED_H
 #define NEPH_TESTS_OWNED_H
@@ -59,7 +60,7 @@ static inline void test_end_fog_looks(struct neph_fog_looks **fog_looks)
     neph_fog_looks_destroy(*fog_looks);
 }
 
-/* The grids and clouds of a scene that a test has built. */
+/* Destroys the grids and clouds of a scene that a test has built. */
 static inline void test_end_media(struct test_scene *test)
 {
     for (int m = 0; m < test->scene.medium_count; m++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What tests of the picture chain share: settings from text, and frames to fill.
+ * Common part of the post-processing tests: settings from text, and frames to fill.
  */
 #ifndef NEPH_TESTS_POST_TEST_H
 #define NEPH_TESTS_POST_TEST_H
@@ -9,7 +9,7 @@
 
 #include "renderer/post/chain.h"
 
-/* The defaults, and "key=value key=value". */
+/* Default settings, changed by "key=value key=value". */
 static inline struct neph_settings post_settings(const char *text)
 {
     struct neph_settings settings = neph_options_default(neph_post_options);
@@ -26,7 +26,7 @@ static inline struct neph_image *post_image(int width_px, int height_px, float *
     return image;
 }
 
-/* A frame through the chain, by itself. */
+/* One frame through the post-processing chain. */
 static inline struct neph_image *post_made(struct neph_vulkan *vulkan, const char *settings,
                                            const struct neph_image *frame, float *rgb[3])
 {

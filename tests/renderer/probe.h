@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shaders that answer value by value, for tests that compare each answer with its formula in C.
+ * Probe shaders: each thread evaluates a shader function for one input, and the test compares the
+ * result with the formula in C.
  */
 #ifndef NEPH_TESTS_PROBE_H
 #define NEPH_TESTS_PROBE_H
@@ -10,9 +11,9 @@
 #include "renderer/compute.h"
 #include "renderer/gpu_scene.h"
 
-/* The last two buffers of the kernel are the questions and the answers; those before them are the
- * scene's, where there is one (NULL: there is none). A group has 64 threads, each of which answers
- * a question. For the caller to free. */
+/* Runs a probe. The last two buffers of the kernel are its inputs and its results; the buffers
+ * before them are the scene's (`scene` may be NULL). A group has 64 threads, one per input. The
+ * caller frees the results. */
 static inline void *test_probe(struct neph_vulkan *vulkan, const struct neph_kernel_params *params,
                                const struct neph_gpu_scene *scene, const void *questions,
                                size_t question_bytes, size_t answer_bytes, int count)

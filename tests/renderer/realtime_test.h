@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What tests of single passes share: the same random or adversarial targets on the device and in
- * the CPU reference's memory, and a comparison of what both make of them.
+ * Common part of the tests of single passes: the same random or adversarial targets for the device
+ * and for the CPU reference, and a comparison of the results.
  */
 #ifndef NEPH_TESTS_REALTIME_TEST_H
 #define NEPH_TESTS_REALTIME_TEST_H
@@ -15,7 +15,7 @@
 
 #include <stdlib.h>
 
-/* Both sides of a comparison. */
+/* Device and CPU reference. */
 struct test_passes {
     struct neph_gpu_view view;
     struct neph_rt_device device;
@@ -28,8 +28,7 @@ static inline double test_uniform(uint64_t *seed)
     return neph_test_uniform(seed, 0.0, 1.0);
 }
 
-/* Settings at their defaults, but for a sky at the article's 20 km, with "key=value key=value"
- * applied. */
+/* Default settings with the article's sky distance of 20 km, changed by "key=value key=value". */
 static inline struct neph_settings test_settings(const char *assignments)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
@@ -38,7 +37,7 @@ static inline struct neph_settings test_settings(const char *assignments)
     return settings;
 }
 
-/* Compile passes as for a GPU. */
+/* Compiles the passes as for a GPU. */
 static inline void test_be_gpu(struct neph_rt_device *device)
 {
     struct neph_diag diag = {0};
@@ -46,9 +45,9 @@ static inline void test_be_gpu(struct neph_rt_device *device)
     neph_assert_ok(neph_halves_ask(device->vulkan, &device->native_halves, &diag), &diag);
 }
 
-/* A view of this size at the corner of its buffers, a camera of 50 degrees in both frames; the test
- * changes cpu.view (which is `view`) and targets before test_passes_run(). Odd seeds have the
- * kernels that a GPU has. */
+/* Opens both sides for a view of the given size, at an origin in its buffers, with a camera of 50
+ * degrees in both frames. The test changes cpu.view (the same as `view`) and the targets before
+ * test_passes_run(). Odd seeds use the kernels of a GPU. */
 static inline void test_passes_open(struct neph_vulkan *vulkan,
                                     const struct neph_settings *settings, const int size_px[2],
                                     const int origin_px[2], uint64_t seed, struct test_passes *test)
@@ -81,7 +80,7 @@ static inline void test_passes_open(struct neph_vulkan *vulkan,
         test->cpu.targets[t] = calloc(neph_rt_device_words(&test->device, t), sizeof(uint32_t));
 }
 
-/* A view at the first corner of its buffers, with settings as test_settings() has them. */
+/* test_passes_open() with the origin at the first corner, and settings from test_settings(). */
 static inline void test_open_words(struct neph_vulkan *vulkan, const int size_px[2], uint64_t seed,
                                    struct test_passes *test, const char *format, va_list arguments)
 {
@@ -101,7 +100,7 @@ test_open(struct neph_vulkan *vulkan, int width_px, int height_px, uint64_t seed
     va_end(arguments);
 }
 
-/* The camera becomes an orthographic one in both frames. */
+/* Makes the camera of both frames orthographic. */
 static inline void test_make_parallel(struct neph_gpu_view *view, float half_height_m)
 {
     struct neph_gpu_view_camera *const cameras[] = {&view->now, &view->before};
@@ -130,7 +129,7 @@ static inline void test_set(struct test_passes *test, int target, size_t index,
     neph_rt_store(&test->view.targets[target], test->cpu.targets[target], index, value);
 }
 
-/* All elements of a target. */
+/* Fills a target. */
 static inline void test_fill(struct test_passes *test, int target, float r, float g, float b,
                              float a)
 {
@@ -144,8 +143,8 @@ static inline void test_get(const struct test_passes *test, int target, size_t i
     neph_rt_load(&test->view.targets[target], test->cpu.targets[target], index, value);
 }
 
-/* Give the device the view and, as the CPU reference has them, the targets that a pass says it
- * touches, and run it there. */
+/* Uploads the view and the CPU reference's content of the targets that the pass declares, and runs
+ * the pass on the device. */
 static inline void test_passes_run(struct test_passes *test, const char *name)
 {
     const struct neph_rt_pass *pass = neph_rt_passes[neph_rt_pass_index(name)];
@@ -159,7 +158,7 @@ static inline void test_passes_run(struct test_passes *test, const char *name)
     neph_assert_ok(neph_rt_device_run(&test->device, pass, &diag), &diag);
 }
 
-/* The words of a target on the device, for the caller to free. */
+/* The words of a target on the device. The caller frees them. */
 static inline uint32_t *test_words(struct neph_rt_device *device, int target)
 {
     struct neph_diag diag = {0};
@@ -173,7 +172,7 @@ static inline uint32_t *test_download(struct test_passes *test, int target)
     return test_words(&test->device, target);
 }
 
-/* What the device made of a target becomes the CPU reference's. */
+/* Replaces the CPU reference's target with the device's. */
 static inline void test_take(struct test_passes *test, int target)
 {
     free(test->cpu.targets[target]);
@@ -187,7 +186,7 @@ static inline void test_swap(struct test_passes *test, int a, int b)
     test->cpu.targets[b] = words;
 }
 
-/* Every word of a target is the same on both sides. */
+/* Asserts that all words of a target are equal on both sides. */
 static inline void test_same_words(struct test_passes *test, int target, uint64_t seed)
 {
     uint32_t *words = test_download(test, target);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the Vulkan tests share: a device with validation on, of which any message fails the test.
+ * Common part of the Vulkan tests: a device with validation enabled; every validation message fails
+ * the test.
  */
 #ifndef NEPH_TESTS_RENDERER_TEST_H
 #define NEPH_TESTS_RENDERER_TEST_H
@@ -13,7 +14,7 @@
 
 #include <stdlib.h>
 
-/* Settings from "key=value key=value". */
+/* Sets options from "key=value key=value". */
 static inline void test_assign(const struct neph_option *options, const char *assignments,
                                struct neph_settings *settings)
 {
@@ -26,7 +27,8 @@ static inline void test_assign(const struct neph_option *options, const char *as
     free(copy);
 }
 
-/* Specialised shaders are kept from test to test where the environment names a folder. */
+/* Opens the device. Specialized shaders are cached across tests if NEPH_TEST_CACHE names a
+ * folder. */
 static inline struct neph_vulkan *test_vulkan_open(void)
 {
     struct neph_vulkan *vulkan = NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sequences of the real-time renderer, frame by frame, and the scene that most of them have.
+ * Sequences of the real-time renderer, frame by frame, and the scene that most of these tests
+ * use.
  */
 #ifndef NEPH_TESTS_SEQUENCE_TEST_H
 #define NEPH_TESTS_SEQUENCE_TEST_H
@@ -8,9 +9,9 @@
 #include "tests/renderer/frames.h"
 #include "tests/renderer/realtime_test.h"
 
-/* A fence before the sky, on a ground, in fog: edges of depth, and light that differs across them.
- * Passes with rays know how many solids there are: tests that share a scene share kernels, whose
- * making is most of what a test costs. */
+/* A fence in front of the sky, on a ground, in fog: depth edges with different light on both sides.
+ * Kernels are specialized for the number of solids. Tests with the same scene share kernels, and
+ * compiling kernels is most of a test's time. */
 static inline void test_scene_fence(struct test_scene *test)
 {
     test_scene_init(test);
@@ -38,7 +39,7 @@ static inline struct neph_realtime *test_sequence(struct neph_vulkan *vulkan,
     return realtime;
 }
 
-/* For neph_image_destroy(). `stats` may be NULL. */
+/* Renders the next frame. For neph_image_destroy(). `stats` may be NULL. */
 static inline struct neph_image *test_next(struct neph_realtime *realtime,
                                            const struct neph_scene *scene, int frame,
                                            struct neph_realtime_stats *stats)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shader as one function with the constants that it has by itself, for tests that read SPIR-V.
+ * A shader as SPIR-V with all functions inlined and its constants applied, for tests that read
+ * SPIR-V.
  */
 #ifndef NEPH_TESTS_SHADER_WORDS_H
 #define NEPH_TESTS_SHADER_WORDS_H
@@ -10,7 +11,7 @@
 #include "renderer/shader_code.h"
 #include "renderer/specialize.h"
 
-/* For the caller to free. `constants` may be NULL: all are the shader's own. */
+/* The words; the caller frees them. `constants` may be NULL: the shader's defaults. */
 static inline uint32_t *test_shader_words(const uint32_t *code, size_t code_bytes,
                                           const uint32_t *constants, int count, size_t *word_count)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shipped masks of blue noise have every rank once in a slice and spectra that white noise
- * cannot have; a seed shifts them on their torus. Needs no Vulkan.
+ * The shipped blue-noise masks: each slice has every rank once, the spectra are blue, and a seed
+ * shifts the masks on their torus. Needs no Vulkan.
  *
- * Spectra are in units of white noise of the same histogram: the periodogram of N independent
- * values, divided by their variance, has mean 1 and, by the central limit theorem, exponential
- * values, independent but for P(-k) = P(k). A mean of M independent ones is Gamma(M) / M.
+ * Spectra are in units of white noise with the same histogram. The periodogram of N independent
+ * values over their variance has mean 1; by the central limit theorem its values are exponential,
+ * and independent except for P(-k) = P(k). The mean of M independent values is Gamma(M) / M.
  */
 #include "tests/base/scratch.h"
 
@@ -22,12 +22,12 @@ enum {
 
 static const char path[] = NEPH_SOURCE_DIR "/renderer/blue_noise.png";
 
-/* Low frequencies are those below a quarter of Nyquist's: 192 of a slice, 96 of them independent.
- * White noise passes with the probability that Gamma(96) < 9.6, which is below 1e-50. */
+/* Low frequencies: below a quarter of Nyquist's, 192 in a slice, 96 of them independent. White
+ * noise passes with the probability of Gamma(96) < 9.6, which is below 1e-50. */
 static const double low_power_max = 0.1;
 
-/* Means over all pixels of the periodogram at one frequency have the standard deviation 1 / 64:
- * white noise is 32 of them away. */
+/* The mean over all pixels of the periodogram at one frequency has the standard deviation 1 / 64,
+ * so white noise exceeds this limit by 32 of them. */
 static const double low_frame_power_max = 0.5;
 
 static uint32_t *load(uint32_t seed)
@@ -89,7 +89,7 @@ static double low_power(const uint32_t *slice)
     return ring_power(slice, 0.0, SIDE / 8.0);
 }
 
-/* Power at k cycles in 32 frames of the values of a pixel, averaged over the pixels. */
+/* Power at k cycles in 32 frames, averaged over the pixels. */
 static double frame_power(const uint32_t *stack, int k)
 {
     double sum = 0.0, cosines[FRAMES];
@@ -115,11 +115,11 @@ static void test_every_slice_is_blue(void **state)
         worst = fmax(worst, low_power(ranks + slice * PIXELS));
     print_message("power at low frequencies %.2g of white noise's\n", worst);
     assert_true(worst < low_power_max);
-    /* What low frequencies lack, high ones have: the mean over all is that of white noise. */
+    /* The mean over all frequencies equals white noise's, so high frequencies exceed it. */
     assert_true(ring_power(ranks, SIDE / 4.0, SIDE) > 1.0);
 }
 
-/* Frequencies up to a quarter of Nyquist's; 0 is among them. */
+/* Frequencies up to a quarter of Nyquist's, including 0. */
 static void test_pixels_are_blue_over_time(void **state)
 {
     OWNED(memory) uint32_t *ranks = load(0);
@@ -151,7 +151,7 @@ static void test_every_slice_has_every_rank_once(void **state)
     }
 }
 
-/* pcg(seed) by Python's integers, and the shifts in its bits. */
+/* pcg(seed) computed with Python integers, and the shifts in its bits. */
 static void test_a_seed_shifts_the_file_on_its_torus(void **state)
 {
     static const struct {
@@ -174,8 +174,9 @@ static void test_a_seed_shifts_the_file_on_its_torus(void **state)
     }
 }
 
-/* One pair of seeds in 4096 has the same shift in x and y; these 16 seeds have 16 shifts. A slice
- * and its shift have 1 rank in common on average, by a Poisson law more than 10 in 1e-8. */
+/* One pair of seeds in 4096 has the same shift in x and y; these 16 seeds have 16 different shifts.
+ * A slice and its shifted copy agree in 1 rank on average; by a Poisson law in more than 10 with
+ * probability 1e-8. */
 static void test_seeds_differ(void **state)
 {
     enum { SEEDS = 16 };

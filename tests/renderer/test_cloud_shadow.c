@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shadow map of clouds: what it tells of the ground, held against closed forms, and against its
- * CPU reference, which interpolates between them in double; what it tells between clouds; and that
- * it stays where the clouds are.
+ * The shadow map of clouds: on the ground, compared with closed forms and with its CPU reference,
+ * which interpolates in double; in fog between clouds; and its stability while sun, wind and camera
+ * move.
  */
 #include "tests/renderer/frames.h"
 
@@ -17,7 +17,8 @@ static const double ground_m = -2.0;
 
 /* --- the ground ------------------------------------------------------------------------------ */
 
-/* Seen from straight above, below all clouds: a pixel is a place, and nothing is in between. */
+/* An orthographic view from above, below all clouds: a pixel is a point of the ground, without
+ * media in between. */
 static void look_down(struct test_scene *test, double side_m)
 {
     test_scene_init(test);
@@ -48,7 +49,7 @@ static struct neph_march_params mapped(int texels, int layers)
                       .shadow = {.texels = texels, .layers = layers, .levels = 1}}};
 }
 
-/* Channel c of sunlight on the ground, as a part of what the sun sends. */
+/* Sunlight on the ground in channel c, relative to the sun's. */
 static void measure(struct neph_vulkan *vulkan, const struct test_scene *test,
                     const struct neph_march_params *params, int c, double through[PIXELS])
 {
@@ -84,7 +85,7 @@ static struct difference against_truth(const struct test_scene *test, int c,
     return off;
 }
 
-/* --- the CPU reference: closed forms at the texels, transmittance between them --------------- */
+/* --- the CPU reference: closed forms at the texels, interpolated transmittance ---------------- */
 
 static double texel_through(const struct neph_shadow_space *space, const struct neph_scene *scene,
                             int level, const double texel[2], int c)
@@ -98,7 +99,7 @@ static double texel_through(const struct neph_shadow_space *space, const struct 
     return exp(-depth_of(scene, point_m, c));
 }
 
-/* Below all clouds, in the finest map that has the point. */
+/* Below all clouds, in the finest level that contains the point. */
 static double reference_through(const struct neph_shadow_space *space,
                                 const struct neph_shadow_map *map, const struct neph_scene *scene,
                                 struct neph_vec3 point_m, int c)
@@ -146,8 +147,8 @@ static void check_reference(struct neph_vulkan *vulkan, const struct test_scene 
     }
     print_message("%s: off the reference by %.1e, which is off the truth by %.1e\n", what, largest,
                   from_truth);
-    /* A place is a float32 of some 30 m, 2e-6 m; over a texel of a tenth of a metre that is 2e-5 of
-     * the difference between two of them. */
+    /* A position of some 30 m has a rounding error of 2e-6 m in float32. On a texel of a tenth of a
+     * metre this is 2e-5 of the difference between two texels. */
     assert_true(largest < 3e-5);
     assert_true(from_truth > 100.0 * largest);
 }
@@ -181,11 +182,11 @@ static void test_the_shader_equals_the_reference(void **state)
     check_reference(*state, &test, &map, "around the camera");
 }
 
-/* Between texels a distance h apart transmittance T is off by h^2 / 8 times its second derivatives
- * along both sides. On a plane that a sun ray meets at a right angle tau is that of a Gaussian of
- * its width w and at most s w sqrt(2 pi), and no second derivative of e^-tau is above
- * (tau' ^ 2 + |tau''|) e^-tau. With u = (r/w)^2 that is tau (u tau + |u - 1|) e^-tau / w^2, which
- * is largest at the rim of the shadow: taken of it here where it is, by trying all. */
+/* Bound of the interpolation error at a texel spacing h: h^2 / 8 times the second derivatives of
+ * the transmittance T = e^-tau along both sides. On a plane perpendicular to the sun ray tau is a
+ * Gaussian of width w with a maximum of at most s w sqrt(2 pi). A second derivative of e^-tau is at
+ * most (tau' ^ 2 + |tau''|) e^-tau. With u = (r/w)^2 this is tau (u tau + |u - 1|) e^-tau / w^2.
+ * Its maximum is at the rim of the shadow and is found numerically. */
 static double blob_bound(double spacing_m)
 {
     const double middle = blob_per_m * blob_width_m * sqrt(2.0 * M_PI);
@@ -214,12 +215,12 @@ static void test_a_blob_is_of_second_order(void **state)
         print_message("%d texels: off by %.2e, at most %.2e; mean %.1e\n", texels, off.largest,
                       bound, off.mean);
         assert_true(off.largest < bound && off.largest > 0.02 * bound);
-        assert_true(off.largest < before / 2.5); /* 4, but for steps of an eighth of an octave */
+        assert_true(off.largest < before / 2.5); /* 4, with texel sizes of eighths of octaves */
         before = off.largest;
     }
 }
 
-/* All texels are the same ray: nothing is left out between them. */
+/* All texels have the same ray, so interpolation is exact. */
 static void test_a_slab_is_exact(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -231,13 +232,13 @@ static void test_a_slab_is_exact(void **state)
         (struct neph_vec3){200.0, 3.0, 200.0}, 1.0, &random);
     const struct neph_march_params params = mapped(64, 2);
     measure(*state, &test, &params, 0, through);
-    /* Half of each of the two cells beside it, in which the density falls to 0. */
+    /* Plus one half of each of the two adjacent cells, in which the density falls to 0. */
     const double truth = exp(-0.2 * (3.0 + 2.0 * 0.5 * 3.0) / test.scene.sun.direction.y);
     for (int p = 0; p < PIXELS; p++)
         assert_float_equal(through[p], truth, 2e-6);
 }
 
-/* Voxels from nothing to dense, as clouds are; 512 texels, and how it gets there. */
+/* A voxel cloud with empty and dense voxels: 512 texels, and the convergence to that. */
 static void test_voxels_are_within_two_per_cent(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -261,7 +262,7 @@ static void test_voxels_are_within_two_per_cent(void **state)
         before = off.mean;
     }
     assert_true(before < 0.02 * sunlit);
-    if (neph_test_is_night()) { /* a kernel of its own, and one for the map */
+    if (neph_test_is_night()) { /* needs a kernel of its own, and one for the map */
         struct neph_march_params skipping = mapped(512, 1);
         double skipped[PIXELS];
         skipping.shortcuts.skip = true;
@@ -270,7 +271,7 @@ static void test_voxels_are_within_two_per_cent(void **state)
     }
 }
 
-/* Where half of what the cloud takes comes through along a row of pixels [m]. */
+/* Position on a row of pixels at which half of the cloud's attenuation is reached [m]. */
 static double middle_of_edge(const struct test_scene *test, const double through[PIXELS], int row)
 {
     const double half = 0.5 * (through[row] + through[row + SIDE_PX - 1]);
@@ -283,8 +284,8 @@ static double middle_of_edge(const struct test_scene *test, const double through
     return INFINITY;
 }
 
-/* A cloud that its bounds cut off: dark on one side of a line, and light on the other. The shadow's
- * edge lies within half a texel of it, and a texel farther all is as it should be. */
+/* A cloud with a straight edge, cut by its bounds. The shadow's edge is within half a texel of it,
+ * and one texel away the values are correct. */
 static void test_edges_keep_their_place(void **state)
 {
     struct test_scene test;
@@ -315,7 +316,7 @@ static void test_edges_keep_their_place(void **state)
 
 /* --- between clouds -------------------------------------------------------------------------- */
 
-/* By a map of so many layers; 0: by none. */
+/* A frame with a map of so many layers; 0: without a map. */
 static struct neph_image *between(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   int layers)
 {
@@ -325,7 +326,7 @@ static struct neph_image *between(struct neph_vulkan *vulkan, const struct neph_
     return test_march(vulkan, scene, &params, NULL);
 }
 
-/* Fog between the clouds of two floors, and a tower through both. */
+/* Fog between two layers of clouds, and a tower through both. */
 static void test_layers_tell_what_is_between(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -349,7 +350,7 @@ static void test_layers_tell_what_is_between(void **state)
     assert_true(one > 2e-3 && sixteen < 0.2 * one);
 }
 
-/* Where there are but fogs there is no cloud, and without clouds no map. */
+/* A scene with fog only has no map, and its frames have the same bits. */
 static void test_fog_alone_keeps_the_bits(void **state)
 {
     struct test_scene test;
@@ -363,14 +364,14 @@ static void test_fog_alone_keeps_the_bits(void **state)
     assert_memory_equal(through[0], through[1], sizeof(through[0]));
 }
 
-/* --- at rest --------------------------------------------------------------------------------- */
+/* --- stability -------------------------------------------------------------------------------- */
 
 static bool is_whole(double value)
 {
     return fabs(value - round(value)) < 1e-6;
 }
 
-/* Texels are the same columns of air whichever way camera and sun go, and go with the wind. */
+/* Texels are the same columns of air for every camera and sun, and move with the wind. */
 static void test_texels_stay_with_the_clouds(void **state)
 {
     struct test_scene test;
@@ -401,7 +402,7 @@ static void test_texels_stay_with_the_clouds(void **state)
     }
 }
 
-/* Ten thousand kilometres away a map is the same: it is placed by differences, in double. */
+/* The map is placed by differences in double, so it is the same ten thousand kilometres away. */
 static void test_far_from_the_origin_it_is_the_same(void **state)
 {
     struct test_scene test;
@@ -420,11 +421,11 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     for (int p = 0; p < PIXELS; p++)
         largest = fmax(largest, fabs(here[p] - there[p]));
     print_message("1e7 m away: off by %.1e\n", largest);
-    assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
+    assert_true(largest < 1e-6); /* a double's rounding at that distance is 2e-9 m; then float32 */
 }
 
-/* A map of all clouds stays as it is while the sun goes some degrees: it need not be filled at
- * once. And it has all of them. */
+/* A map of all clouds does not change while the sun moves by some degrees, so it need not be
+ * refilled. It contains all clouds. */
 static void test_a_map_of_all_clouds_stays(void **state)
 {
     struct test_scene test;
@@ -441,17 +442,17 @@ static void test_a_map_of_all_clouds_stays(void **state)
         const struct neph_shadow_level *now = &space.levels[0];
         changes += memcmp(now, &before, sizeof(before)) != 0;
         before = *now;
-        /* Half of the clouds' box, and what its height adds. */
+        /* Half of the clouds' box, and the part that its height adds. */
         const double half_m = 9.0 +
                               9.0 * fabs(test.scene.sun.direction.x) / test.scene.sun.direction.y;
         assert_true(now->low_m[0] <= 9.0 - half_m + 1e-9);
         assert_true(now->low_m[0] + 63 * now->texel_m[0] >= 9.0 + half_m - 1e-9);
     }
-    /* 1 + cot of 30 degrees is 1.45 octaves above 1: 12 steps, and the first. */
+    /* 1 + cot(30 degrees) is 1.45 octaves above 1: 12 changes, and the first map. */
     neph_assert_in_range(changes, 12, 13);
 }
 
-/* --- over pictures --------------------------------------------------------------------------- */
+/* --- over several frames ---------------------------------------------------------------------- */
 
 static bool same_radiance(const struct neph_image *a, const struct neph_image *b)
 {
@@ -462,7 +463,8 @@ static bool same_radiance(const struct neph_image *a, const struct neph_image *b
     return same;
 }
 
-/* Filled once; over four pictures when the sun has moved; at once when the map has. */
+/* The map is filled once; over four frames when the sun has moved; at once when the map has
+ * changed. */
 static void test_the_map_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
@@ -496,8 +498,8 @@ static void test_the_map_is_filled_over_pictures(void **state)
 
 /* --- in real time ---------------------------------------------------------------------------- */
 
-/* What is behind all media is the march's, to the bit: of the march itself by day, of the split
- * frame, whose kernels take seconds to make, by night. */
+/* The background's light equals the ray marcher's bit by bit: by day of the full-resolution march,
+ * at night of the split frame, because its kernels take seconds to compile. */
 static void test_in_real_time_the_ground_is_the_same(void **state)
 {
     struct test_scene test;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a device may do to our arithmetic that lavapipe does not: fuse a product into the sum that
- * takes it, without rounding in between. Shaders are read as SPIR-V, because no CPU driver shows
- * what it costs: each as one function, with its own constants.
+ * Contraction: a device may fuse a product into a sum without rounding in between, which lavapipe
+ * does not do. No CPU driver shows the effect, so the tests read the shaders' SPIR-V, inlined into
+ * one function and with default constants.
  */
 #include "tests/renderer/shader_words.h"
 
@@ -106,10 +106,10 @@ enum {
     GLSL_FMA = 50,
 };
 
-/* A module by the numbers of its results. */
+/* A module, indexed by result ids. */
 struct module {
     uint32_t bound;
-    const uint32_t **results; /* the instruction that gives each; NULL: none of interest */
+    const uint32_t **results; /* instruction of each result; NULL: not of interest */
     bool *is_kept;            /* NoContraction */
 };
 
@@ -148,14 +148,14 @@ static void finish_module(struct module *module)
     free(module->is_kept);
 }
 
-/* Whether a number is a whole one by rounding, whatever was done to choose among such. */
+/* Whether a value is an integer by rounding, possibly selected among several. */
 static bool is_rounded(const struct module *module, uint32_t id, int depth)
 {
     const uint32_t *at = module->results[id];
     if (!at || depth == 0)
         return false;
     const uint32_t op = opcode_of(at);
-    uint32_t first = 0; /* operand from which on any may be the rounded one */
+    uint32_t first = 0; /* operands from here on may be the rounded one */
     if (op == OP_EXT_INST) {
         const uint32_t function = at[4];
         if (function == GLSL_FLOOR || function == GLSL_CEIL || function == GLSL_TRUNC)
@@ -174,7 +174,7 @@ static bool is_rounded(const struct module *module, uint32_t id, int depth)
     return false;
 }
 
-/* Whether a number is a product that may lose its rounding. */
+/* Whether a value is a product that may lose its rounding. */
 static bool is_open_product(const struct module *module, uint32_t id)
 {
     const uint32_t *at = module->results[id];
@@ -186,8 +186,8 @@ static bool is_open_product(const struct module *module, uint32_t id)
            (opcode_of(at) == OP_F_MUL || opcode_of(at) == OP_VECTOR_TIMES_SCALAR);
 }
 
-/* A difference between a product and a whole part that a device may fuse, or that the optimizer of
- * SPIR-V has fused. */
+/* A difference between a product and an integer part that a device may fuse, or that the SPIR-V
+ * optimizer has fused. */
 static bool is_open_fraction(const struct module *module, uint32_t id)
 {
     enum { DEPTH = 8 };
@@ -213,9 +213,9 @@ static int count_open_fractions(const struct shader *shader)
     return count;
 }
 
-/* x - floor(x) lies in [0, 1) for a rounded x. Where x is a product that the device fuses into the
- * subtraction, it does not: 5 to 23 pixels of each cloud at 1920x1080 came out negative on an
- * NVIDIA H100, by a density of -1e-6 beside an empty node. */
+/* x - floor(x) is in [0, 1) for a rounded x, but not for a product that the device fuses into the
+ * subtraction. On an NVIDIA H100, 5 to 23 pixels of each cloud at 1920x1080 became negative, by a
+ * density of -1e-6 next to an empty node. */
 static void test_no_fraction_of_an_unrounded_product(void **state)
 {
     int bad = 0;

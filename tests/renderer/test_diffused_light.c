@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Diffused light: its cells balance, in a slab it is the closed solution of its equations and its
- * pictures are their integrals in double precision; and how far those are from all orders of
- * scattering, by adding and doubling, and from a white furnace.
+ * Diffused light: the cells balance; in a slab the solution and the frames agree with the closed
+ * solution of the equations and its integrals in double precision; and the distance to all orders
+ * of scattering, from adding and doubling and from a white furnace.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -24,7 +24,7 @@ static struct neph_march_params params_of(int cells)
     };
 }
 
-/* Show a picture, and take its cells. For free(). */
+/* Renders a frame's light and returns its cells. For free(). */
 static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
                                              const struct neph_march_params *params, bool continues,
                                              struct neph_march_scene *march)
@@ -42,7 +42,7 @@ static struct neph_gpu_diffusion_cell *shown(const struct neph_scene *scene,
                                 sizeof(struct neph_gpu_diffusion_cell));
 }
 
-/* The cells of a picture by itself. For free(). */
+/* The cells of a single frame. For free(). */
 static struct neph_gpu_diffusion_cell *
 cells_of(struct neph_vulkan *vulkan, const struct neph_scene *scene, int cells, uint32_t size[3])
 {
@@ -84,7 +84,7 @@ static const struct {
     void (*build)(struct test_scene *test);
 } rooms[] = {{"blob", add_blob}, {"two blobs", add_two}, {"among solids", add_shaded}};
 
-/* What is left in a cell: what it is given and flows in, less what flows out. */
+/* Residual of a cell: supply and inflow minus outflow and absorption. */
 static double left_in(const struct neph_gpu_diffusion_cell *cells, const uint32_t size[3],
                       const uint32_t at[3])
 {
@@ -126,7 +126,8 @@ static void test_cells_balance(void **state)
         print_message("%s: %ux%ux%u cells, absorbed and gone %.7f of what was given, left %.1e\n",
                       rooms[r].name, size[0], size[1], size[2], gone / given, left / given);
         assert_true(given > 0.0);
-        /* After 24 cycles, each with faces limited anew; 2.8e-3 as measured, 6.1e-3 after 12. */
+        /* After 24 cycles, each of which recomputes the flux limits; measured: 2.8e-3, and 6.1e-3
+         * after 12. */
         assert_true(left / given < 5e-3);
     }
 }
@@ -138,8 +139,8 @@ static const struct layer {
     double depth, albedo, g, sun_cosine;
     bool from_below;
     double
-        allowed; /* of the truth by adding and doubling: what P1 is off by, as measured (3.2, 2.6,
-                       17.2, 17.6, 3.1 %), rounded up */
+        allowed; /* error of P1 relative to adding and doubling, measured (3.2, 2.6, 17.2, 17.6, 3.1
+                    %) and rounded up */
 } layers[] = {
     {"isotropic, depth 8, from above", 8.0, 1.0, 0.0, 0.6, false, 0.05},
     {"g 0.85, depth 16, from above", 16.0, 1.0, 0.85, 0.7, false, 0.1},
@@ -164,12 +165,12 @@ static void layer_scene(const struct layer *layer, struct test_scene *test)
     slab_scene(test, &slab, layer->from_below, 0.002);
 }
 
-/* The closed solution of the equations, z downwards from the top: with m = sigma' / mu0
- * phi = a e^-kz + b e^-k(1-z) + p e^-mz, or a + b z where nothing is absorbed. */
+/* Closed solution of the equations, z downwards from the top. With m = sigma' / mu0, phi = a e^-kz
+ * + b e^-k(1-z) + p e^-mz, or a + b z without absorption. */
 struct solution {
     double peak, smooth_g;           /* f, g' */
-    double scale;                    /* of optical depths */
-    double transport, beam, k, m, p; /* sigma_tr, beam's right side, .. */
+    double scale;                    /* factor of optical depths */
+    double transport, beam, k, m, p; /* sigma_tr, right-hand side for the beam, .. */
     double a, b, sun_cosine;
 };
 
@@ -187,7 +188,7 @@ static double mode_slope(const struct solution *of, int i, double z)
     return (i ? of->k : -of->k) * mode(of, i, z);
 }
 
-/* phi + side / OUTWARD F_z by `slope` and `value` of a mode: 0 at a face. */
+/* phi + side / OUTWARD F_z from `slope` and `value` of a mode; 0 at a face. */
 static double through_face(const struct solution *of, double value, double slope, double side)
 {
     return value - side / NEPH_GPU_OUTWARD * slope / (3.0 * of->transport);
@@ -251,17 +252,17 @@ static void test_a_slab_has_the_closed_solution(void **state)
             largest = fmax(largest, truth);
         }
         print_message("%s: fluence off by %.1e of its largest\n", layers[s].name, worst / largest);
-        /* Midpoints: h^2 / 24 of a cell's optical depth h, 40 / 256 at most. */
+        /* Midpoint rule: h^2 / 24 of a cell's optical depth h, at most 40 / 256. */
         assert_true(worst / largest < 1.02e-3);
     }
 }
 
-/* By elimination in double: the fluence with which a column's cells balance. For free(). */
+/* Elimination in double: the fluence at which a column's cells balance. For free(). */
 static double *balanced(const struct neph_gpu_diffusion_cell *cells, uint32_t count)
 {
     double *fluence_of = malloc(count * sizeof(*fluence_of));
     OWNED(memory)
-    double *passed = malloc(count * sizeof(*passed)); /* of the next cell's, by what is below */
+    double *passed = malloc(count * sizeof(*passed)); /* over the next cell's */
     double low = 0.0;
     for (uint32_t i = 0; i < count; i++) {
         const double high = i + 1 < count ? (double)cells[i].link[1] : 0.0;
@@ -277,9 +278,9 @@ static double *balanced(const struct neph_gpu_diffusion_cell *cells, uint32_t co
     return fluence_of;
 }
 
-/* What is next to each other in many cells differs by few last bits, and still the whole is right
- * to those: 1.5e-6 as measured. When inflows and outflows were summed by themselves it was off by
- * up to 4e-4 in 256 cells, on each device by another part. */
+/* Neighbouring cells differ by a few last bits, and the solution still has that accuracy: measured
+ * 1.5e-6. When inflow and outflow were summed separately, the error was up to 4e-4 in 256 cells and
+ * different on each device. */
 static void test_many_cells_balance_to_the_last_bits(void **state)
 {
     for (size_t s = 0; s < COUNT(layers); s += (size_t)neph_test_by_day(2, 1)) {
@@ -301,7 +302,7 @@ static void test_many_cells_balance_to_the_last_bits(void **state)
     }
 }
 
-/* --- pictures of slabs ------------------------------------------------------------------------ */
+/* --- frames of slabs -------------------------------------------------------------------------- */
 
 static double phase_per_sr(double g, double cosine)
 {
@@ -352,16 +353,16 @@ static void test_pictures_of_slabs(void **state)
         print_message("%s: %+.2f %% of its formula, %+.1f %% of all orders\n", layers[s].name,
                       100.0 * (seen / reference - 1.0), 100.0 * (seen / truth - 1.0));
         assert_true(fabs(seen / reference - 1.0) <
-                    5e-3); /* 0.28 % as measured: 512 cells' (above), and steps' */
+                    5e-3); /* 0.28 % measured: 512 cells (above), and finite steps */
         assert_true(fabs(seen / truth - 1.0) < layers[s].allowed);
     }
 }
 
 /* --- a white furnace -------------------------------------------------------------------------- */
 
-/* Suns of 4 pi / 6 W/m2 from six sides are a sky of 1 for what is isotropic, and what absorbs
- * nothing gives back as much of it as it takes. P1 loses a tenth of it where light has little to
- * scatter in (0.895 as measured), and makes none. */
+/* Six suns of 4 pi / 6 W/m2 from six sides equal a sky of 1 for an isotropic medium. Without
+ * absorption it returns as much light as it receives. P1 loses a tenth of the light where the
+ * medium is thin (0.895 measured), and creates none. */
 static void test_a_white_furnace(void **state)
 {
     static const struct neph_vec3 suns[] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
@@ -385,9 +386,9 @@ static void test_a_white_furnace(void **state)
     assert_true(given / taken > 0.85 && given / taken < 1.0);
 }
 
-/* --- pictures in a row ------------------------------------------------------------------------ */
+/* --- sequences -------------------------------------------------------------------------------- */
 
-/* How far two solutions are apart, by the larger fluence of the second. */
+/* Largest difference of two solutions, over the largest fluence of the second. */
 static double apart(const struct neph_gpu_diffusion_cell *a,
                     const struct neph_gpu_diffusion_cell *b, size_t count)
 {
@@ -399,8 +400,8 @@ static double apart(const struct neph_gpu_diffusion_cell *a,
     return worst / largest;
 }
 
-/* One cycle a picture: after the sun has jumped the cells come to what they are without a past, and
- * at rest stay there, bit by bit. */
+/* One cycle per frame: after a jump of the sun the cells converge to the solution without history.
+ * In a static scene they stay there, bit by bit. */
 static void test_a_row_comes_to_rest(void **state)
 {
     enum { PICTURES = 60, CELLS = 16 };
@@ -430,10 +431,10 @@ static void test_a_row_comes_to_rest(void **state)
                   apart(old, wanted, count), apart(first, wanted, count),
                   apart(last, wanted, count));
     assert_true(apart(old, wanted, count) > 0.1);
-    assert_true(apart(last, wanted, count) < 2e-4);          /* 7e-5 as measured */
-    assert_memory_equal(last, after, count * sizeof(*last)); /* at rest no cycle is run */
+    assert_true(apart(last, wanted, count) < 2e-4);          /* measured: 7e-5 */
+    assert_memory_equal(last, after, count * sizeof(*last)); /* static: no cycles */
     free(after);
-    free(shown(&test.scene, &params, false, &row)); /* a cut: from none again, and to the same */
+    free(shown(&test.scene, &params, false, &row)); /* a cut: the same, from 0 again */
     for (int i = 0; i < PICTURES; i++) {
         free(last);
         last = shown(&test.scene, &params, true, &row);
@@ -445,7 +446,7 @@ static void test_a_row_comes_to_rest(void **state)
     neph_march_scene_destroy(*state, &row);
 }
 
-/* A box that goes in between sun and cloud takes its light. */
+/* A box that moves between sun and cloud shadows the cloud. */
 static void test_solids_that_move_are_seen(void **state)
 {
     enum { CELLS = 16 };
@@ -472,14 +473,14 @@ static void test_solids_that_move_are_seen(void **state)
     }
     print_message("behind a box that has moved: off by %.1e\n", apart(last, wanted, count));
     assert_true(apart(last, wanted, count) <
-                1e-3); /* 5e-4 as measured, after 48 cycles; 1 of the old light */
+                1e-3); /* 5e-4 measured after 48 cycles; 1 is the light before */
     free(last);
     free(wanted);
     neph_march_scene_destroy(*state, &fresh);
     neph_march_scene_destroy(*state, &row);
 }
 
-/* --- what is refused ------------------------------------------------------------------------- */
+/* --- refusals --------------------------------------------------------------------------------- */
 
 static void test_what_it_cannot_is_refused(void **state)
 {

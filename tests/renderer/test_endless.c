@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * Clouds that repeat without end: frames of them against those of many copies. (The step cloud of
- * I3RC against a Monte Carlo that shares next to nothing with the tracer is a check of neph
- * physics.)
+ * Endless clouds: their frames equal the frames of many copies. (The I3RC step cloud is compared
+ * with an independent Monte Carlo in neph physics.)
  */
 #include "tests/renderer/frames.h"
 
 #include "scenes/grid.h"
 
-/* `count` nodes along x, of which `copies` stand side by side around the world's middle, in 64 rows
- * along z; 0: both without end. Bounds cut it off above and below, between two nodes that are the
- * same. */
+/* A grid of `count` nodes along x, in `copies` side by side around the world's origin and in 64
+ * rows along z; 0: endless along both. Its bounds cut it above and below, between two equal
+ * nodes. */
 static struct neph_grid *make_columns(const double *values, int count, double spacing_m,
                                       double high_m, int copies)
 {
@@ -59,7 +58,7 @@ static struct neph_image *march(struct neph_vulkan *vulkan, const struct neph_sc
     return test_march(vulkan, scene, &params, NULL);
 }
 
-/* 40 copies are as good as all where nothing beyond them is seen, and no sun comes from there. */
+/* 40 copies suffice where nothing beyond them is visible and sunlight does not cross more. */
 static void test_a_march_sees_no_end(void **state)
 {
     static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};
@@ -82,8 +81,8 @@ static void test_a_march_sees_no_end(void **state)
     }
 }
 
-/* Sunlight scattered once, in double precision: the march's closed forms agree, and a ray that goes
- * far has met what as many copies have. */
+/* Single scattering in double precision: the ray marcher's closed forms agree, and a long ray has
+ * met the optical depth of as many copies. */
 static void test_exact_sees_no_end(void **state)
 {
     struct test_scene endless, finite;
@@ -100,7 +99,7 @@ static void test_exact_sees_no_end(void **state)
     }
 }
 
-/* What lies in a box around all shapes has none here, and says so. */
+/* Methods that need a box around all shapes refuse an endless one, with a reason. */
 static void test_tables_refuse(void **state)
 {
     struct test_scene test;
@@ -125,7 +124,7 @@ enum { NODES = 32, ACROSS = 128, DEEP = 2, SEEN = ACROSS * DEEP };
 
 static const double period_m = 500.0, high_m = 250.0;
 
-/* Half a period of optical depth 2, half of 18; a step is a ramp between two nodes. `copies` as of
+/* Half a period of optical depth 2, half of 18; a step is a ramp between two nodes. `copies` as in
  * make_columns(). */
 static struct neph_grid *make_step_cloud(int copies)
 {
@@ -135,8 +134,8 @@ static struct neph_grid *make_step_cloud(int copies)
     return make_columns(values, NODES, period_m / NODES, high_m, copies);
 }
 
-/* Straight down on one period, from half a node before the first: halves of the period are halves
- * of the picture. All orders, the sun 60 degrees from the zenith, its light towards -x. */
+/* View straight down on one period, from half a node before the first: halves of the period are
+ * halves of the frame. All orders, sun 60 degrees from the zenith, sunlight towards -x. */
 static struct neph_image *trace_step_cloud(struct neph_vulkan *vulkan, int copies, int samples)
 {
     OWNED(grid) struct neph_grid *grid = make_step_cloud(copies);
@@ -167,8 +166,8 @@ static double half_mean(const struct neph_image *image, int half)
     return sum;
 }
 
-/* The same numbers, the same paths: what 30 periods and 64 rows have, but for the few that leave
- * these. */
+/* The same random numbers give the same paths as in 30 periods and 64 rows, except for the few
+ * paths that leave these. */
 static void test_paths_see_no_end(void **state)
 {
     const int samples = neph_test_by_day(16, 256);

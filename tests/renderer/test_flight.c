@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames in flight: a picture that comes after some of which nothing was read is, bit for bit, what
- * it is after pictures that were.
+ * Frames in flight: a frame after others that were not read back equals, bit for bit, the frame
+ * after others that were.
  */
 #include "tests/renderer/sequence_test.h"
 
-/* Scene camera_dolly: a camera that moves past solids in fog; all that a frame is told differs from
- * the last. */
+/* Scene camera_dolly: a camera that moves past solids in fog. All data of a frame differ from the
+ * frame before. */
 enum { WIDTH_PX = 48, HEIGHT_PX = 28, FRAMES = 8 /* each lane and slot is used more than once */ };
 
 /* With dithers that need no masks. */
@@ -52,8 +52,8 @@ static void test_the_picture_after_pictures_in_flight(void **state)
     check_after_flight(*state, scene, &settings);
 }
 
-/* Clouds drift: each frame fills the nodes anew that frames before it may still read, and of all
- * that is in flight the fill alone is counted. */
+/* Clouds drift: each frame refills nodes that earlier frames may still read. Of the work in flight
+ * only the fill is counted. */
 static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("stress/wind_cloud");
@@ -73,7 +73,7 @@ static void test_a_cache_is_filled_between_pictures_in_flight(void **state)
     }
 }
 
-/* What passes move is known before; counts are nobody's. */
+/* The bytes that passes move are known in advance; counters are not available in flight. */
 static void test_costs_come_home_in_order(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");
@@ -100,7 +100,8 @@ static void test_costs_come_home_in_order(void **state)
     assert_int_equal(neph_realtime_home(realtime, &home, &diag), NEPH_ERR_USAGE);
 }
 
-/* The march of every pixel goes through the CPU to the passes behind it. */
+/* Without a split the march of every pixel goes through the CPU to the next passes, so it cannot be
+ * in flight. */
 static void test_no_split_flies_alone(void **state)
 {
     OWNED(scene) struct neph_scene *scene = test_load("catalog/camera_dolly");

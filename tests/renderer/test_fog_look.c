@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shader of the look of fog against its formulas in double precision (truth/fog_look.h), value
- * by value through shaders/probe_fog_look.comp and picture by picture. Rays are rounded to float32
- * first and given to both sides. 1e-5 relative is what was asked for; of a transmittance it is so
- * as long as something comes through, for each unit of optical depth multiplies its own error.
+ * The shader of the game-engine fog model compared with its formulas in double precision
+ * (truth/fog_look.h): value by value through shaders/probe_fog_look.comp, and frame by frame. Rays
+ * are rounded to float32 first and given to both sides. Required is 1e-5 relative; for a
+ * transmittance only above e^-16, because each unit of optical depth multiplies its error.
  */
 #include "tests/renderer/probe.h"
 
@@ -16,7 +16,7 @@ static const uint32_t probe_code[] = {
 #include "shaders/probe_fog_look.comp.inc"
 };
 
-/* of shaders/probe_fog_look.comp */
+/* layout of shaders/probe_fog_look.comp */
 struct probe {
     struct neph_gpu_fog_look look;
     float direction[3];
@@ -32,7 +32,7 @@ struct answer {
     float through;
 };
 
-/* What the CPU reference is asked. */
+/* Input of the CPU reference. */
 struct question {
     struct neph_scene scene;
     enum neph_fog_model model;
@@ -42,7 +42,8 @@ struct question {
 
 enum { QUESTIONS_MAX = 4000 };
 
-/* ---- asking ---------------------------------------------------------------------------------- */
+/* ---- evaluation
+ * ------------------------------------------------------------------------------- */
 
 static struct neph_vec3 rounded(struct neph_vec3 v)
 {
@@ -68,7 +69,7 @@ static struct probe probe_of(const struct question *question)
     return probe;
 }
 
-/* For the caller to free. */
+/* The caller frees the result. */
 static struct answer *ask(struct neph_vulkan *vulkan, const struct question *questions, int count)
 {
     const struct neph_kernel_params params = {.name = "probe_fog_look",
@@ -88,7 +89,8 @@ static struct neph_fog_look_light reference_of(const struct question *question)
                              question->eye_m, question->direction, question->length_m);
 }
 
-/* ---- questions ------------------------------------------------------------------------------- */
+/* ---- inputs
+ * ----------------------------------------------------------------------------------- */
 
 static float some_float(uint64_t *seed, double low, double high)
 {
@@ -114,7 +116,7 @@ static struct neph_fog_look some_look(uint64_t *seed)
     return neph_fog_look_only(&full, (unsigned)neph_test_random(seed) & NEPH_FOG_CONTROLS_ALL);
 }
 
-/* Fogs that one sees something in, up to 16 mean free paths: e^-16 is the last digit of white. */
+/* Fogs of up to 16 mean free paths: e^-16 is the last digit of white. */
 static struct question some_question(uint64_t *seed, int trial)
 {
     struct question question = {.model = trial % 3 == 0 ? NEPH_FOG_FILAMENT : NEPH_FOG_UNREAL};
@@ -140,7 +142,7 @@ static struct question some_question(uint64_t *seed, int trial)
 
 /* ---- the shader against the CPU reference --------------------------------------------------- */
 
-/* A millionth of a unit of radiance is nothing beside it. */
+/* A millionth of a unit of radiance is negligible. */
 static void check_answer(const struct question *question, const struct answer *answer,
                          double *worst)
 {
@@ -159,7 +161,7 @@ static void check_answer(const struct question *question, const struct answer *a
     }
 }
 
-/* Near a seam or the cutoff the two sides may stand on its two sides. */
+/* At a seam of the formula or at the cutoff the two sides may take different branches. */
 static bool is_at_an_edge(const struct question *question)
 {
     const struct neph_fog_look *look = &question->scene.fog_look;
@@ -193,7 +195,8 @@ static void test_the_shader_is_the_formula(void **state)
     printf("off by %.1e at most, of %d rays\n", worst, count);
 }
 
-/* ---- where the engines' code is no number ---------------------------------------------------- */
+/* ---- inputs for which the engines' code is NaN or infinite
+ * ------------------------------------ */
 
 static struct question hard(double density, double falloff, double eye_y_m, struct neph_vec3 way,
                             double length_m)
@@ -211,8 +214,8 @@ static struct question hard(double density, double falloff, double eye_y_m, stru
     return question;
 }
 
-/* The receiver at the camera, 2^127 d above all floats and not, falloff 0, density 0, straight up
- * and down, a glow of cos^0 at its edge: no bad value, and the CPU reference's. */
+/* A receiver at the camera; 2^127 d above all floats, and below; falloff 0; density 0; straight up
+ * and down; a lobe cos^0 at its edge: all values are finite and equal the CPU reference's. */
 static void test_the_points_where_engines_fail(void **state)
 {
     struct neph_vulkan *vulkan = *state;
@@ -244,7 +247,8 @@ static void test_the_points_where_engines_fail(void **state)
     assert_true(answers[7].through == 1.0f && answers[7].volume[0] == 0.0f);
 }
 
-/* ---- pictures -------------------------------------------------------------------------------- */
+/* ---- frames
+ * ----------------------------------------------------------------------------------- */
 
 static struct neph_fog_looks *looks_at(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        bool sun_is_clear)
@@ -273,7 +277,7 @@ static struct neph_image *picture(struct neph_vulkan *vulkan, const struct neph_
     return next_picture(looks, scene);
 }
 
-/* Fog that absorbs and glows, over ground and a ball. */
+/* Absorbing and emitting fog over ground and a sphere. */
 static void set_stage(struct test_scene *test)
 {
     test_scene_init(test);
@@ -294,7 +298,7 @@ static void set_stage(struct test_scene *test)
     };
 }
 
-/* Engine exact's rays, pixel by pixel: 1e-5 for float32 and the series of level rays. */
+/* Engine exact, pixel by pixel: 1e-5 for float32 and the series of level rays. */
 static void test_the_physical_part_is_exact(void **state)
 {
     struct test_scene test;
@@ -318,13 +322,13 @@ static void test_the_physical_part_is_exact(void **state)
     assert_true(grounds > 200 && grounds < 40 * 24 - 200);
 }
 
-/* A clear sun lights the ground by albedo / pi E cos, whatever the fog. */
+/* With a clear sun the ground has the radiance albedo / pi E cos in any fog. */
 static void test_a_clear_sun_is_not_dimmed(void **state)
 {
     struct test_scene test;
     set_stage(&test);
     OWNED(image) struct neph_image *image = picture(*state, &test.scene, true);
-    const size_t pixel = 23 * 40 + 20; /* the ground before the camera */
+    const size_t pixel = 23 * 40 + 20; /* ground in front of the camera */
     const double behind = (neph_image_channel(image, "R")[pixel] -
                            neph_image_channel(image, "volume.R")[pixel]) /
                           neph_image_channel(image, "transmittance.R")[pixel];
@@ -335,8 +339,7 @@ static void test_a_clear_sun_is_not_dimmed(void **state)
     neph_assert_close(behind, lit, 1e-5, 0.0);
 }
 
-/* Whatever was in flight before: a picture from another camera, with another sun, is that of a
- * renderer made anew. */
+/* A frame with another camera and sun after others in flight equals the frame of a new renderer. */
 static void test_pictures_in_a_row(void **state)
 {
     struct test_scene test;
@@ -354,15 +357,14 @@ static void test_pictures_in_a_row(void **state)
     assert_memory_equal(neph_image_channel(later, "G"), neph_image_channel(alone, "G"),
                         40 * 24 * sizeof(float));
     assert_int_equal(neph_fog_looks_home(looks, &gpu_s, &diag), NEPH_ERR_USAGE);
-    test.scene.medium_count = 0; /* all media are away */
+    test.scene.medium_count = 0; /* no media */
     OWNED(image) struct neph_image *clear = next_picture(looks, &test.scene);
     for (int i = 0; i < 40 * 24; i++)
         assert_true(neph_image_channel(clear, "transmittance.G")[i] == 1.0f &&
                     neph_image_channel(clear, "volume.G")[i] == 0.0f);
 }
 
-/* The device of NEPH_VULKAN_DEVICE, if there is one: where it is, layers that validate may not be.
- */
+/* Opens the device of NEPH_VULKAN_DEVICE, if set; validation layers may be missing there. */
 static int open_device(void **state)
 {
     const char *device = getenv("NEPH_VULKAN_DEVICE");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The look of a height fog before, between and behind what is marched: against the exact light of a
- * fog that only glows, whose look is physics, against the engine that draws nothing but looks, and
- * pictures that must be the same.
+ * The game-engine fog model in the ray marcher, in front of, between and behind marched media. It
+ * is compared with the exact light of a fog that only emits, for which the model is physically
+ * exact; with the engine fog_look; and between frames that must be equal.
  */
 #include "tests/renderer/frames.h"
 
@@ -12,7 +12,7 @@
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
 
-/* Over ground, with a box far off; a thick blob ahead within the fog, a thin one above it. */
+/* Over ground, with a distant box; a thick blob in the fog, and a thin one above it. */
 static void set_stage(struct test_scene *test)
 {
     test_scene_init(test);
@@ -30,7 +30,7 @@ static void set_stage(struct test_scene *test)
     test->scene.fog_look = neph_fog_look_of_physics(&test->scene, fog);
 }
 
-/* Clouds go where no ray does: a scene with fog alone has the kernels of one with clouds. */
+/* Moves clouds out of view: a scene with fog only then has the kernels of one with clouds. */
 static void hide_clouds(struct test_scene *test)
 {
     for (int m = 1; m < test->scene.medium_count; m++)
@@ -46,7 +46,7 @@ static struct neph_march_params params_of(int fog)
                                       .fog = neph_fog_for_march(fog)};
 }
 
-/* Mean over pixels of |a - b| over that of b. */
+/* Mean over pixels of |a - b|, over the mean of b. */
 static double distance(const float *a, const float *b)
 {
     double off = 0.0, sum = 0.0;
@@ -57,8 +57,8 @@ static double distance(const float *a, const float *b)
     return off / sum;
 }
 
-/* A fog that takes light and gives its own, and clouds in it and over it that scatter what it
- * leaves of the sun: with its look the march is `exact`, as it is with the fog as a medium. */
+/* A fog that absorbs and emits, with clouds in it and above it that scatter the remaining sunlight:
+ * the ray marcher with the fog model equals `exact`, as it does with the fog as a medium. */
 static void test_a_glowing_fog_and_clouds_are_exact(void **state)
 {
     struct test_scene test;
@@ -74,12 +74,12 @@ static void test_a_glowing_fog_and_clouds_are_exact(void **state)
         OWNED(image) struct neph_image *image = test_march(*state, &test.scene, &params, NULL);
         const double off = distance(neph_image_channel(image, "G"), radiance);
         print_message("fog as a %s: off by %.2g\n", fog ? "look" : "medium", off);
-        assert_true(off < (fog ? 1e-5 : 5e-3)); /* the fog's own steps are longer than clouds' */
+        assert_true(off < (fog ? 1e-5 : 5e-3)); /* steps through the fog are longer */
         assert_true(distance(neph_image_channel(image, "transmittance.G"), through) < 1e-5);
     }
 }
 
-/* A medium cut in two of half the extinction each. */
+/* Splits a medium into two of half the extinction. */
 static void cut_in_two(struct neph_scene *scene, int medium)
 {
     scene->media[medium].extinction_per_m *= 0.5;
@@ -93,8 +93,8 @@ static void swap(struct neph_medium *a, struct neph_medium *b)
     *b = c;
 }
 
-/* Clouds cut in two, media the other way round, the fog's layers the other way round, every control
- * but those of places off: the same picture, to the roundings of sums in another order. */
+/* Media split, in reverse order, with the fog's layers reversed, and all controls except positions
+ * off: the same frame up to the rounding of sums. */
 static void test_any_order_of_layers_is_the_same(void **state)
 {
     struct test_scene test;
@@ -117,7 +117,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     assert_true(off < 3e-6);
 }
 
-/* Near fog included, which a march leaves to nobody. */
+/* Includes the near fog, which a march has nowhere to put. */
 static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                   enum neph_fog_model model)
 {
@@ -133,7 +133,7 @@ static struct neph_image *look_at(struct neph_vulkan *vulkan, const struct neph_
     return image;
 }
 
-/* Without clouds it is engine fog_look's picture, with every control that the scenes have. */
+/* Without clouds the frame equals engine fog_look's, with every control that the scenes use. */
 static void test_without_clouds_it_is_the_look(void **state)
 {
     static const struct {
@@ -164,8 +164,8 @@ static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
     return test_film(vulkan, scene, &params, 1, NULL);
 }
 
-/* Without a split it is the march; of a ray for sixteen pixels what clouds send is as coarse, and
- * what is behind them is not. Clouds all in froxels are seen through the fog, too. */
+/* Without a split the frame equals the march. With one ray per sixteen pixels the clouds' light is
+ * as coarse, and the background is not. Clouds in froxels are seen through the fog, too. */
 static void test_realtime_has_the_same_fog(void **state)
 {
     static const struct {
@@ -201,9 +201,8 @@ static const char handed_over[] =
     "split=four ray_dither=none upscale_dither=none fog=unreal steps=64 froxels=on froxel_px=1 "
     "froxel_slices=128 froxel_history=0 froxel_jitter=off froxel_end_m=1 target_format=float";
 
-/* A glow is the same by physics and by its look, wherever the one ends and the other begins, on
- * this side of all that is seen and beyond it. Clouds are all in froxels, and come with the errors
- * of these. */
+/* An emitting fog is the same as a medium and in closed form, wherever the froxels end, before or
+ * behind the visible points. All clouds are in froxels, with the froxels' errors. */
 static void test_a_glow_is_handed_over_anywhere(void **state)
 {
     static const struct {
@@ -227,7 +226,7 @@ static void test_a_glow_is_handed_over_anywhere(void **state)
     }
 }
 
-/* What both models of the fog make of a ray, one before the other, in double. */
+/* Both fog models of a ray, one in front of the other, in double. */
 static double handed_over_ray(const struct neph_scene *scene, const struct neph_pixel_ray *ray,
                               double handed_m)
 {
@@ -246,8 +245,8 @@ static double handed_over_ray(const struct neph_scene *scene, const struct neph_
            through * (beyond.volume.g + beyond.transmittance * behind);
 }
 
-/* A fog in the sun, of a look that is not its own: physics up to the plane, the look from there on,
- * and nothing missing or twice between them. */
+/* A sunlit fog with a different closed form: a medium up to the plane, the closed form behind it,
+ * without a gap or an overlap. */
 static void test_near_fog_is_physics(void **state)
 {
     static const double handed_m = 60.0;
@@ -277,8 +276,8 @@ static void test_near_fog_is_physics(void **state)
 
 /* ---- with the air of a planet ---------------------------------------------------------------- */
 
-/* Black fog over the Earth's ground takes its part of what the sky's picture is without it; fog
- * that glows adds its own, which no air dims. */
+/* Black fog over the Earth's ground attenuates the sky's frame; emitting fog adds light that no air
+ * attenuates. */
 static void test_fog_before_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
@@ -304,7 +303,7 @@ static void test_fog_before_the_sky(void **state)
     for (int i = 0; i < PIXELS; i++) {
         const struct neph_pixel_ray ray = test_ray(scene, WIDTH, HEIGHT, i);
         if (isfinite(neph_image_channel(fogged, "Z")[i]))
-            continue; /* the ground's sun has come through the fog */
+            continue; /* the ground's sunlight has crossed the fog */
         const double above = ray.direction.y,
                      depth = 1e-4 * exp(-0.01 * camera.position_m.y) / (0.01 * above);
         neph_assert_close(r[i], clear_r[i] * exp(-depth), 1e-4, 0.0);
@@ -356,7 +355,7 @@ static void test_says_what_it_cannot(void **state)
     earth->fog_look = (struct neph_fog_look){.present = true, .sky_light = white};
     refuses_under(earth, (struct neph_march_veils){true, neph_fog_for_march(1)}, NEPH_MARCH_OCTAVES,
                   "sky_light under sky=tables");
-    other.medium_count = 1; /* of nothing that is left */
+    other.medium_count = 1; /* nothing remains to march */
     char reason[256];
     const struct neph_march_veils look = {.fog = neph_fog_for_march(1)};
     assert_true(

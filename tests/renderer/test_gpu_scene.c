@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the device is told of a scene as a whole: whether some solid may shade some medium, and
- * voxels in the way that a CPU reads them.
+ * Scene data on the device: whether a solid may shadow a medium, and voxels as pairs for a CPU
+ * device.
  */
 #include "tests/renderer/march_test.h"
 
@@ -20,8 +20,8 @@ static bool may_be_shaded(struct neph_vulkan *vulkan, const struct neph_scene *s
     return may_be;
 }
 
-/* Boxes and a sphere around a cloud, under suns from anywhere: where none may shade it, each of its
- * places sees the sun. Some are found to be out of the way, and some are not. */
+/* Boxes and a sphere around a cloud, with suns from all directions: where no solid may shadow the
+ * cloud, each of its points sees the sun. Both cases occur. */
 static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
 {
     uint64_t seed = 11;
@@ -52,8 +52,8 @@ static void test_where_nothing_is_in_the_way_all_is_lit(void **state)
     assert_true(free_count > 10 && shaded_count > 3);
 }
 
-/* The ground below clouds and below the sun; what stands on it, beside them and below the sun; and
- * a sun that has set. Fog goes down into the ground. */
+/* The ground below clouds and sun; solids on it, beside the clouds and below the sun; and a sun
+ * below the horizon. Fog reaches into the ground. */
 static void test_the_ground_shades_no_cloud(void **state)
 {
     const struct neph_bounds layer = {{-3000.0, 500.0, -9000.0}, {9000.0, 1900.0, 0.0}};
@@ -72,8 +72,7 @@ static void test_the_ground_shades_no_cloud(void **state)
     assert_true(may_be_shaded(*state, &test.scene));
 }
 
-/* Each value and the one behind it, of two grids one after the other; in a row's last place there
- * is nobody who asks. */
+/* Each value and the next one, of two grids; the last pair of a row is not used. */
 static void test_a_cpu_has_voxels_in_pairs(void **state)
 {
     const struct neph_vec3 origin_m = {-1, 0, -9}, spacing_m = {1, 1, 1};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Voxel grids by the texture unit: value by value within what its weights and its texels can tell,
- * and in a march, where nothing else changes.
+ * Voxel grids through the texture unit: value by value within the precision of weights and texels,
+ * and in a march, where only these values change.
  */
 #include "tests/renderer/frames.h"
 #include "tests/renderer/probe.h"
@@ -21,7 +21,7 @@ static const uint32_t probe_code[] = {
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 16, POINTS = 1500 };
 
-/* Two grids of sides that no two are alike, one of them with fine voxels. */
+/* Two grids with six different sides, one of them with fine voxels. */
 static void add_grids(struct test_scene *test)
 {
     static const struct neph_vec3 spacings_m[2] = {{0.6, 0.5, 0.7}, {0.3, 0.25, 0.4}};
@@ -38,7 +38,7 @@ struct point {
     float at_m[3], medium;
 };
 
-/* In cells, on nodes (the layer of zeros among them), and beyond. */
+/* Points in cells, on nodes (also of the layer of zeros), and outside. */
 static void choose_points(const struct test_scene *test, struct point points[POINTS])
 {
     uint64_t random = 5;
@@ -56,7 +56,7 @@ static void choose_points(const struct test_scene *test, struct point points[POI
     }
 }
 
-/* For the caller to free. */
+/* The caller frees the result. */
 static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
                   const struct point points[POINTS], const struct neph_shortcuts *shortcuts)
 {
@@ -82,14 +82,14 @@ static float *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
     return answers;
 }
 
-/* How far the eight nodes around a point lie apart. */
+/* Range of the eight nodes around a point. */
 static double spread_around(const struct neph_grid *grid, struct neph_vec3 at_m)
 {
     const double places[3] = {(at_m.x - grid->origin_m.x) / grid->spacing_m.x,
                               (at_m.y - grid->origin_m.y) / grid->spacing_m.y,
                               (at_m.z - grid->origin_m.z) / grid->spacing_m.z};
     double least = INFINITY, most = 0.0;
-    /* One node more on each side: a place on a node, rounded, may be in the cell beside it. */
+    /* One node more on each side, because a point on a node may be rounded into the next cell. */
     for (int n = 0; n < 64; n++) {
         const int steps[3] = {n % 4 - 1, n / 4 % 4 - 1, n / 16 - 1};
         bool inside = true;
@@ -106,9 +106,9 @@ static double spread_around(const struct neph_grid *grid, struct neph_vec3 at_m)
     return most - least;
 }
 
-/* Vulkan asks of a weight to be one of 2^bits; each of three axes moves the value by no more than
- * such a part of what the nodes differ by. Of a texel, half of its last place, and for numbers that
- * are a shade below 2^-14 of the largest half a step of those. */
+/* Vulkan requires weights that are multiples of 2^-bits; on each of three axes the value changes by
+ * at most that part of the nodes' range. A texel has half a unit in its last place; below 2^-14 of
+ * the largest density, half a denormal step. */
 static double allowed(const struct neph_vulkan *vulkan, enum neph_texel_format format,
                       const struct neph_grid *grid, struct neph_vec3 at_m)
 {
@@ -160,8 +160,8 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
                                                  .sun = NEPH_MARCH_MARCHED,
                                                  .sun_steps = 6};
 
-/* A texture changes values by a few parts in a thousand, and no count. With it, cells that are
- * empty are passed as without: what is 0 at eight nodes is 0 between them by any weights. */
+/* A texture changes values by a few parts in a thousand, and no counter. Empty cells are skipped as
+ * without: a cell with eight nodes of 0 is 0 for all weights. */
 static void test_a_march_changes_by_the_values_alone(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -187,13 +187,13 @@ static void test_a_march_changes_by_the_values_alone(void **state)
     OWNED(image) struct neph_image *plain_cached = test_march(*state, &test.scene, &params, NULL);
     const double off_cached = test_largest_difference(plain_cached, cached, NULL);
     assert_true(off_cached > 0.0 && off_cached < 0.01);
-    params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* of what is off */
+    params.shortcuts = (struct neph_shortcuts){.grid_format = NEPH_TEXEL_R8}; /* unused */
     OWNED(image) struct neph_image *off_again = test_march(*state, &test.scene, &params, NULL);
     assert_true(test_largest_difference(plain, off_again, NULL) == 0.0);
 }
 
-/* Rays through an only medium pass clear air before anything else is done, and in a texture they
- * have its own coordinates; with another medium behind the camera they take each step by itself. */
+/* With an only medium rays cross clear air before all else, and a texture has its own coordinates.
+ * With a second medium behind the camera each step is separate. */
 static void test_clear_air_adds_nothing(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -221,11 +221,11 @@ static void test_clear_air_adds_nothing(void **state)
     assert_true(test_largest_difference(passed_texture, skipped_texture, NULL) < 1e-6);
 }
 
-/* A grey texture that is the only medium has a march of its own (shaders/march_texture.glsl),
- * beside another medium behind the camera that of all media: steps that are no multiple of eight,
- * all lengths of a remainder of six taps, steps that grow, a sun along an axis, a solid in its
- * way, more octaves than a ray keeps, light that the media send by themselves. A CPU has a form of
- * its own, in which rays look up the same steps, so the device is taken for a GPU as well. */
+/* A grey texture as the only medium has its own march (shaders/march_texture.glsl); with a second
+ * medium behind the camera the general one is used. The cases: steps that are no multiple of eight,
+ * all remainders of six taps, growing steps, a sun along an axis, a shadowing solid, more octaves
+ * than a ray keeps, emission. A CPU device has another form, in which the rays of a subgroup sample
+ * the same steps, so the device is also treated as a GPU. */
 static void test_a_texture_has_its_own_march(void **state)
 {
     static const struct {
@@ -235,7 +235,7 @@ static void test_a_texture_has_its_own_march(void **state)
         bool is_level, is_shaded, glows;
     } cases[] = {
         {NEPH_MARCH_OCTAVES, 8, 29, 10, 1.0, false, true, false},
-        {NEPH_MARCH_SINGLE, 1, 32, 11, 1.5, true, false, false}, /* behind it by night */
+        {NEPH_MARCH_SINGLE, 1, 32, 11, 1.5, true, false, false}, /* the cases below at night only */
         {NEPH_MARCH_OCTAVES, 9, 32, 5, 1.0, false, false, false},
         {NEPH_MARCH_SINGLE, 1, 32, 6, 1.0, false, false, true},
         {NEPH_MARCH_OCTAVES, 3, 13, 4, 1.2, false, true, false},
@@ -286,7 +286,7 @@ static void test_a_texture_has_its_own_march(void **state)
                       off_here, off_skipped);
         assert_true(off < 1e-5 && test_largest_difference(plain, own, NULL) > 0.0);
         assert_true(off_here < 1e-5);
-        assert_true(off_skipped < 1e-6); /* a driver may fuse either otherwise */
+        assert_true(off_skipped < 1e-6); /* a driver may fuse the two differently */
         assert_int_equal(own_stats.density_evaluations, plain_stats.density_evaluations);
         assert_int_equal(own_stats.view_steps, plain_stats.view_steps);
         assert_int_equal(here_stats.density_evaluations, plain_stats.density_evaluations);
@@ -312,7 +312,7 @@ static void test_closed_forms_alone_are_refused(void **state)
     assert_int_equal(neph_march_check(&test.scene, &params, &diag), NEPH_OK);
 }
 
-/* A device of which no format can be asked for but 8 bits. */
+/* A device that supports 8-bit formats only. */
 static VKAPI_ATTR void VKAPI_CALL know_8_bits(VkPhysicalDevice device, VkFormat format,
                                               VkFormatProperties *properties)
 {
@@ -341,7 +341,7 @@ static void test_a_format_that_the_device_lacks_is_named(void **state)
 
 /* --- in real time ----------------------------------------------------------------------------- */
 
-/* By day of the march itself, whose kernels are there, by night of the split frame. */
+/* By day the march itself, with kernels that exist already; at night the split frame. */
 static struct neph_image *first_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                       const char *sampling)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Light of lamps on the device: the march comes to the exact transport as its steps get finer, the
- * tracer is it within its noise, and of all orders it is the oracle.
+ * Point and spot lights on the device: the ray marcher converges to the exact transport, the tracer
+ * agrees with it within its noise, and for all orders the tracer agrees with the oracle.
  */
 #include "tests/lamp_stage.h"
 #include "tests/renderer/frames.h"
@@ -11,7 +11,7 @@ enum { WIDTH_PX = 24, HEIGHT_PX = 16, PIXELS = WIDTH_PX * HEIGHT_PX };
 /* ---- march ---- */
 
 struct error {
-    double bias, rms; /* over the sum, and over the mean */
+    double bias, rms; /* relative to the sum, and to the mean */
 };
 
 static struct error march_error(struct neph_vulkan *vulkan, const struct test_scene *test,
@@ -41,9 +41,9 @@ static struct neph_march_params march_params(int steps, enum neph_march_mode sun
                                       .lighting = NEPH_MARCH_SINGLE};
 }
 
-/* Edges of shadows make the rule first order: four times as many steps, a quarter of the error.
- * Without the exact mean of 1/d^2 of each step 32 steps are off by 40 %. 128 steps are off by less
- * than the limit; 512, which are a kernel of their own, by a tenth of it. */
+/* Shadow edges make the rule first order: four times as many steps leave a quarter of the error.
+ * Without the exact mean of 1/d^2 the error of 32 steps is 40 %. 128 steps are below the limit, and
+ * 512, which need a kernel of their own, below a tenth of it. */
 static void test_the_march_comes_to_the_exact_transport(void **state)
 {
     struct test_scene test;
@@ -59,10 +59,10 @@ static void test_the_march_comes_to_the_exact_transport(void **state)
     assert_true(fabs(last.bias) < 5e-4 && last.rms < 5e-3);
 }
 
-/* A steep and a slow fog without bounds, in which 64 steps of a level ray are 16 m long, and a spot
- * 9 m away among 64 parts of a forward phase function: twice as many steps leave a quarter of the
- * error (3 to 6: coarser steps than these are not there yet), and the default ones 2 %. Before
- * steps were divided around the lamp these were off by 20 to 60 %. */
+/* A steep and a slow unbounded fog, in which 64 steps of a level ray are 16 m long; and a spot
+ * light at 9 m with 64 parts and a forward phase function. Twice as many steps leave a quarter of
+ * the error (3 to 6, because coarser steps are not yet in the asymptotic range), and the default
+ * steps 2 %. Without dividing steps around the light the errors were 20 to 60 %. */
 static void test_fog_without_bounds_is_of_second_order(void **state)
 {
     static const struct neph_vec3 at_m[] = {{0, 2, 0}, {0, 9, 0}};
@@ -96,9 +96,10 @@ static void test_fog_without_bounds_is_of_second_order(void **state)
     }
 }
 
-/* A metre of fog with the foot of the lamp a kilometre away, where float32 knows places to 0.06 mm:
- * steps of 2 mm, 0.3 mm and 0.03 mm keep their length. Taken from the places of their ends it was
- * off by 0.7 %, by 8 %, and 0. Vulkan allows atan() 4,096 units in the last place. */
+/* A metre of fog with the foot of the light's perpendicular a kilometre away, where float32
+ * positions have a resolution of 0.06 mm. Steps of 2 mm, 0.3 mm and 0.03 mm keep their length.
+ * Lengths from the positions of the ends gave errors of 0.7 %, of 8 %, and no light. Vulkan allows
+ * atan() an error of 4,096 units in the last place. */
 static void test_short_steps_far_from_a_lamp(void **state)
 {
     struct test_scene test;
@@ -113,7 +114,7 @@ static void test_short_steps_far_from_a_lamp(void **state)
                                                .intensity_w_per_sr = {1e6, 1e6, 1e6}};
     test_add_medium(&test, 0.5, 0.0, 0.0)->bounds = (struct neph_bounds){{-1, -1, -1.7},
                                                                          {1, 1, -0.7}};
-    static const int steps[] = {3000, 500, 33000}; /* each is a kernel of its own */
+    static const int steps[] = {3000, 500, 33000}; /* each needs a kernel of its own */
     for (long i = 0; i < neph_test_by_day(1, 3); i++) {
         const struct neph_march_params params = march_params(steps[i], NEPH_MARCH_EXACT);
         const struct error error = march_error(*state, &test, &params);
@@ -144,7 +145,7 @@ static void test_sun_and_lamps_add(void **state)
     assert_true(fabs(error.bias) < 1e-3 && error.rms < 5e-3);
 }
 
-/* Octaves and the like would leave lights out. */
+/* Lighting models that would omit lights refuse the scene. */
 static void test_what_knows_no_lamps_says_so(void **state)
 {
     struct test_scene test;
@@ -182,8 +183,8 @@ static struct sum sum_of(const struct neph_image *frame, int channel)
     return sum;
 }
 
-/* The sum within four standard errors, and these where they should be: a frame whose noise has no
- * bound would not be. */
+/* The sum within four standard errors, and the standard error within limits: unbounded noise would
+ * exceed them. */
 static void test_the_tracer_is_the_exact_transport(void **state)
 {
     for (int with_sun = neph_test_by_day(1, 0); with_sun < 2; with_sun++) {
@@ -201,7 +202,7 @@ static void test_the_tracer_is_the_exact_transport(void **state)
     }
 }
 
-/* All orders, light of sun and sky among it. */
+/* All orders, with sun and sky light. */
 static void test_of_all_orders_it_is_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();
@@ -220,9 +221,9 @@ static void test_of_all_orders_it_is_the_oracle(void **state)
     }
 }
 
-/* Each pixel of each stage, and their scatter. A z-score beyond 5 comes once in 1,000 runs of some
- * 1,100 pixels. In pixels that graze the box the variance is below what float32 rounds of the way
- * through it, 1e-6 of the radiance, which then stands for it. */
+/* Each pixel of each stage, and the variance of the scores. A z-score beyond 5 occurs once in 1,000
+ * runs of some 1,100 pixels. In pixels that graze the box the variance is below the rounding error
+ * of the path through it in float32, 1e-6 of the radiance, which is used instead. */
 static void test_the_tracer_finds_lights_near_rays(void **state)
 {
     double squares = 0.0;
@@ -251,7 +252,7 @@ static void test_the_tracer_finds_lights_near_rays(void **state)
         assert_true(worst < 5.0);
     }
     print_message("variance of %d z-scores: %.3f\n", pixels, squares / pixels);
-    /* 4.5 standard errors of it, sqrt(2 / n). */
+    /* 4.5 standard errors, sqrt(2 / n). */
     assert_true(fabs(squares / pixels - 1.0) < 4.5 * sqrt(2.0 / pixels));
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sobol's points with Owen's scrambling: every elementary rectangle has its point, whatever the
- * scramble; a point is anywhere; and the tracer that draws by them has the same mean as by chance,
- * less noise where one decision makes most of it, and tells the noise that it has.
+ * Sobol points with Owen scrambling: every elementary rectangle has one point for every scramble;
+ * points are uniform; and the tracer with these numbers has the same mean as with random ones, less
+ * noise where one decision causes most of it, and a correct noise estimate.
  */
 #include "tests/renderer/frames.h"
 
@@ -45,7 +45,7 @@ static void ask(struct neph_vulkan *vulkan, const struct run *run, struct points
     neph_buffer_destroy(vulkan, &answers);
 }
 
-/* 2^8 points from a multiple of 2^8 on: one lies in each rectangle of 2^-a by 2^-(8 - a). */
+/* 2^8 points from a multiple of 2^8 on: one in each rectangle of 2^-a by 2^-(8 - a). */
 static void test_each_rectangle_has_its_point(void **state)
 {
     uint64_t random = 3;
@@ -68,8 +68,8 @@ static void test_each_rectangle_has_its_point(void **state)
     }
 }
 
-/* The same point of 400 scrambles: a uniform number has mean 1/2 and variance 1/12, two of them a
- * covariance of 0. Six standard errors. */
+/* One point of 400 scrambles: a uniform number has mean 1/2 and variance 1/12, and two of them have
+ * covariance 0. Six standard errors. */
 static void test_a_point_is_anywhere(void **state)
 {
     enum { SCRAMBLES = 400, POINT = 5 };
@@ -97,7 +97,8 @@ static void test_a_point_is_anywhere(void **state)
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 14, PIXELS = WIDTH_PX * HEIGHT_PX, SAMPLES = 64 };
 
-/* Two seeds: the mean of all light, its noise as they differ, and as they say. */
+/* Two seeds: the mean of all light, the noise from their difference, and the noise that they
+ * report. */
 struct noise {
     double mean, seen2, told2;
 };
@@ -137,8 +138,9 @@ static struct noise noise_of(struct neph_vulkan *vulkan, const struct neph_scene
     return noise;
 }
 
-/* Means of `count` squares of one degree of freedom in a few hundred independent pixels: 6 standard
- * errors of a ratio of two of them, were all pixels alike; a third of them carry the noise. */
+/* Means of `count` squares with one degree of freedom in a few hundred independent pixels: 6
+ * standard errors of the ratio of two such means if all pixels were alike; in fact a third of them
+ * have the noise. */
 static const double told_ratio = 2.2;
 
 static void check(struct neph_vulkan *vulkan, const struct neph_scene *scene, double gain_least)
@@ -164,8 +166,8 @@ static struct neph_medium *add_blob(struct test_scene *test, double extinction_p
     return blob;
 }
 
-/* Light scattered once is an integral over one number: by 32 even points of a sequence instead of
- * strata of four it has a small part of the noise. */
+/* Single scattering is an integral over one number: 32 points of a sequence in place of strata of
+ * four reduce the noise to a small part. */
 static void test_light_scattered_once_gains_much(void **state)
 {
     struct test_scene test;
@@ -174,7 +176,8 @@ static void test_light_scattered_once_gains_much(void **state)
     check(*state, &test.scene, 3.0);
 }
 
-/* The first decisions are a small part of all orders; nothing is lost, and nothing is off. */
+/* For all orders the first decisions are a small part: the noise does not increase, and the mean is
+ * unbiased. */
 static void test_all_orders_lose_nothing(void **state)
 {
     struct test_scene test;

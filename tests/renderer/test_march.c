@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The ray marcher against exact transport in double precision: transmittance in closed form, order
- * of convergence of the in-scattered radiance, solids and their shadows, exact counts, same bits,
- * and no nonsense for extreme inputs.
+ * The ray marcher compared with exact transport in double precision: transmittance in closed form,
+ * order of convergence of in-scattered radiance, solids and their shadows, exact counters,
+ * reproducible bits, and finite results for extreme inputs.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -22,7 +22,7 @@ static const struct neph_march_params exact_48 = {.width_px = 48,
                                                   .transmittance = NEPH_MARCH_EXACT,
                                                   .sun = NEPH_MARCH_EXACT};
 
-/* A frame of which few rays are enough. */
+/* A frame with few rays. */
 static struct neph_march_params tiny(int steps)
 {
     struct neph_march_params params = exact_48;
@@ -32,7 +32,7 @@ static struct neph_march_params tiny(int steps)
     return params;
 }
 
-/* The media of every scene here, in this order; what a scene has more comes behind. */
+/* The media of every scene here, in this order; additional media of a scene come after them. */
 static const struct {
     enum neph_medium_kind kind;
     int layers;
@@ -41,7 +41,7 @@ static const struct {
              {NEPH_MEDIUM_HEIGHT_FOG, 2},
              {NEPH_MEDIUM_HEIGHT_FOG, 2}};
 
-/* Layers that do something, as the device counts them. */
+/* Layers with extinction, as the device counts them. */
 static int layers_of(const struct neph_medium *medium)
 {
     int count = 0;
@@ -50,7 +50,7 @@ static int layers_of(const struct neph_medium *medium)
     return count;
 }
 
-/* Where no ray goes: behind the camera and below. */
+/* A place that no ray reaches: behind the camera and below. */
 static struct neph_vec3 stand_in_place_m(const struct test_scene *test)
 {
     return neph_vec3_add(test->key.position_m, (struct neph_vec3){0.0, -500.0, 500.0});
@@ -69,8 +69,8 @@ static struct neph_medium stand_in(const struct test_scene *test, size_t sort)
     return medium;
 }
 
-/* A scene with stand-ins for the sorts that it lacks, and with a ball among them that might shade a
- * medium: all share one kernel, whose making is most of what they cost. */
+/* A scene with invisible media for the kinds that it lacks, and with a sphere that might shadow a
+ * medium: all scenes then share one kernel, and compiling it is most of a test's time. */
 static void put_in_company(const struct test_scene *test, struct test_scene *with)
 {
     bool is_placed[NEPH_SCENE_MEDIA_MAX] = {false};
@@ -142,7 +142,7 @@ static const struct {
 };
 
 struct worst {
-    double relative, absolute; /* of pixels whose transmittance is above 0.01; of all */
+    double relative, absolute; /* of pixels with a transmittance above 0.01; of all */
 };
 
 static struct worst compare_transmittance(const struct test_scene *test,
@@ -167,8 +167,8 @@ static struct worst compare_transmittance(const struct test_scene *test,
     return worst;
 }
 
-/* 1e-5 relative or 1e-6 absolute: an optical depth of 10 with relative error 1e-6, which is what
- * float32 knows of a height 10 scale heights away. */
+/* 1e-5 relative or 1e-6 absolute: an optical depth of 10 with the relative error 1e-6, the rounding
+ * error of a height 10 scale heights away in float32. */
 static void test_transmittance_is_the_closed_form(void **state)
 {
     const size_t count = sizeof(transmittance_scenes) / sizeof(transmittance_scenes[0]);
@@ -182,7 +182,7 @@ static void test_transmittance_is_the_closed_form(void **state)
     }
 }
 
-/* Two steps are enough for a homogeneous medium; fog converges with the square of the step. */
+/* Two steps suffice for a homogeneous medium; fog converges with the square of the step. */
 static void test_marched_transmittance(void **state)
 {
     struct neph_march_params params = exact_48;
@@ -207,8 +207,8 @@ static void test_marched_transmittance(void **state)
 
 /* --- in-scattering ------------------------------------------------------------------------ */
 
-/* Mean over pixels of |volume - truth| in all channels, over the mean of the truth. Pixels of the
- * silhouette, whose ray hits on one side only, are left out. */
+/* Mean over pixels and channels of |volume - reference|, over the mean of the reference. Silhouette
+ * pixels, in which only one side hits the solid, are left out. */
 static double volume_error(const struct neph_image *frame, const struct neph_ray_light *light)
 {
     const struct test_rgb volume = test_layer(frame, "volume");
@@ -235,8 +235,8 @@ static const struct {
     {"two layers, up", scene_two_layers_up},
 };
 
-/* The order between two step counts that are both in the asymptotic range and above the float32
- * floor of a few 1e-7. */
+/* Order of convergence between two step counts in the asymptotic range, above the float32 error of
+ * a few 1e-7. */
 static void check_order(struct neph_vulkan *vulkan, const char *name, const struct test_scene *test,
                         enum neph_march_mode transmittance, enum neph_march_mode sun)
 {
@@ -259,7 +259,7 @@ static void check_order(struct neph_vulkan *vulkan, const char *name, const stru
     assert_true(errors[1] < 5e-3);
 }
 
-/* Solids (the ground) are lit but throw no shadow on the medium here. */
+/* Solids (the ground) are lit but do not shadow the medium here. */
 static void test_volume_converges_at_second_order(void **state)
 {
     for (size_t s = 0; s < COUNT(smooth_scenes); s++) {
@@ -271,7 +271,7 @@ static void test_volume_converges_at_second_order(void **state)
     }
 }
 
-/* With many steps the error is that of float32, not of the method. */
+/* With many steps only the float32 error remains. */
 static void test_volume_has_no_floor_but_float32(void **state)
 {
     struct test_scene test;
@@ -296,7 +296,7 @@ static void scene_two_fogs_up(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){3.0, 9.0, -5.0};
 }
 
-/* As sunlight that is scattered: second order, down to what float32 knows. */
+/* As for scattered sunlight: second order, down to the float32 error. */
 static void test_emission_converges_at_second_order(void **state)
 {
     static void (*const builders[])(struct test_scene *) = {scene_cube, scene_fog_up,
@@ -310,7 +310,7 @@ static void test_emission_converges_at_second_order(void **state)
     }
 }
 
-/* In the dark and without scattering: glow (1 - T) whatever the steps, and a distance to it. */
+/* In darkness and without scattering: glow (1 - T) for every number of steps, and a distance. */
 static void test_an_even_medium_that_glows(void **state)
 {
     struct test_scene test;
@@ -326,13 +326,13 @@ static void test_an_even_medium_that_glows(void **state)
     OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
     assert_non_null(neph_image_channel(frame, "volume.distance"));
     const float *volume = neph_image_channel(frame, "volume.B");
-    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) /* a few roundings of each step */
+    for (size_t i = 0; i < neph_image_pixel_count(frame); i++) /* a few roundings per step */
         neph_assert_close((double)volume[i], light[i].volume.b, 7 * 4 * 0x1p-24 + 1e-6, 0.0);
 }
 
-/* A fog of optical depth 0.8 that would be opaque 80 m on, if it did not end after 4 m, before a
- * box at 200 m that glows. A step over a face of the box is off by half of it at most: 1e-2 of the
- * box. */
+/* A fog of optical depth 0.8 that ends after 4 m (without its end it would be opaque after 80 m),
+ * in front of an emitting box at 200 m. A step across a face of the box has an error of at most
+ * half a step: 1e-2 of the box. */
 static void test_a_fog_that_ends_hides_nothing(void **state)
 {
     struct test_scene test;
@@ -366,8 +366,8 @@ static void scene_fenced_yard(struct test_scene *test)
                      (struct neph_vec3){-2.98 + i, 1.5, -8.98});
 }
 
-/* Pixels that agree with the exact light in radiance and in depth. Those whose rays graze a solid
- * or the edge of a shadow may fall on either side of it. */
+/* Fraction of pixels that agree with the exact light in radiance and depth. Rays that graze a solid
+ * or a shadow edge may be on either side of it. */
 static double agreeing_fraction(const struct neph_image *frame, const struct test_scene *test,
                                 double relative, double absolute)
 {
@@ -389,18 +389,18 @@ static double agreeing_fraction(const struct neph_image *frame, const struct tes
     return (double)agreeing / (double)neph_image_pixel_count(frame);
 }
 
-/* More solids than a driver lets a march of 64 steps look at in one dispatch. */
+/* More solids than a driver allows for a march of 64 steps in one dispatch. */
 static void test_many_solids(void **state)
 {
     struct test_scene test;
     test_scene_build(&test, scene_fog_up);
-    struct neph_march_params params = exact_48; /* the limit is one of a pixel */
+    struct neph_march_params params = exact_48; /* the limit is per pixel */
     params.width_px = 12;
     params.height_px = 9;
     OWNED(image) struct neph_image *without = render(*state, &test, &params, NULL);
     OWNED(memory) struct neph_solid *behind = calloc(NEPH_SCENE_SOLIDS_MAX, sizeof(*behind));
     assert_non_null(behind);
-    for (int i = 0; i < NEPH_SCENE_SOLIDS_MAX; i++) /* the camera's, and not the sun's */
+    for (int i = 0; i < NEPH_SCENE_SOLIDS_MAX; i++) /* in the camera's view, not in the sun's */
         behind[i] = (struct neph_solid){
             .kind = NEPH_SOLID_SPHERE, .center_m = {0.0, -10.0, 50.0 + i}, .radius_m = 0.4};
     test.scene.solids = behind;
@@ -411,7 +411,7 @@ static void test_many_solids(void **state)
     for (int c = 0; c < with->channel_count; c++)
         assert_memory_equal(with->channels[c].samples, without->channels[c].samples,
                             neph_image_pixel_count(with) * sizeof(float));
-    /* And the last of them is seen by the sun rays of the last step. */
+    /* The last of them shadows the sun rays of the last step. */
     behind[NEPH_SCENE_SOLIDS_MAX - 1].center_m = neph_vec3_scale(test.scene.sun.direction, 1e4);
     behind[NEPH_SCENE_SOLIDS_MAX - 1].radius_m = 3e3;
     OWNED(image) struct neph_image *shaded = render(*state, &test, &params, NULL);
@@ -434,7 +434,7 @@ static void test_solids_are_lit_through_the_media(void **state)
     assert_true(agreeing > 0.998);
 }
 
-/* The edge of a shadow falls anywhere within a step: there, and only there, first order. */
+/* A shadow edge falls anywhere within a step: first order, but only there. */
 static void test_shadows_in_the_air(void **state)
 {
     struct test_scene test;
@@ -476,7 +476,7 @@ static void test_evaluations_are_counted(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
-    test_add_medium(&test, 0.1, 0.0, 0.0); /* everywhere: every ray takes all its steps */
+    test_add_medium(&test, 0.1, 0.0, 0.0); /* unbounded: every ray takes all its steps */
     struct neph_march_params params = {.width_px = 9, .height_px = 7, .steps = 10, .sun_steps = 5};
     const uint64_t pixels = 63;
     assert_counts(*state, &test, &params, pixels * 10, pixels * (10 + 10 + 1));
@@ -491,7 +491,7 @@ static void test_evaluations_are_counted(void **state)
     params.steps = 10;
     params.sun_steps = 5;
     assert_counts(*state, &test, &params, pixels * (10 + 10 * 5), pixels * 11);
-    /* Nothing to march for. */
+    /* Nothing to march. */
     test.scene.scattering = NEPH_SCATTERING_NONE;
     assert_counts(*state, &test, &params, 0, pixels);
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
@@ -503,11 +503,9 @@ static void test_evaluations_are_counted(void **state)
     assert_counts(*state, &test, &params, 0, 0);
 }
 
-/* What a homogeneous medium shows lies 1 / extinction away on average: the integral of
- * t sigma e^(-sigma t). 512 steps over 16 optical depths take it by the middle of each, which is
- * too far by (step in optical depths)^2 / 12 = 8e-5 of it; the end that is left out is 16 e^-16 =
- * 2e-6.
- */
+/* The mean distance of the visible homogeneous medium is 1 / extinction, the integral of t sigma
+ * e^(-sigma t). 512 steps over 16 optical depths sample at their middles, which is too far by the
+ * fraction (optical depth of a step)^2 / 12 = 8e-5; the omitted end is 16 e^-16 = 2e-6. */
 static void test_distance_of_what_is_seen(void **state)
 {
     struct test_scene test;
@@ -520,7 +518,7 @@ static void test_distance_of_what_is_seen(void **state)
     for (int i = 0; i < 63; i++)
         neph_assert_close(distance_m[i], 10.0, 1e-4, 0.0);
     neph_image_destroy(frame);
-    test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is marched: nothing is known */
+    test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is marched, so there is no distance */
     frame = render(*state, &test, &params, NULL);
     assert_null(neph_image_channel(frame, "volume.distance"));
     neph_image_destroy(frame);
@@ -562,7 +560,7 @@ static void test_all_sizes(void **state)
     }
 }
 
-/* Many dispatches make one frame: each pixel is where it belongs. */
+/* A frame of many dispatches: each pixel is in its place. */
 static void test_a_frame_of_many_dispatches(void **state)
 {
     struct test_scene test;
@@ -600,7 +598,7 @@ static void test_parameters_out_of_range_are_refused(void **state)
                          NEPH_ERR_USAGE);
         assert_null(frame);
     }
-    /* Within the range, but more than a driver runs: said, not cut short. */
+    /* In range, but more than the driver allows: refused with a message, not truncated. */
     struct neph_march_params many = wrong[5];
     many.steps = 1;
     struct neph_image *frame = NULL;
@@ -625,7 +623,7 @@ static void test_says_what_it_cannot(void **state)
                      NEPH_ERR_UNSUPPORTED);
     assert_non_null(strstr(diag.message, "cannot: multiple scattering"));
 
-    test.scene.media[0].emission_w_per_m2_sr = white; /* the models see it, and do not scatter it */
+    test.scene.media[0].emission_w_per_m2_sr = white; /* included, but not scattered */
     assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_OCTAVES, reason, sizeof(reason)));
     assert_non_null(strstr(reason, "emit"));
     test.scene.scattering = NEPH_SCATTERING_NONE;
@@ -635,7 +633,7 @@ static void test_says_what_it_cannot(void **state)
     test.scene.scattering = NEPH_SCATTERING_SINGLE;
     test.scene.environment_light = true;
     assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
-    test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing is left that it could light */
+    test.scene.scattering = NEPH_SCATTERING_NONE; /* nothing remains that it could light */
     assert_true(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
     test_add_sphere(&test, (struct neph_vec3){0.0, 0.0, -5.0}, 1.0);
     assert_false(neph_march_can_render(&test.scene, NEPH_MARCH_SINGLE, reason, sizeof(reason)));
@@ -687,7 +685,7 @@ static void build_extreme_scene(uint64_t *random, struct test_scene *test)
         test_add_sphere(test, (struct neph_vec3){0.0, PICK(random, heights), -1e4}, 1e3);
 }
 
-/* Does it have more media than a kernel is told of one by one? */
+/* Whether a scene has more media than a kernel can be specialized for. */
 static bool is_crowd(const struct test_scene *test)
 {
     struct test_scene with;
@@ -698,7 +696,7 @@ static bool is_crowd(const struct test_scene *test)
     return count > NEPH_GPU_KNOWN_MEDIA_MAX;
 }
 
-/* How many samples of a layer are NaN, infinite, negative or above a maximum. */
+/* Number of samples of a layer that are NaN, infinite, negative or above a maximum. */
 static size_t count_nonsense(const struct neph_image *frame, const char *layer, double maximum)
 {
     const struct test_rgb samples = test_layer(frame, layer);
@@ -729,12 +727,12 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
             .sun = (enum neph_march_mode)(neph_test_random(&random) % 2),
             .sun_steps = 1 + (int)(neph_test_random(&random) % 10),
         };
-        if (is_crowd(&test)) { /* other kernels, and two of the four do */
+        if (is_crowd(&test)) { /* needs other kernels; two of the four suffice */
             params.sun = params.transmittance;
             crowds++;
         }
         OWNED(image) struct neph_image *frame = render(*state, &test, &params, NULL);
-        /* No source function exceeds p E <= 10 W/m^2 times the peak of g = 0.999, 1.6e5 / sr. */
+        /* A source function is at most p E <= 10 W/m^2 times the peak of g = 0.999, 1.6e5 / sr. */
         const size_t bad = count_nonsense(frame, NULL, 2e6) + count_nonsense(frame, "volume", 2e6) +
                            count_nonsense(frame, "transmittance", 1.0);
         const float *depth_m = neph_image_channel(frame, "Z");
@@ -752,7 +750,7 @@ static void test_extreme_inputs_give_no_nonsense(void **state)
     assert_int_equal(nonsense, 0);
 }
 
-/* Last: the flag stays up. */
+/* Must be the last test: the interrupt flag stays set. */
 static void test_interruption_is_heard(void **state)
 {
     struct test_scene test;

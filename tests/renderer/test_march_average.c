@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The march averaged over pixels: where its rays are, that the mean is the mean, and what an edge
- * that crosses pixels comes to.
+ * The ray marcher with several rays per pixel: positions of the rays, their mean, and edges that
+ * cross pixels.
  */
 #include "tests/renderer/frames.h"
 
@@ -34,7 +34,7 @@ static struct neph_image *through(struct neph_march *march, const struct neph_sc
     return image;
 }
 
-/* Fog, a cloud, and a ball before it. */
+/* Fog, and a sphere in it. */
 static void fill(struct test_scene *test)
 {
     test_scene_init(test);
@@ -42,8 +42,8 @@ static void fill(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){1.0, 2.0, -12.0}, 2.0);
 }
 
-/* Every elementary interval of base 2 and volume 1/n holds one point: columns, rows, and all boxes
- * between. */
+/* Every elementary interval of base 2 and volume 1/n contains one point: columns, rows, and all
+ * boxes in between. */
 static void assert_net(int n)
 {
     for (int columns = 1; columns <= n; columns *= 2) {
@@ -88,7 +88,7 @@ static void test_one_ray_has_the_bits_of_the_frame(void **state)
     assert_same_bits(one, frame);
 }
 
-/* To the rounding of the sum's last step; depths and distances are those of the centre. */
+/* Up to the rounding of the last sum; depths and distances are the centre ray's. */
 static void test_the_mean_is_the_mean_and_depth_is_the_centres(void **state)
 {
     enum { RAYS = 16 };
@@ -126,8 +126,8 @@ static void test_the_mean_is_the_mean_and_depth_is_the_centres(void **state)
     neph_image_destroy(centre);
 }
 
-/* The upright edge of a wall that absorbs: a pixel it crosses has the share of the sky that is
- * left, to one ray of 16. Through the centre it is wall or sky. */
+/* The vertical edge of an absorbing wall: a pixel that it crosses has the sky's area fraction, with
+ * an error of one ray in 16. A single ray through the centre sees either wall or sky. */
 static void test_an_edge_has_its_share(void **state)
 {
     enum { WIDTH = 40, HEIGHT = 20 };

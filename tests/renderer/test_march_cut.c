@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * How a march is cut: whatever the device's speed, each ray gets each of its steps once and in
- * order, and a dispatch is what the device does in the time it is meant to have.
+ * Splitting a march into dispatches: at every speed of the device each ray takes each step once and
+ * in order, and a dispatch takes the intended time.
  */
 #include "tests/scene_builders.h"
 
@@ -30,7 +30,7 @@ static uint64_t turns_of_thread(const struct neph_march_cut *cut)
 }
 
 struct marched {
-    uint8_t steps[RAYS]; /* that each ray has made */
+    uint8_t steps[RAYS]; /* taken by each ray */
     uint32_t most_rays;
     int dispatches;
 };
@@ -78,7 +78,7 @@ static void test_each_ray_makes_each_step_once(void **state)
     assert_int_equal(cut.rays, 1000 / NEPH_MARCH_LOCAL_SIZE * NEPH_MARCH_LOCAL_SIZE);
 }
 
-/* A march of a second and 30 ms of it; what is left out makes a whole work group. */
+/* A march of one second, and dispatches of 30 ms; the remainder is below a work group. */
 static void test_a_dispatch_takes_its_time(void **state)
 {
     struct neph_march_cut cut = new_cut();
@@ -101,8 +101,8 @@ static void test_without_a_clock_nothing_changes(void **state)
     assert_int_equal(cut.rays, RAYS_MAX);
 }
 
-/* A grid's closed form walks through cells, which a march that sums over steps alone never does: it
- * is not cut into steps for that. */
+/* A grid's closed form walks through cells. A march that only sums over steps does not, and is not
+ * split into steps because of it. */
 static void test_closed_forms_count_where_there_are_some(void **state)
 {
     static const enum neph_march_mode modes[] = {NEPH_MARCH_EXACT, NEPH_MARCH_MARCHED};

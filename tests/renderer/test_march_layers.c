@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Layers above each other in a march: a medium that is cut into layers, in whatever order these are
- * listed, is the medium, seen from below, from inside, from between two layers and from above.
+ * Layers above each other in the ray marcher: a medium split into layers, in any order, equals the
+ * undivided medium, seen from below, inside, between two layers, and above.
  */
 #include "tests/renderer/frames.h"
 
@@ -13,7 +13,7 @@ enum { WIDTH_PX = 24, HEIGHT_PX = 16, LAYERS = 3 };
 static const struct neph_bounds room = {{-30.0, 0.0, -30.0}, {30.0, 12.0, 30.0}};
 static const double floors_m[LAYERS + 1] = {0.0, 3.5, 7.0, 12.0};
 
-/* Below, in a layer, on the border of two, in the highest, and above all. */
+/* Below, in a layer, on the border of two, in the highest, above all. */
 static const double heights_m[] = {-4.0, 1.0, 3.5, 9.0, 15.0};
 
 static void look_from(struct test_scene *test, double height_m)
@@ -36,7 +36,7 @@ static double largest_difference(const struct neph_image *a, const struct neph_i
                      test_largest_difference(a, b, "transmittance")));
 }
 
-/* From each height the picture of `scene` beside that of other layers in its place. */
+/* The largest difference between the frames of `scene` and of other layers, over all heights. */
 static double off_by(struct neph_vulkan *vulkan, struct test_scene *test,
                      const struct neph_medium *layers)
 {
@@ -76,7 +76,7 @@ static void check_medium(struct neph_vulkan *vulkan, const char *name, struct ne
     }
     const double largest = off_by(vulkan, &test, layers);
     print_message("%s: cut into layers it is off by %.1e\n", name, largest);
-    /* Radiance of up to 1: float32, and steps that begin where 1e-7 of a layer is met. */
+    /* Radiance of up to 1 in float32, and steps that start at the optical depth 1e-7 of a layer. */
     assert_true(largest < 2e-5);
 }
 
@@ -97,7 +97,7 @@ static void test_a_medium_in_layers_is_the_medium(void **state)
     }
 }
 
-/* A sheet over a cloud over haze, and the same the other way round. */
+/* A sheet above a cloud above haze, and in reverse order. */
 static void test_any_order_of_layers_is_the_same(void **state)
 {
     struct test_scene test;
@@ -126,7 +126,7 @@ static void test_any_order_of_layers_is_the_same(void **state)
     assert_true(largest < 2e-6);
 }
 
-/* The same scene ten thousand kilometres away is the same picture, from every height. */
+/* The same scene ten thousand kilometres away gives the same frames, from every height. */
 static void test_far_from_the_origin_it_is_the_same(void **state)
 {
     struct test_scene test;
@@ -141,7 +141,7 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
     test_add_box(&test, (struct neph_vec3){-100.0, -6.0, -100.0},
                  (struct neph_vec3){100.0, -5.0, 100.0});
     for (int i = 0; i < LAYERS; i++)
-        test_add(&test, make_voxels(0.1, grid))->bounds = room; /* the kernel of layers */
+        test_add(&test, make_voxels(0.1, grid))->bounds = room; /* for the kernel of layers */
     for (size_t h = 0; h < sizeof(heights_m) / sizeof(heights_m[0]); h++) {
         const struct neph_bounds ground = test.solids[0].box;
         const struct neph_vec3 corner_m = grid->origin_m;
@@ -161,7 +161,7 @@ static void test_far_from_the_origin_it_is_the_same(void **state)
         grid->origin_m = corner_m;
     }
     print_message("1e7 m away: off by %.1e\n", largest);
-    assert_true(largest < 1e-6); /* 2e-9 m, as doubles are there, of a place, and its float32 */
+    assert_true(largest < 1e-6); /* a double's rounding at that distance is 2e-9 m; then float32 */
 }
 
 #include "tests/renderer/main.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The lighting models of the ray marcher that are no physics, against their own formulas in double
- * precision: octaves in closed form over a slab, the Horizon light step by step.
+ * The non-physical lighting models of the ray marcher compared with their formulas in double
+ * precision: octaves in closed form over a slab, Horizon light step by step.
  */
 #include "tests/renderer/frames.h"
 
@@ -13,7 +13,7 @@
 
 static const int width_px = 24, height_px = 14;
 
-/* A flat layer from y = -3 to 0, endless to all sides, seen from above. */
+/* A flat layer from y = -3 to 0 without sides, seen from above. */
 static struct neph_medium *look_down_on_slab(struct test_scene *test, double extinction_per_m)
 {
     test_scene_init(test);
@@ -48,7 +48,7 @@ static double phase_per_sr(const struct neph_phase *phase, double part, double c
            part * (3.0 / (16.0 * M_PI) * (1.0 + cosine * cosine) - 1.0 / (4.0 * M_PI));
 }
 
-/* Integral over the slab of the octave sum: each octave is an exponential along the ray. */
+/* Integral of the octave sum over the slab: each octave is an exponential along the ray. */
 static double slab_octaves(const struct test_scene *test, struct neph_vec3 ray)
 {
     const struct neph_medium *slab = &test->scene.media[0];
@@ -82,9 +82,9 @@ static void test_octaves_over_a_slab(void **state)
         test.scene.octaves = octaves[round / 3];
         OWNED(image)
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES, 512, volume);
-        /* The light at the middle of a step of optical depth h, where the sun's exponent has at
-         * most k = 1 / sun.y per unit of the view's: off by (h k)^2 / 24, and by h^2 k / 12 because
-         * the view's own weight has its centre nearer by h^2 / 12. */
+        /* Error of sampling at the middle of a step of optical depth h. The sun's exponent has at
+         * most k = 1 / sun.y per unit of the view's: (h k)^2 / 24. The view's weight has its centre
+         * nearer by h^2 / 12: h^2 k / 12. */
         for (int p = 0; p < width_px * height_px; p++) {
             const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
             const double h = slab->layers[0].extinction_per_m * 3.0 / -ray.y / 512.0;
@@ -95,7 +95,7 @@ static void test_octaves_over_a_slab(void **state)
     }
 }
 
-/* Fitted octaves: the optical depth that the view has met is scaled, too. */
+/* Fitted octaves: the optical depth of the view is scaled, too. */
 static double slab_fitted(const struct test_scene *test, struct neph_vec3 ray, int channel)
 {
     const struct neph_medium *slab = &test->scene.media[0];
@@ -141,9 +141,9 @@ static void test_fitted_octaves_over_a_slab(void **state)
     }
 }
 
-/* Straight down with the sun to one side, and from that side with the sun above: what is reflected
- * of the sunlight on a level plane is the same (S. Chandrasekhar, "Radiative Transfer", 1950,
- * section 13). */
+/* Reciprocity: view straight down with the sun at an angle, and view at that angle with the sun at
+ * the zenith. The reflected radiance over the irradiance of a horizontal plane is the same (S.
+ * Chandrasekhar, "Radiative Transfer", 1950, section 13). */
 static void test_fitted_octaves_are_reciprocal(void **state)
 {
     static const struct neph_vec3 ways[] = {{0.0, 1.0, 0.0}, {0.6, 0.8, 0.0}};
@@ -163,13 +163,13 @@ static void test_fitted_octaves_are_reciprocal(void **state)
         struct neph_image *frame = render(*state, &test, NEPH_MARCH_OCTAVES_FITTED, 512, volume);
         reflected[i] = (double)volume[1][height_px / 2 * width_px + width_px / 2] / ways[1 - i].y;
     }
-    /* f_r = L / (E mu0): the same both ways; step errors as above, the picture is 1e-3 wide. */
+    /* f_r = L / (E mu0) is the same both ways; step errors as above, the frame is 1e-3 wide. */
     neph_assert_close(reflected[0], reflected[1], 1e-3, 0.0);
 }
 
 /* --- similar media ---------------------------------------------------------------------------- */
 
-/* Along a ray into the slab: sun and view as far as a step's middle. */
+/* A ray into the slab: optical depths to the middle of a step. */
 struct way {
     double seen, sun, step; /* optical depths */
 };
@@ -214,8 +214,8 @@ static double slab_similarity(const struct test_scene *test, struct neph_vec3 ra
     return albedo * test->scene.sun.irradiance_w_per_m2.g * sum;
 }
 
-/* slab_light() of shaders/slab_light.glsl, its table asked where the shader looks it up between
- * nodes. */
+/* slab_light() of shaders/slab_light.glsl, with exact values where the shader interpolates the
+ * table. */
 static double slab_of_slabs(const struct test_scene *test, struct neph_vec3 ray)
 {
     const struct neph_medium *slab = &test->scene.media[0];
@@ -223,7 +223,7 @@ static double slab_of_slabs(const struct test_scene *test, struct neph_vec3 ray)
     const double whole = slab->layers[0].extinction_per_m * 3.0 / test->scene.sun.direction.y;
     const double similar = albedo >= 1.0 ? 1.0 : albedo * (1.0 - g) / scale;
     const double cosine = neph_vec3_dot(ray, test->scene.sun.direction);
-    enum { EACH = 50 }; /* steps with one answer of the table, which costs most */
+    enum { EACH = 50 }; /* steps per table value, which is expensive */
     double sum = 0.0, more = 0.0;
     for (int i = 0; i < WAY_STEPS; i++) {
         const struct way way = way_at(test, ray, i), middle = way_at(test, ray, i + EACH / 2);
@@ -245,7 +245,7 @@ static const struct {
     double allowed;
 } similar[] = {
     {NEPH_MARCH_SIMILARITY, slab_similarity, 2e-3},
-    {NEPH_MARCH_SLAB, slab_of_slabs, 2e-2}, /* straight lines between nodes of the table */
+    {NEPH_MARCH_SLAB, slab_of_slabs, 2e-2}, /* linear interpolation of the table */
 };
 
 static void test_similar_media_over_a_slab(void **state)
@@ -273,8 +273,8 @@ static void test_similar_media_over_a_slab(void **state)
         }
 }
 
-/* Without sides the table is the slab of adding and doubling: what it scatters up, all of it and
- * what was scattered once, is the flux that the slab reflects. */
+/* Without sides the table is the slab of adding and doubling: the upward flux of its multiple and
+ * single scattering is the flux that the slab reflects. */
 static void test_the_table_is_a_slab(void **state)
 {
     static const double depths[] = {1.0, 8.0, 40.0}, albedos[] = {1.0, 0.9};
@@ -287,7 +287,8 @@ static void test_the_table_is_a_slab(void **state)
             enum { STEPS = 400 };
             double up = 0.0;
             neph_assert_ok(neph_slab_create(&params, &slab, &diag), &diag);
-            /* What is scattered at a depth t reaches the top by E2(t), half of it going up. */
+            /* The fraction of light scattered at a depth t that reaches the top is E2(t), of the
+             * upward half. */
             for (int i = 0; i < STEPS; i++) {
                 const double x = (i + 0.5) / STEPS, t = depths[d] * x * x;
                 const double mean = neph_slab_light_endless_per_sr(t, depths[d] - t, albedos[a]);
@@ -328,7 +329,7 @@ static const struct neph_horizon_params cloudy = {
     .detail_repeats = 40.0,
 };
 
-/* A box that lies within the layer on all sides, seen from below. */
+/* A box inside the layer, seen from below. */
 static struct neph_medium *look_up_at_clouds(struct test_scene *test,
                                              const struct neph_horizon_params *params)
 {
@@ -347,7 +348,7 @@ static struct neph_medium *look_up_at_clouds(struct test_scene *test,
     return layer;
 }
 
-/* From below the layer up to its bottom or top. */
+/* Distance from below the layer to its bottom or top. */
 static double way_to_sphere_m(struct neph_vec3 origin_m, struct neph_vec3 ray, double radius_m)
 {
     const struct neph_vec3 center_m = {0.0, cloudy.bottom_m - cloudy.planet_radius_m, 0.0};
@@ -361,7 +362,7 @@ static double remap(double x, double a, double b, double c, double d)
     return c + (x - a) * (d - c) / (b - a);
 }
 
-/* The article's CalculateLight at a point, 1 being a white surface in full sun. */
+/* The article's CalculateLight at a point; 1 is a white surface in full sun. */
 static double article_light(const struct test_scene *test, struct neph_vec3 point_m,
                             struct neph_vec3 ray, double chord_m)
 {
@@ -429,8 +430,8 @@ static void test_horizon_light_is_the_articles(void **state)
     for (int p = 0; p < width_px * height_px; p++) {
         const struct neph_vec3 ray = test_ray(&test.scene, width_px, height_px, p).direction;
         const double expected = article_sum(&test, ray, steps);
-        /* Both take the same steps; clamped noise amplifies float32 places, which are good to 1e-4
-         * of a texel a kilometre away. */
+        /* Both take the same steps. Clamped noise amplifies float32 positions, which are accurate
+         * to 1e-4 of a texel at a kilometre. */
         neph_assert_close((double)volume[1][p], expected, 2e-3, 2e-4);
         brightest = fmax(brightest, expected);
         darkest = fmin(darkest, expected);
@@ -439,7 +440,7 @@ static void test_horizon_light_is_the_articles(void **state)
     assert_true(brightest > 10.0 * darkest && brightest > 0.3);
 }
 
-/* What it adds where nothing is, its own blending hides again: an empty layer is the sky. */
+/* Light in an empty layer is hidden by the article's own blending: the frame shows the sky. */
 static void test_horizon_light_of_an_empty_layer(void **state)
 {
     OWNED(media) struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Gaussian blobs, shells and voxel grids in the ray marcher, against the exact transport in double
- * precision: the shaders of the media (scenes/media.h) at work. Horizon clouds against quadrature.
+ * Gaussian blobs, shells and voxel grids (scenes/media.h) in the ray marcher compared with the
+ * exact transport in double precision; Horizon clouds compared with quadrature.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -13,7 +13,7 @@
 static const struct neph_march_params params_32 = {.width_px = 32, .height_px = 18, .steps = 64};
 
 struct difference {
-    double transmittance, volume; /* largest; volume in parts of the largest radiance */
+    double transmittance, volume; /* largest differences; volume relative to the largest radiance */
 };
 
 static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *test,
@@ -41,7 +41,7 @@ static struct difference compare(struct neph_vulkan *vulkan, struct test_scene *
     return worst;
 }
 
-/* From the ground of a small planet, low over the horizon, where the path is longest. All rays
+/* From the ground of a small planet, low above the horizon, where the path is longest. All rays
  * rise. */
 static void scene_shell(struct test_scene *test)
 {
@@ -51,7 +51,7 @@ static void scene_shell(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){0.0, 6.6, -10.0};
 }
 
-/* Fog on the ground of a planet: how far a ray goes through it is where it meets the ball. */
+/* Fog on the ground of a planet: a ray's path through it ends where it hits the sphere. */
 static void scene_planet(struct test_scene *test)
 {
     const double radius_m = 6.371e6;
@@ -61,8 +61,8 @@ static void scene_planet(struct test_scene *test)
     test->key.look_at_m = (struct neph_vec3){0.0, 0.4, -10.0};
 }
 
-/* Transmittance is float32's; in-scattering converges with the square of the step, but trilinear
- * densities have kinks at the faces of their cells. */
+/* Transmittance has float32 precision. In-scattering converges with the square of the step;
+ * trilinear densities have kinks at the faces of cells. */
 static void test_media_converge(void **state)
 {
     static const struct {
@@ -95,7 +95,7 @@ static void test_all_at_once_and_coloured(void **state)
     OWNED(media) struct test_scene test;
     test_scene_build(&test, scene_blob);
     scene_voxels(&test);
-    /* Bounded: fixed steps over kilometres of fog would step across the blob. */
+    /* Bounded, because fixed steps over kilometres of fog would miss the blob. */
     test_add_medium(&test, 0.01, 0.02, 0.0)->bounds = (struct neph_bounds){{-20, -9, -30},
                                                                            {20, 12, 5}};
     test.scene.media[0].extinction_color = (struct neph_rgb){0.4, 1.0, 2.0};
@@ -114,7 +114,7 @@ static void test_all_at_once_and_coloured(void **state)
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
 
-/* Sunlight scattered once, by the midpoint rule over optical depths by quadrature. */
+/* Single scattering of sunlight by the midpoint rule, with optical depths by quadrature. */
 static double single_scattering(const struct neph_scene *scene, struct neph_vec3 origin_m,
                                 struct neph_vec3 direction, double end_m, int points)
 {
@@ -141,9 +141,9 @@ static double single_scattering(const struct neph_scene *scene, struct neph_vec3
     return sum * scene->sun.irradiance_w_per_m2.g;
 }
 
-/* Cumulus, seen through a box of fog: what is marched, and what has a closed form. A row of pixels.
- * Both rules are of second order; 13 m of the reference against detail of 9 m are
- * worth about 1e-3 of the brightest, 8 m of the march less. */
+/* Cumulus clouds through a box of fog: marched media, and media with a closed form. One row of
+ * pixels. Both rules are of second order; the reference's steps of 13 m at details of 9 m have an
+ * error of some 1e-3 of the largest radiance, the march's steps of 8 m a smaller one. */
 static void test_horizon_scattering_against_quadrature(void **state)
 {
     OWNED(media) struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sky of a planet from tables behind, before and between what is marched: against the exact
- * light of one order, the tables' own CPU reference, and pictures that must be the same.
+ * A planet's sky from tables behind, in front of and between marched media, compared with the exact
+ * light of one order, with the tables' CPU reference, and between frames that must be equal.
  */
 #include "tests/renderer/frames.h"
 
@@ -10,7 +10,7 @@
 
 enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT };
 
-/* The Earth with a cloud 12 km ahead and 2 km up; looked at over 40 degrees. */
+/* The Earth with a cloud at a distance of 12 km and an altitude of 2 km, over 40 degrees. */
 static struct neph_scene *load_with_cloud(double depth, enum neph_scattering scattering)
 {
     struct neph_scene *scene = test_load("catalog/sky_earth");
@@ -24,8 +24,8 @@ static struct neph_scene *load_with_cloud(double depth, enum neph_scattering sca
     return scene;
 }
 
-/* Scene sky_aerial with clouds behind the camera, which are not seen: with them it has the kernels
- * of other tests, whose making is most of what they cost. */
+/* Scene sky_aerial with invisible clouds behind the camera: the scene then shares kernels with
+ * other tests, and compiling them is most of a test's time. */
 static struct neph_scene *load_aerial(int clouds)
 {
     struct neph_scene *scene = test_load("catalog/sky_aerial");
@@ -54,7 +54,7 @@ static struct neph_march_params params_of(enum neph_march_lighting lighting, int
     return params;
 }
 
-/* Mean over pixels and channels of |a - b| over that of b; of a layer of the image. */
+/* Mean over pixels and channels of |a - b|, over the mean of b; of a layer of the image. */
 static double distance(const struct neph_image *image, const char *layer, const double *b)
 {
     const struct test_rgb rgb = test_layer(image, layer);
@@ -89,8 +89,9 @@ static void exact_light(const struct neph_scene *scene, double *radiance, double
     }
 }
 
-/* A cloud in air, of one order: all that is left to be off is between the nodes of the tables, in
- * the edge of the cloud's shadow on the air, and in the steps. Clouds from thin to black. */
+/* A cloud in air with one order of scattering. The remaining errors are from the tables'
+ * interpolation, the edge of the cloud's shadow on the air, and the steps. Clouds from thin to
+ * black. */
 static void test_air_and_cloud_are_exact_of_one_order(void **state)
 {
     static const double depths[] = {8.0, 0.3};
@@ -111,7 +112,7 @@ static void test_air_and_cloud_are_exact_of_one_order(void **state)
 
 /* --- layers in any order ---------------------------------------------------------------------- */
 
-/* A medium becomes two, one before and one behind all others. */
+/* Splits a medium into two, one before and one after all others. */
 static void cut_in_two(struct neph_scene *scene, int medium, double part)
 {
     struct neph_medium first = scene->media[medium];
@@ -131,9 +132,9 @@ static void turn_round(struct neph_scene *scene)
     }
 }
 
-/* The cloud cut in two, the haze cut in two, both, and all the other way round: the same picture,
- * to the roundings of sums in another order. By day both are cut in halves, and then in other parts
- * than that, which are the same kernels. */
+/* The cloud split, the haze split, both, and in reverse order: the same frame up to the rounding of
+ * sums. By day both are split into halves and then into other fractions, which have the same
+ * kernels. */
 static void test_any_order_of_layers_is_the_same(void **state)
 {
     enum { HAZE = 1, CLOUD = 3 };
@@ -162,8 +163,8 @@ static void test_any_order_of_layers_is_the_same(void **state)
 
 /* --- behind and before ------------------------------------------------------------------------ */
 
-/* A cloud of nothing changes nothing, and without solids but the ground the picture is the table's
- * own; neph_sky_see() looks into its CPU reference. */
+/* A cloud without extinction changes nothing, and without solids except the ground the frame is the
+ * table's; neph_sky_see() is its CPU reference. */
 static void test_without_clouds_it_is_the_sky(void **state)
 {
     neph_test_waits_for_the_night();
@@ -182,10 +183,10 @@ static void test_without_clouds_it_is_the_sky(void **state)
     }
     const double off = distance(image, NULL, light);
     print_message("a sky without clouds: off by %.2g\n", off);
-    assert_true(off < 1e-3); /* the ground is lit where it is, and not between nodes */
+    assert_true(off < 1e-3); /* the ground's light is exact, not interpolated */
 }
 
-/* Solids 2.5 to 30 km away through the air: against walked rays, by the nodes of the table. */
+/* Solids at 2.5 to 30 km in air compared with marched rays, over the number of nodes. */
 static void test_aerial_perspective_converges(void **state)
 {
     OWNED(scene) struct neph_scene *scene = load_aerial(2);
@@ -199,7 +200,7 @@ static void test_aerial_perspective_converges(void **state)
     walked.steps = 96;
     air.medium_count -= 2; /* without the clouds */
     OWNED(sky) struct neph_sky *sky = test_sky(&air, &walked);
-    params.sky.has_shadows = false; /* nor has the walk */
+    params.sky.has_shadows = false; /* the marched rays have none */
     for (int fine = 0; fine < 2; fine++) {
         params.sky.tables.aerial = fine ? (struct neph_sky_aerial_params){64, 64, 32, 6e4}
                                         : (struct neph_sky_aerial_params){16, 16, 16, 6e4};
@@ -227,7 +228,7 @@ static void test_aerial_perspective_converges(void **state)
 
 /* --- light of the sky ------------------------------------------------------------------------- */
 
-/* Mean over directions of what is seen from a place, in double. */
+/* Mean radiance over all directions at a point, in double. */
 static void mean_sky(const struct neph_scene *scene, const struct neph_sky_params *params,
                      struct neph_vec3 place_m, double mean[3])
 {
@@ -239,7 +240,7 @@ static void mean_sky(const struct neph_scene *scene, const struct neph_sky_param
     walked.steps = 24;
     OWNED(sky) struct neph_sky *sky = test_sky(&air, &walked);
     mean[0] = mean[1] = mean[2] = 0.0;
-    for (int i = 0; i < DIRECTIONS; i++) { /* even on the sphere, by the golden angle */
+    for (int i = 0; i < DIRECTIONS; i++) { /* uniform on the sphere, by the golden angle */
         const double y = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, across = sqrt(1.0 - y * y);
         const double turn = M_PI * (3.0 - sqrt(5.0)) * i;
         const struct neph_sky_light light = neph_sky_see(
@@ -249,9 +250,9 @@ static void mean_sky(const struct neph_scene *scene, const struct neph_sky_param
     }
 }
 
-/* After sunset, of the light of the sky and the ground around it a thin white cloud scatters the
- * mean over directions; a sun would outshine it when scattered twice. What is left are paths' noise
- * and what the cloud takes of its own light, 2 %. */
+/* After sunset a thin white cloud scatters the mean of sky and ground light over directions; by day
+ * double scattering of sunlight would be larger. The remaining errors are the noise of the paths
+ * and the cloud's attenuation of its own light, 2 %. */
 static void test_the_sky_lights_a_thin_cloud(void **state)
 {
     neph_test_waits_for_the_night();
@@ -282,9 +283,9 @@ static void test_the_sky_lights_a_thin_cloud(void **state)
     }
 }
 
-/* Air before a black wall under an overcast sky, the sun 45 degrees high: neither sun nor clear sky
- * is left in the shade, all that it sends is light of clouds. The tables' idea of that is one of
- * broken clouds, and within a third of the tracer; that of clear air is two and a half times it. */
+/* Air in front of a black wall under an overcast sky, sun at 45 degrees: in shade there is neither
+ * sun nor clear sky, only light from clouds. The tables' model is for broken clouds and is within a
+ * third of the tracer; the light of clear air would be two and a half times too large. */
 static void test_clouds_light_the_air_below(void **state)
 {
     neph_test_waits_for_the_night();
@@ -337,8 +338,8 @@ static struct neph_image *render_realtime(struct neph_vulkan *vulkan,
     return test_film(vulkan, scene, &params, 1, NULL);
 }
 
-/* Where no cloud is, `realtime` shows what the march does: the sky, and solids through the air, in
- * one order, for which no table of further ones has to be made. */
+/* Without clouds `realtime` equals the march: the sky, and solids through air. One order, so that
+ * no table of multiple scattering is needed. */
 static void test_realtime_has_the_same_sky(void **state)
 {
     OWNED(scene) struct neph_scene *scene = load_aerial(1);
@@ -349,12 +350,12 @@ static void test_realtime_has_the_same_sky(void **state)
     OWNED(image) struct neph_image *image = render_realtime(*state, scene, plain_words);
     const double off = distance(image, NULL, values);
     print_message("the sky in real time: off by %.2g\n", off);
-    assert_true(off < 1e-3); /* halves */
+    assert_true(off < 1e-3); /* half precision */
 }
 
-/* A bank of fog from 2 to 12 km ahead, all of it in froxels that reach as far: the air before each
- * froxel dims it and shines, as before a step of the march. One order, against the exact light; and
- * without that air the picture would be another. */
+/* A fog bank at 2 to 12 km, all of it in froxels: the air in front of each froxel attenuates it and
+ * adds light, as in front of a march step. One order, compared with the exact light; without that
+ * air the difference is large. */
 static void test_froxels_are_seen_through_the_air(void **state)
 {
     static const char words[] =

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Boxes that have turned, on the device: where rays meet them, how their faces are lit and what
- * they shade, against exact transport in double precision.
+ * Rotated boxes on the device: hits, lighting of their faces and shadows, compared with exact
+ * transport in double precision.
  */
 #include "tests/renderer/frames.h"
 
@@ -9,8 +9,8 @@
 
 enum { WIDTH_PX = 48, HEIGHT_PX = 27 };
 
-/* 64 steps of 0.2 m in fog of 0.05 /m are unsure of a hundredth at an edge of a shadow; the faces
- * themselves are those of single floats. A wrong sign of a turn is off by half of the picture. */
+/* 64 steps of 0.2 m in fog of 0.05 /m give an error of a hundredth at shadow edges; faces have
+ * float32 precision. A rotation of the wrong sign would change half of the frame. */
 static void test_turned_boxes_are_those_of_the_truth(void **state)
 {
     const struct neph_march_params params = {.width_px = WIDTH_PX,

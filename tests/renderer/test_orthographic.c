@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Orthographic cameras: the march and the tracer against exact transport along rays that begin all
- * over a plane; in any light each pixel is that of a perspective camera
- * which stands where the pixel's ray begins and looks along it; and the real-time renderer finds
- * its history where the wind has taken it from.
+ * Orthographic cameras. The ray marcher and the tracer are compared with exact transport along rays
+ * that start on a plane. Each pixel equals the one of a perspective camera at the ray's origin that
+ * looks along the ray. The real-time renderer finds its history along the wind.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/realtime_test.h"
@@ -48,8 +47,8 @@ static void add_apart(struct test_scene *test, struct neph_medium medium, struct
     test_add(test, medium);
 }
 
-/* A medium of each kind and a solid behind the camera and below, where no ray goes: scenes that
- * have them share one kernel, whose making is most of what they cost. */
+/* A medium of each kind and a solid behind the camera and below, which no ray reaches: the scenes
+ * then share one kernel, and compiling it is most of a test's time. */
 static void add_company(struct test_scene *test)
 {
     const struct neph_vec3 at_m = neph_vec3_add(test->key.position_m,
@@ -66,13 +65,13 @@ static void add_company(struct test_scene *test)
     add_apart(test, make_blob(0.1, at_m, 1.0), at_m);
     add_apart(test, plume, at_m);
     add_apart(test, make_voxels(0.1, grid), at_m);
-    test_add_sphere(test, at_m, 0.1); /* might shade them */
+    test_add_sphere(test, at_m, 0.1); /* might shadow them */
 }
 
 static const struct {
     const char *name;
     void (*build)(struct test_scene *);
-    double height_m, order_min; /* of the march in its steps: less where a density has kinks */
+    double height_m, order_min; /* of convergence in the steps; lower where a density has kinks */
 } scenes[] = {
     {"cube", scene_cube, 5.0, 1.8},
     {"fog, down", scene_fog_down, 60.0, 1.8},
@@ -86,7 +85,7 @@ static const struct {
 /* --- the march against exact transport ---------------------------------------------------- */
 
 struct difference {
-    double transmittance, volume; /* largest; volume in parts of the largest radiance */
+    double transmittance, volume; /* largest differences; volume relative to the largest radiance */
 };
 
 static struct difference difference_of(const struct test_scene *test, struct neph_image *frame)
@@ -107,8 +106,8 @@ static struct difference difference_of(const struct test_scene *test, struct nep
     return worst;
 }
 
-/* As of perspective cameras (test_march_media.c, test_march.c): transmittance is float32's,
- * in-scattering converges with the square of the step, down to some 1e-6. */
+/* As for perspective cameras (test_march_media.c, test_march.c): transmittance has float32
+ * precision, in-scattering converges with the square of the step, down to some 1e-6. */
 static void test_march_is_exact_transport(void **state)
 {
     for (size_t s = 0; s < COUNT(scenes); s += (size_t)neph_test_by_day(3, 1)) {
@@ -130,8 +129,8 @@ static void test_march_is_exact_transport(void **state)
     }
 }
 
-/* Surfaces in sunlight through fog, and Z. A ray that grazes a solid or the edge of a shadow may
- * fall on either side of it. */
+/* Sunlit surfaces through fog, and Z. A ray that grazes a solid or a shadow edge may be on either
+ * side of it. */
 static void test_solids(void **state)
 {
     struct test_scene test;
@@ -157,7 +156,7 @@ static void test_solids(void **state)
     assert_true(agreeing >= PIXELS - 1);
 }
 
-/* --- every pixel is a perspective camera's ------------------------------------------------- */
+/* --- each pixel equals a perspective camera's --------------------------------------------- */
 
 static void scene_horizon(struct test_scene *test)
 {
@@ -185,7 +184,7 @@ static void scene_grid_in_company(struct test_scene *test)
     add_company(test);
 }
 
-/* Far from the world's origin and as high as the picture: both cameras know places by it. */
+/* Far from the world's origin. Both cameras compute positions relative to it. */
 static void scene_far_away(struct test_scene *test)
 {
     scene_far_from_the_origin(test);
@@ -197,7 +196,7 @@ static const struct {
     void (*build)(struct test_scene *);
     double height_m;
     enum neph_march_lighting lighting;
-    double relative; /* float32 places differ; the clouds' clamped noise amplifies that */
+    double relative; /* float32 positions differ; clamped noise of clouds amplifies that */
 } lights[] = {
     {"single, grid in fog", scene_grid_in_company, 7.0, NEPH_MARCH_SINGLE, 2e-5},
     {"single, far away", scene_far_away, 10.0, NEPH_MARCH_SINGLE, 2e-5},
@@ -246,13 +245,13 @@ static void test_every_pixel_is_a_perspective_cameras(void **state)
             most = fmax(most, (double)frame->channels[0].samples[p]);
         }
         print_message("%s: %g to %g\n", lights[l].name, least, most);
-        assert_true(most > 1.05 * least); /* pixels that see different things */
+        assert_true(most > 1.05 * least); /* the pixels differ */
     }
 }
 
 /* --- the tracer ----------------------------------------------------------------------------- */
 
-/* Free paths of each sort: by bisection, through voxels, of layers. */
+/* Free paths of each kind: by bisection, through voxels, in layers. */
 static void test_tracer_is_exact_transport(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -284,7 +283,7 @@ static struct neph_image *film_truth(struct neph_vulkan *vulkan, const struct te
     return test_march(vulkan, still, &params, NULL);
 }
 
-/* Largest error of the last frame, in parts of the brightest pixel. */
+/* Largest error of the last frame, relative to the brightest pixel. */
 static double film_error(struct neph_vulkan *vulkan, const struct test_scene *test,
                          const char *assignments)
 {
@@ -303,9 +302,9 @@ static double film_error(struct neph_vulkan *vulkan, const struct test_scene *te
     return worst / most;
 }
 
-/* The split of the frame costs a drifting blob what it costs one that a perspective camera shows as
- * large, give or take a tenth of the picture's scale between its near and its far side; history
- * that does not follow the wind costs twice as much. */
+/* With the split frame a drifting blob has the same error as one of the same size under a
+ * perspective camera, within a tenth, by which near and far side differ in scale. A history that
+ * does not follow the wind has twice the error. */
 static void test_history_drifts_with_the_wind(void **state)
 {
     static const char following[] = "taa=off ray_dither=none upscale_dither=none";
@@ -317,7 +316,7 @@ static void test_history_drifts_with_the_wind(void **state)
     test.scene.wind_keys = &wind;
     test.scene.wind_key_count = 1;
     const double parallel = film_error(*state, &test, following);
-    if (neph_test_is_night()) /* other kernels */
+    if (neph_test_is_night()) /* needs other kernels */
         assert_true(
             film_error(*state, &test, "taa=off ray_dither=none upscale_dither=none wind=off") >
             1.2 * parallel);
@@ -326,7 +325,7 @@ static void test_history_drifts_with_the_wind(void **state)
     const double perspective = film_error(*state, &test, following);
     print_message("realtime: off by %.2g; in perspective %.2g\n", parallel, perspective);
     assert_true(parallel < 1.2 * perspective);
-    assert_true(perspective < 0.16); /* 0.10 as measured; 0.24 of history that stays behind */
+    assert_true(perspective < 0.16); /* measured: 0.10; 0.24 without following the wind */
 }
 
 int main(void)

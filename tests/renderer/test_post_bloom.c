@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Bloom: the shaders against matrices in double precision, and what the lens owes: no light is won
- * or lost, and a constant stays what it is.
+ * Bloom: the shaders compared with matrices in double precision; the sum of the light is kept, and
+ * a constant image stays constant.
  */
 #include "tests/renderer/post_test.h"
 
 enum { side_max = 80, levels_max = POST_LEVELS_MAX };
 
-/* One axis of the pyramid: what goes up from a level to the finer one is a matrix, from the picture
- * down to a level is another. */
+/* One axis of the pyramid: the matrix from a level up to the finer one, and the matrix from the
+ * image down to a level. */
 struct axis {
     int sizes[levels_max + 1];
     double up[levels_max + 1][side_max][side_max];   /* [level][fine][coarse] */
     double down[levels_max + 1][side_max][side_max]; /* [level][coarse][fine] */
 };
 
-/* Linear interpolation between centres, the ends going on as they are. */
+/* Linear interpolation between centres, constant beyond the ends. */
 static void interpolate(struct axis *axis, int level)
 {
     const int fine = axis->sizes[level - 1], coarse = axis->sizes[level];
@@ -28,7 +28,7 @@ static void interpolate(struct axis *axis, int level)
     }
 }
 
-/* The transpose, by what the fine ones stand for, its rows summing to 1. */
+/* The transpose, weighted with the pixels that fine texels represent, with rows that sum to 1. */
 static void build(struct axis *axis, int size)
 {
     double mass[side_max], next[side_max];
@@ -75,7 +75,7 @@ static void apply(double (*across)[side_max], double (*along)[side_max], int wid
         }
 }
 
-/* What is spread of a plane: levels mixed from the coarsest up. */
+/* The bloom of a plane: levels mixed from the coarsest up. */
 static void spread(const struct plane *plane, int levels, double part, struct plane *made)
 {
     static struct axis across, along;
@@ -112,7 +112,7 @@ static double luminance_at(float *const rgb[3], int i)
     return 0.2126 * rgb[0][i] + 0.7152 * rgb[1][i] + 0.0722 * rgb[2][i];
 }
 
-/* Sums of up to 16 products a level. */
+/* Sums of up to 16 products per level. */
 static const double shader_tolerance = 3e-6;
 
 static void test_the_shaders_are_their_matrices(void **state)
@@ -162,7 +162,7 @@ static double sum_of(const float *samples, int count)
     return sum;
 }
 
-/* Odd and even, thin, down to one pixel; a sun in a corner and all the rest black. */
+/* Odd and even sizes, thin ones, down to one pixel; a sun in a corner of a black image. */
 static void test_no_light_is_won_or_lost(void **state)
 {
     static const int sizes[][2] = {{64, 32}, {67, 43}, {1, 1}, {1, 9}, {300, 2}, {79, 80}};
@@ -178,7 +178,7 @@ static void test_no_light_is_won_or_lost(void **state)
         for (int c = 0; c < 3; c++)
             neph_assert_close(sum_of(out[c], count), sum_of(in[c], count), 1e-6, 0.0);
         neph_image_destroy(made);
-        /* The classic adds what it spreads. */
+        /* Additive bloom adds the spread light. */
         made = post_made(*state, "bloom=additive bloom_intensity=0.5", image, out);
         for (int c = 0; c < 3; c++)
             neph_assert_close(sum_of(out[c], count), 1.5 * sum_of(in[c], count), 1e-6, 0.0);
@@ -200,8 +200,8 @@ static void test_a_constant_stays_what_it_is(void **state)
     }
 }
 
-/* With automatic exposure the threshold is of exposed light: grey 0.18 is below 0.5, whatever the
- * frame's light. */
+/* With automatic exposure the threshold applies to exposed light: grey 0.18 is below 0.5 for every
+ * luminance of the frame. */
 static void test_the_threshold_is_of_exposed_light(void **state)
 {
     for (int bright = 0; bright < 2; bright++) {

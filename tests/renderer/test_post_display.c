@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * AgX, and an HDR display: values that others have published, formulas in double precision, and
- * what the display makes of the codes.
+ * AgX and an HDR display: published values, formulas in double precision, and the light that the
+ * display makes of the codes.
  */
 #include "tests/renderer/post_test.h"
 
@@ -10,11 +10,11 @@
 
 enum { width = 61, height = 37, count = width * height };
 
-/* float32 through matrices, logarithms and powers, of which PQ's largest is 78.8. */
+/* float32 through matrices, logarithms and powers; PQ's largest exponent is 78.8. */
 static const double shader_tolerance = 2e-5;
 
-/* Light, over the largest channel: d log(light) / d code of PQ is up to 20 where light is to be
- * seen. */
+/* Tolerance of light, relative to the largest channel: d log(light) / d code of PQ is up to 20 for
+ * visible light. */
 static const double light_tolerance = 20 * shader_tolerance;
 
 static void fill(float *rgb[3], double least_ev, double most_ev, uint64_t seed)
@@ -30,7 +30,7 @@ static void fill(float *rgb[3], double least_ev, double most_ev, uint64_t seed)
 
 /* ---- AgX ------------------------------------------------------------------------------------- */
 
-/* The curve of its table, as it was published with its constants: powers 3 and 13/4. */
+/* The published curve with its constants: powers 3 and 13/4. */
 static double agx_curve(double place)
 {
     const double x = place - 20.0 / 33.0;
@@ -105,14 +105,14 @@ static double pq(double nits)
     return pow((0.8359375 + 18.8515625 * y) / (1.0 + 18.6875 * y), 78.84375);
 }
 
-/* OpenColorIO 2.1.2, LINEAR_to_ST-2084; ITU-R BT.2408-8: 38 % and 58 % for 26 and 203 cd/m^2, and
- * the half of the codes is 92.2 cd/m^2. */
+/* OpenColorIO 2.1.2, LINEAR_to_ST-2084; ITU-R BT.2408-8: 38 % and 58 % for 26 and 203 cd/m^2. Code
+ * 1/2 is 92.2 cd/m^2. */
 static void test_pq_is_as_published(void **state)
 {
     static const double codes[][2] = {{0.0, 0.0000007},   {1.0, 0.1499457},    {100.0, 0.5080784},
                                       {203.0, 0.5806888}, {1000.0, 0.7518271}, {10000.0, 1.0}};
     for (size_t i = 0; i < COUNT(codes); i++) {
-        neph_assert_close(pq(codes[i][0]), codes[i][1], 0.0, 1.5e-7); /* it has float32 */
+        neph_assert_close(pq(codes[i][0]), codes[i][1], 0.0, 1.5e-7); /* float32 there */
         neph_assert_close(neph_pq_nits(pq(codes[i][0])), codes[i][0], 1e-9, 1e-9);
     }
     neph_assert_close(pq(26.0), 0.38, 0.0, 5e-3);
@@ -170,7 +170,7 @@ static double bt2390(double nits, double peak_nits)
                         (3 * t * t - 2 * t * t * t) * peak);
 }
 
-/* Level at the top, as steep as what comes before it at the knee, and no step there. */
+/* Slope 0 at the top; continuous in value and slope at the knee. */
 static void test_the_roll_off_is_bt_2390s(void **state)
 {
     const double peak = pq(1000.0), knee_nits = neph_pq_nits(1.5 * peak - 0.5);
@@ -207,7 +207,7 @@ static void test_the_shader_rolls_off(void **state)
 
 /* ---- the display ----------------------------------------------------------------------------- */
 
-/* Codes and back: light of the frame over the peak, as far as it is below that. */
+/* Codes and back: the frame's light over the peak, for light below the peak. */
 static void test_the_display_shows_the_light(void **state)
 {
     const struct neph_settings settings = post_settings("tone=on tone_map=none encode=pq");
@@ -230,7 +230,7 @@ static void test_the_display_shows_the_light(void **state)
     }
 }
 
-/* 10 and 16 bits of an sRGB display: codes of the 8-bit ones, finer. */
+/* 10 to 16 bits of an sRGB display: the 8-bit codes with more digits. */
 static void test_codes_have_the_bits_asked_for(void **state)
 {
     const struct neph_settings settings = post_settings("tone=on tone_map=none");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * FXAA, EASU, CAS and RCAS: the shaders against the algorithms once more in double precision. (The
- * shaders were also run beside the originals: docs/post.md.)
+ * FXAA, EASU, CAS and RCAS: the shaders compared with the algorithms in double precision.
+ * (docs/post.md compares the shaders with the original code.)
  */
 #include "tests/renderer/post_test.h"
 
@@ -22,7 +22,7 @@ static const double *texel(const struct picture *p, int x, int y)
     return p->rgb[clamped(y, p->height) * p->width + clamped(x, p->width)];
 }
 
-/* Centres of texels lie at halves. */
+/* Texel centres are at integers + 1/2. */
 static void bilinear(const struct picture *p, double x, double y, double made[3])
 {
     const double left = floor(x - 0.5), top = floor(y - 0.5), u = x - 0.5 - left, v = y - 0.5 - top;
@@ -51,7 +51,7 @@ static const double steps_12[] = {1, 1.5, 2, 4, 12},
                     steps_29[] = {1, 1.5, 2, 2, 2, 2, 2, 2, 2, 2, 4, 8},
                     steps_39[] = {1, 1, 1, 1, 1, 1.5, 2, 2, 2, 2, 4, 8};
 
-/* The last step is taken blindly: what was seen before it decides. */
+/* The last step has no sample; the sample before it decides. */
 static double walk(const struct picture *p, const double *steps, int step_count, double x, double y,
                    double dx, double dy, double mean, double contrast, double *beyond)
 {
@@ -67,8 +67,8 @@ static double walk(const struct picture *p, const double *steps, int step_count,
     return way;
 }
 
-/* Whether it is certain which way the edge runs: at a corner lumas bend as much along x as along y,
- * and roundings decide. */
+/* Returns whether the edge's direction is certain: at a corner luma changes equally along x and y,
+ * and rounding decides. */
 static bool fxaa(const struct picture *p, const double *steps, int step_count, int x, int y,
                  double made[3])
 {
@@ -85,7 +85,7 @@ static bool fxaa(const struct picture *p, const double *steps, int step_count, i
     memcpy(made, texel(p, x, y), 3 * sizeof(*made));
     if (range < fmax(0.0833, 0.166 * most))
         return true;
-    double rows = 0.0, columns = 0.0; /* how much lumas bend along y and along x */
+    double rows = 0.0, columns = 0.0; /* second differences of luma along y and along x */
     for (int i = 0; i < 3; i++) {
         rows += (i == 1 ? 2.0 : 1.0) * fabs(l[0][i] + l[2][i] - 2.0 * l[1][i]);
         columns += (i == 1 ? 2.0 : 1.0) * fabs(l[i][0] + l[i][2] - 2.0 * l[i][1]);
@@ -148,7 +148,7 @@ static void rcas(const struct picture *p, int x, int y, double made[3])
             high = fmax(high, v);
             plus[c] += v;
         }
-        /* (4 w low + own) / (1 + 4 w) reaches 0 at one w, with `high` 1 at another. */
+        /* (4 w low + own) / (1 + 4 w) reaches 0 at one w; with `high` it reaches 1 at another. */
         const double to_0 = -fmin(low, own) / (4.0 * high);
         const double to_1 = (1.0 - fmax(high, own)) / (4.0 * low - 4.0);
         lobe = fmax(lobe, fmax(to_0, to_1));
@@ -220,7 +220,7 @@ static void easu(const struct picture *p, double x, double y, double made[3])
 
 /* ---- against the shaders --------------------------------------------------------------------- */
 
-/* Edges of all slopes, thin lines and a little noise: nothing is a tie. */
+/* Edges of all slopes, thin lines and a little noise, so that no comparison is a tie. */
 static void draw(double rgb[count][3], uint64_t seed)
 {
     for (int i = 0; i < count; i++) {
@@ -275,7 +275,7 @@ static void test_fxaa_is_its_algorithm(void **state)
     }
 }
 
-/* What a picture is for: an edge of one in eight is a staircase before, and less of one after. */
+/* An edge of slope 1 in 8 is a staircase before, and closer to a straight edge after. */
 static void test_fxaa_makes_an_edge_straighter(void **state)
 {
     static const char *const settings[] = {"fxaa=console", "fxaa=quality_12", "fxaa=quality_39"};
@@ -292,7 +292,8 @@ static void test_fxaa_makes_an_edge_straighter(void **state)
         before = 0.0;
         for (int y = 2; y < height - 2; y++)
             for (int x = 10; x < width - 10; x++) {
-                /* The part of the pixel below the edge: linear across, as it is 1 in 8. */
+                /* Fraction of the pixel below the edge; linear across it, because the slope is 1 in
+                 * 8. */
                 const double edge = 12.0 + (x + 0.5) / 8.0;
                 const double truth = 0.2 + 0.6 * fmin(fmax(y + 1.0 - edge, 0.0), 1.0);
                 before += pow(rgb[y * width + x][1] - truth, 2.0);
@@ -339,7 +340,7 @@ static void test_easu_is_its_algorithm(void **state)
             double expected[3];
             easu(&picture, (x + 0.5) * width / made->width_px, (y + 0.5) * height / made->height_px,
                  expected);
-            for (int c = 0; c < 3; c++) /* 1 / 32768 of direction decides; digits of it are 1e-5 */
+            for (int c = 0; c < 3; c++) /* decided by 1 / 32768 of direction, with errors of 1e-5 */
                 neph_assert_close(out[c][y * made->width_px + x], expected[c], 0.0, 1e-4);
         }
 }

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Automatic exposure: percentiles of histograms that are known, and how the eye adapts, in closed
- * form.
+ * Automatic exposure: percentiles of known histograms, and the adaptation in closed form.
  */
 #include "tests/renderer/post_test.h"
 
 enum { width = 67, height = 43, count = width * height };
 
-/* Frames one after the other, and the eye that looks at them. */
+/* A sequence of frames, and the eye's state. */
 struct sequence {
     struct neph_vulkan *vulkan;
     struct neph_post_params params;
@@ -30,7 +29,7 @@ static void fill(struct sequence *s, double ev)
         s->rgb[0][i] = s->rgb[1][i] = s->rgb[2][i] = (float)exp2(ev);
 }
 
-/* The first pixel of the picture that is made, where it is wanted. */
+/* Renders the next frame; `first` (may be NULL) receives the first pixel. */
 static struct neph_post_stats next(struct sequence *s, double *first)
 {
     struct neph_image *made;
@@ -48,7 +47,7 @@ static struct neph_post_stats next(struct sequence *s, double *first)
 
 #define AUTO "tone=on tone_map=none encode=linear auto_exposure=on "
 
-/* The logarithm is float32's, up to 16, and places in bins are whole 65536ths of their width. */
+/* A logarithm of up to 16 in float32; positions in bins are multiples of 1 / 65536. */
 static const double ev_tolerance = 4e-6 + 0.25 / 65536;
 
 static void test_what_is_flat_is_shown_grey(void **state)
@@ -69,8 +68,8 @@ static void test_what_is_flat_is_shown_grey(void **state)
     neph_image_destroy(s.frame);
 }
 
-/* Equal parts of the pixels at equal distances of EV: the mean between percentiles is an integral
- * of a straight line, but for the width of bins. Then a tenth of black and a tenth of suns. */
+/* Equal numbers of pixels at equal distances in EV: the mean between percentiles is the integral of
+ * a straight line, up to the width of bins. Then a tenth of black and a tenth of suns. */
 static void test_percentiles_of_a_ramp(void **state)
 {
     static const struct {
@@ -83,14 +82,14 @@ static void test_percentiles_of_a_ramp(void **state)
     const double first_ev = -6.0, range_ev = 8.0;
     struct sequence s = sequence_of(*state, AUTO, 0.0);
     for (int i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++) /* in no order: 613 has no factor of the count */
+        for (int c = 0; c < 3; c++) /* shuffled: 613 is coprime to the count */
             s.rgb[c][i] = (float)exp2(first_ev + range_ev * (i * 613 % count + 0.5) / count);
     for (size_t k = 0; k < COUNT(cases); k++) {
         s.params.settings = post_settings(cases[k].settings);
         s.eye.is_open = false;
         const double mean = first_ev + range_ev * 0.5 * (cases[k].low + cases[k].high);
-        /* Bins that a percentile cuts count with their mean: each an eighth of an EV off at most,
-         * for a quarter of 1.44 EV, the least share here; both on one side are 1/32. */
+        /* Bins that a percentile cuts count with their mean, with an error of at most 1/8 EV each;
+         * for a quarter of 1.44 EV, the smallest share here. Both on one side: 1/32. */
         neph_assert_close(next(&s, NULL).metered_ev, mean, 0.0, k == 0 ? 1.0 / count : 1.0 / 32.0);
     }
     for (int i = 0; i < count; i++) {
@@ -104,7 +103,7 @@ static void test_percentiles_of_a_ramp(void **state)
     neph_image_destroy(s.frame);
 }
 
-/* The histogram and its percentiles once more, in double, of a picture of anything. */
+/* The histogram and its percentiles in double, for any image. */
 static double metered(const struct sequence *s, double low, double high)
 {
     double counts[POST_METER_BINS] = {0}, sums[POST_METER_BINS] = {0}, sum = 0.0, below = 0.0;
@@ -138,7 +137,7 @@ static void test_the_meter_is_its_formula(void **state)
                                           : (float)exp2(neph_test_uniform(&drawn, -20.0, 5.0) +
                                                         4.0 * (double)seed);
         s.eye.is_open = false;
-        /* A pixel beside a bin's border may be counted on the other side of it. */
+        /* A pixel at a bin's border may be counted on either side. */
         neph_assert_close(next(&s, NULL).metered_ev, metered(&s, 0.35, 0.975), 0.0,
                           2.0 * ev_tolerance + 0.25 / count);
     }
@@ -158,14 +157,14 @@ static void test_the_meter_sees_every_pixel(void **state)
             for (int c = 0; c < 3; c++)
                 s.rgb[c][i] = i < bright[k] ? 8.0f : 0.25f;
         s.eye.is_open = false;
-        /* A pixel more or less is 2.4e-4. */
+        /* One pixel more or less is 2.4e-4. */
         neph_assert_close(next(&s, NULL).metered_ev, -2.0 + 5.0 * bright[k] / all, 0.0,
                           2.0 * ev_tolerance);
     }
     neph_image_destroy(s.frame);
 }
 
-/* Colours by their luminance (ITU-R BT.709). */
+/* Colours count with their luminance (ITU-R BT.709). */
 static void test_the_meter_sees_luminance(void **state)
 {
     static const double weights[3] = {0.2126, 0.7152, 0.0722};
@@ -181,7 +180,7 @@ static void test_the_meter_sees_luminance(void **state)
     neph_image_destroy(s.frame);
 }
 
-/* d/dt = speed min(distance / near, 1), solved by hand: from `distance` away. */
+/* d/dt = speed min(distance / near, 1) in closed form, from `distance`. */
 static double rest_ev(double distance, double speed, double near, double t)
 {
     const double far_s = fmax(distance - near, 0.0) / speed;
@@ -205,7 +204,7 @@ static void test_a_step_of_light_is_approached(void **state)
         const double way = steps[k].to_ev > steps[k].from_ev ? 1.0 : -1.0;
         for (int frame = 1; frame <= 60; frame++) {
             const double rest = rest_ev(distance, steps[k].speed, 1.5, frame * step_s);
-            /* Errors of the meter, and of as many roundings as there were frames. */
+            /* Errors of the meter, and one rounding per frame. */
             neph_assert_close(next(&s, NULL).adapted_ev, steps[k].to_ev - way * rest, 0.0,
                               2.0 * ev_tolerance + frame * 1e-6);
         }
@@ -213,7 +212,7 @@ static void test_a_step_of_light_is_approached(void **state)
     }
 }
 
-/* 30 frames a second and 7 end at the same place. */
+/* 30 frames per second and 7 reach the same value. */
 static void test_the_way_does_not_know_the_frame_rate(void **state)
 {
     double ends[2];
@@ -241,7 +240,7 @@ static void test_limits_hold_and_a_still_eye_stays(void **state)
     s.eye.is_open = false;
     assert_true(next(&s, NULL).adapted_ev == 1.0);
     s.params.settings = post_settings(AUTO "adapt_down_ev_per_s=0");
-    fill(&s, -1.0); /* 1 = -1 + 2 by way of the distance: exact */
+    fill(&s, -1.0); /* 1 = -1 + 2 through the distance: exact */
     assert_true(next(&s, NULL).adapted_ev == 1.0);
     neph_image_destroy(s.frame);
 }

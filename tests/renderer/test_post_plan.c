@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A chain as data: volumes against lerps computed by hand, orders that make sense, files that do
- * not, and what a chain makes of a frame. The table of keys in docs/post.md is what the fields
- * print; `test_post_plan --write` writes it.
+ * Chains from files: volumes compared with interpolations by hand, valid orders, invalid files, and
+ * the frames that a chain produces. The table of keys in docs/post.md is printed from the fields;
+ * `test_post_plan --write` writes it.
  */
 #include "tests/printed_table.h"
 #include "tests/renderer/post_test.h"
@@ -29,7 +29,7 @@ static double blended(const struct neph_post_volume *volumes, int count, struct 
     return settings.values[setting];
 }
 
-/* A box of 2 m about (1, 1, 1), blended over 4 m. */
+/* A box of 2 m around (1, 1, 1), blended over 4 m. */
 static void test_a_volume_fades_with_the_distance(void **state)
 {
     struct neph_post_volume box = volume(0.0, 0.8, POST_EXPOSURE_EV, 5.0);
@@ -63,12 +63,12 @@ static void test_priority_is_the_order_of_lerps(void **state)
     const struct neph_post_volume volumes[] = {
         volume(2.0, 0.5, POST_EXPOSURE_EV, 8.0), volume(-1.0, 1.0, POST_EXPOSURE_EV, 1.0),
         volume(0.5, 0.25, POST_EXPOSURE_EV, -3.0), volume(2.0, 0.5, POST_EXPOSURE_EV, 4.0)};
-    /* 0 -> 1 -> 1 + (-3 - 1) / 4 = 0 -> 4 -> 4; of equal ones the first of the file first. */
+    /* 0 -> 1 -> 1 + (-3 - 1) / 4 = 0 -> 4 -> 4; equal priorities in the file's order. */
     neph_assert_close(blended(volumes, 4, origin, POST_EXPOSURE_EV), 4.0, 0.0, 0.0);
     /* Without the second: 0 -> -0.75 -> 3.625 -> 3.8125. */
     const struct neph_post_volume fewer[] = {volumes[0], volumes[2], volumes[3]};
     neph_assert_close(blended(fewer, 3, origin, POST_EXPOSURE_EV), 3.8125, 0.0, 0.0);
-    /* Weights of numbers never leave what is between the numbers. */
+    /* Weighted numbers stay in the range of the numbers. */
     uint64_t seed = 9;
     for (int run = 0; run < 200; run++) {
         struct neph_post_volume many[7];
@@ -127,7 +127,7 @@ static void test_a_file_is_its_chain(void **state)
     neph_assert_ok(load(text, &plan, &diag), &diag);
     const struct neph_settings settings = neph_post_plan_settings(&plan);
     assert_true(settings.values[POST_EXPOSURE_EV] == 1.5);
-    assert_true(settings.values[POST_LUT] == 1.0); /* of the preset */
+    assert_true(settings.values[POST_LUT] == 1.0); /* from the preset */
     assert_true(settings.values[POST_BLOOM] == POST_BLOOM_CONSERVING);
     assert_true(settings.values[POST_BLOOM_LEVELS] == 4.0);
     assert_int_equal(plan.order.count, 2);
@@ -179,7 +179,9 @@ static void test_what_makes_no_sense_is_refused_by_line(void **state)
 static void test_the_manual_holds_the_keys(void **state)
 {
     const struct printed_table table = {NEPH_SOURCE_DIR "/docs/post.md",
-                                        "<!-- written by tests/test_post_plan --write -->\n",
+                                        "<!-- written by tests/test_post_plan --write -->\n"
+                                        "| key | value | default | meaning |\n"
+                                        "| --- | --- | --- | --- |\n",
                                         "<!-- end -->\n", neph_post_plan_print_keys};
     check_readme(&table, *state);
 }
@@ -198,7 +200,8 @@ static struct neph_image *made_by(struct neph_vulkan *vulkan, const struct neph_
     return made;
 }
 
-/* Light enlarged and then mapped is not codes enlarged; both are what stages one by one make. */
+/* Upscaling before tone mapping differs from upscaling codes; both equal the stages run one by
+ * one. */
 static void test_the_order_is_what_runs(void **state)
 {
     static const struct neph_post_order upscale_first = {
@@ -225,7 +228,7 @@ static void test_the_order_is_what_runs(void **state)
     assert_true(differs);
 }
 
-/* Half and half again: the second goes on from the first, with a filter of its own. */
+/* Half, and half again: the second upscale continues from the first, with its own filter. */
 static void test_the_second_upscale_comes_after_the_first(void **state)
 {
     float *in[3], *out[3], *once[3];
@@ -244,8 +247,8 @@ static void test_the_second_upscale_comes_after_the_first(void **state)
             assert_true(out[0][y * 32 + x] == once[0][y / 4 * 8 + x / 4]);
 }
 
-/* Passes from the last to the first are turned off: what is then the last writes the picture, and
- * makes it of what the one before had written. */
+/* Passes are turned off from the last to the first: the last active pass writes the image, from the
+ * output of the pass before. */
 static void test_the_last_that_is_on_writes_the_picture(void **state)
 {
     static const struct {
@@ -283,7 +286,7 @@ static double half_ulp(double value)
     return ldexp(1.0, (int)fmax(floor(log2(fmax(fabs(value), 1e-30))), -14.0) - 10);
 }
 
-/* Halves are within a step of theirs, whichever way a device rounds; 10 bits are codes. */
+/* Half-precision values are within one step for every rounding of the device; 10 bits are codes. */
 static void test_targets_keep_what_fits_into_them(void **state)
 {
     static const char chain[] = "bloom=conserving tone=on tone_map=reinhard sharpen=cas";
@@ -311,7 +314,7 @@ static void test_targets_keep_what_fits_into_them(void **state)
                 if (k < 2)
                     neph_assert_close(half[c][i], full[c][i], 0.0, half_ulp(full[c][i]));
                 if (k == 0)
-                    assert_true(codes[c][i] == half[c][i]); /* there is no tone mapping */
+                    assert_true(codes[c][i] == half[c][i]); /* no tone mapping */
                 if (k == 1)
                     neph_assert_close(codes[c][i], full[c][i], 0.0, 0.50001 / 1023.0);
                 if (k > 0)
@@ -323,7 +326,8 @@ static void test_targets_keep_what_fits_into_them(void **state)
     }
 }
 
-/* Frames of a window's chain are smaller by its percents, and become that window, to the pixel. */
+/* Frames for a window's chain are smaller by its percentages, and are enlarged to exactly that
+ * window. */
 static void test_a_window_is_met_to_the_pixel(void **state)
 {
     static const struct {
@@ -361,7 +365,7 @@ static void test_a_window_is_met_to_the_pixel(void **state)
     }
 }
 
-/* What keeps a GPU's clock up before a chain is timed leaves picture and eye as they are. */
+/* The load that keeps a GPU's clock up before timing does not change image or eye. */
 static void test_heat_changes_nothing(void **state)
 {
     float *rgb[3], *made[2][3];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tone mapping: the shader against its formulas in double precision, and these against values that
- * others have published.
+ * Tone mapping: the shader compared with its formulas in double precision, and the formulas with
+ * published values.
  */
 #include "tests/renderer/post_test.h"
 
@@ -10,7 +10,7 @@
 
 #include <float.h>
 
-/* ---- the formulas once more, in double ------------------------------------------------------- */
+/* ---- the formulas in double ------------------------------------------------------------------ */
 
 struct rgb {
     double c[3];
@@ -54,7 +54,7 @@ static struct rgb with_glow(struct rgb x)
     return x;
 }
 
-/* Its red modifier, with Unreal's weight: the square of a smoothstep of the hue. */
+/* ACES's red modifier with Unreal's weight, the square of a smoothstep of the hue. */
 static struct rgb with_less_red(struct rgb x)
 {
     const double hue = atan2(sqrt(3.0) * (x.c[1] - x.c[2]), 2.0 * x.c[0] - x.c[1] - x.c[2]);
@@ -170,13 +170,13 @@ static void test_glow_and_red_are_those_of_aces(void **state)
         {{{0.11, 0.02, 0.0}}, {{0.11154121, 0.02028021, 0.0}}},
         {{{0.01, 0.02, 0.03}}, {{0.01047222, 0.02094444, 0.03141666}}},
         {{{0.11, 0.91, 0.01}}, {{0.11, 0.91, 0.01}}}};
-    /* Red with Unreal's weight, computed from its formula by somebody else. */
+    /* Red with Unreal's weight, computed independently from the formula. */
     static const struct rgb red[] = {
         {{0.90, 0.05, 0.22}}, {{0.97, 0.097, 0.0097}}, {{0.89, 0.15, 0.56}}};
     static const double less_red[] = {0.77200636, 0.80713493, 0.85731006};
     for (size_t i = 0; i < COUNT(glow); i++)
         for (int c = 0; c < 3; c++)
-            /* It computes in float32, and prints 8 digits. */
+            /* computed in float32, printed with 8 digits */
             neph_assert_close(with_glow(glow[i][0]).c[c], glow[i][1].c[c], 4.0 * FLT_EPSILON, 5e-9);
     for (size_t i = 0; i < COUNT(red); i++)
         neph_assert_close(with_less_red(red[i]).c[0], less_red[i], 0.0, 6e-9);
@@ -210,7 +210,8 @@ static void test_narkowicz_is_his(void **state)
 
 static void test_matrices_are_those_of_aces(void **state)
 {
-    /* Academy TB-2014-004 (AP1 to AP0); ITU-R BT.709 to ACEScg as OpenColorIO's configs have it. */
+    /* Academy TB-2014-004 (AP1 to AP0); ITU-R BT.709 to ACEScg from OpenColorIO's
+     * configurations. */
     static const double ap1_to_ap0[3] = {0.6954522414, 0.1406786965, 0.1638690622};
     static const double rec709_to_ap1[3] = {0.61309740, 0.33952315, 0.04737945};
     const struct neph_matrix3 a = neph_colour_matrix(&neph_ap1, &neph_ap0);
@@ -221,7 +222,7 @@ static void test_matrices_are_those_of_aces(void **state)
     }
 }
 
-/* Rec.709 of light with Y = 1; the matrix is W3C's (CSS Color 4). */
+/* Light with Y = 1 in Rec.709; the matrix is from W3C's CSS Color 4. */
 static struct rgb light_of(double temperature_k)
 {
     const struct neph_chromaticity seen = neph_white_of(temperature_k);
@@ -291,7 +292,7 @@ static void test_the_shader_is_its_formulas(void **state)
         }
 }
 
-/* What 32 nodes over 14 stops leave: 0.45 stops apart. */
+/* Interpolation error of 32 nodes over 14 stops: 0.45 stops apart. */
 static void test_the_table_is_near_its_formula(void **state)
 {
     struct rgb colours[count];
@@ -308,10 +309,10 @@ static void test_the_table_is_near_its_formula(void **state)
             most = fmax(most, error);
         }
     print_message("table of colours: mean error %.2g, largest %.2g of white\n", sum, most);
-    assert_true(sum > 1e-5); /* it is another way */
-    /* Linear between nodes h = 0.45 stops apart errs by h^2 / 8 of the second derivative, which is
-     * 0.2 per stop^2 at most on the encoded curve; saturated colours have the red modifier's kinks
-     * on top. */
+    assert_true(sum > 1e-5); /* differs from the formula */
+    /* Linear interpolation between nodes h = 0.45 stops apart has an error of h^2 / 8 times the
+     * second derivative, which is at most 0.2 per stop^2 on the encoded curve; for saturated
+     * colours the red modifier's kinks come on top. */
     assert_true(sum < 0.2 * 0.45 * 0.45 / 8.0);
 }
 
@@ -339,7 +340,7 @@ static void test_extremes_stay_numbers(void **state)
         OWNED(image) struct neph_image *made = post_made(*state, settings[k], image, rgb);
         for (int i = 0; i < n * n * n; i++)
             for (int c = 0; c < 3; c++)
-                assert_true(rgb[c][i] >= 0.0f && rgb[c][i] <= 1.0f); /* no NaN passes */
+                assert_true(rgb[c][i] >= 0.0f && rgb[c][i] <= 1.0f); /* NaN fails */
     }
 }
 
@@ -353,7 +354,7 @@ static void test_the_corner_is_darker_by_the_fourth_power_of_the_cosine(void **s
     OWNED(image)
     struct neph_image *made = post_made(*state, "tone=on tone_map=none encode=linear vignette=1",
                                         image, rgb);
-    const double x = (width - 1.0), y = (height - 1.0); /* of the corner pixel's centre, doubled */
+    const double x = (width - 1.0), y = (height - 1.0); /* centre of the corner pixel, doubled */
     const double tangent_2 = (x * x + y * y) / (double)(width * width + height * height);
     neph_assert_close(rgb[1][0], 0.5 / ((1.0 + tangent_2) * (1.0 + tangent_2)), shader_tolerance,
                       0.0);
@@ -380,7 +381,7 @@ static void test_grain_is_uniform_noise_of_its_range(void **state)
         sum += step / count;
         squares += step * step / count;
     }
-    /* 5 standard errors of so many uniform numbers. */
+    /* 5 standard errors of as many uniform numbers. */
     neph_assert_close(sum, 0.0, 0.0, 5.0 * sqrt(1.0 / 12.0 / count));
     neph_assert_close(squares, 1.0 / 12.0, 0.0, 5.0 * sqrt(1.0 / 180.0 / count));
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Upscalers: the values of their kernels, and what every filter owes to a constant, to a mirror and
- * to a picture that has its size already.
+ * Upscalers: the values of their kernels, and properties of every filter: a constant stays
+ * constant, a mirrored image gives the mirrored result, and a scale of 1 changes nothing.
  */
 #include "tests/renderer/post_test.h"
 
 static const char *const filters[] = {"nearest", "bilinear", "directional", "catmull_rom",
                                       "lanczos", "gaussian", "smoothstep"};
 
-/* An image enlarged to 100 / percent of its sides, by settings with the others in `words`. */
+/* An image enlarged to 100 / percent of its sides; `words` has the other settings. */
 static struct neph_image *upscaled(struct neph_vulkan *vulkan, const char *filter, double percent,
                                    const char *words, const struct neph_image *image, float *rgb[3])
 {
@@ -32,7 +32,7 @@ static double lanczos3(double x)
     return x == 0.0 ? 1.0 : fabs(x) < 3.0 ? sin(a) / a * sin(b) / b : 0.0;
 }
 
-/* Keys 1981, a = -1/2. */
+/* R. Keys, 1981, with a = -1/2. */
 static double catmull_rom(double x)
 {
     x = fabs(x);
@@ -52,10 +52,10 @@ static double smoothstep(double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* A column of light in black, enlarged four times: along x the kernel, at places 1/8, 3/8, ... from
- * the centre, over the sum of its weights there. It does not change along y, where rows of centres
- * (none of size four times) or the corners that are left out would mix in: so rows are as many as
- * before, in the middle of which all y weights are of that column. */
+/* A bright column in a black image, enlarged: along x it shows the kernel, at places 1/8, 3/8, ...
+ * from the centre, over the sum of weights there. It is constant along y, where rows between
+ * centres or omitted corners would mix in; so the test reads rows at which all y weights are one
+ * texel's. */
 static void test_kernels_are_theirs(void **state)
 {
     static const struct {
@@ -72,15 +72,15 @@ static void test_kernels_are_theirs(void **state)
     OWNED(image) struct neph_image *image = post_image(side, side, in);
     for (int i = 0; i < side * side; i++)
         for (int c = 0; c < 3; c++)
-            in[c][i] = i % side == bright ? 1.25f : 0.25f; /* undershoots stay above 0 */
+            in[c][i] = i % side == bright ? 1.25f : 0.25f; /* keeps undershoots above 0 */
     for (size_t k = 0; k < COUNT(cases); k++) {
-        /* 3 times: the pixel in the middle of three is at a texel's centre, in y. */
+        /* 3 times: in y the middle pixel of three is at a texel's centre. */
         OWNED(image)
         struct neph_image *made = upscaled(*state, cases[k].filter, 100.0 / 3.0, "", image, out);
         assert_int_equal(made->width_px, 3 * side);
         const int row = 3 * bright + 1;
         for (int x = 0; x < 3 * side; x++) {
-            const double place = (x + 0.5) / 3.0 - 0.5; /* in texels, their centres whole */
+            const double place = (x + 0.5) / 3.0 - 0.5; /* in texels, centres at integers */
             double sum = 0.0;
             for (int texel = -6; texel < side + 6; texel++)
                 sum += cases[k].kernel(place - texel);
@@ -91,8 +91,8 @@ static void test_kernels_are_theirs(void **state)
     }
 }
 
-/* Values of texels at distances d weigh exp(-d^2), as far as 3 texels from the nearest corner; less
- * softness (1 - 1/9) times the Laplacian. By plain sums in double. */
+/* Weights exp(-d^2) of texels at distances d up to 3 texels from the nearest corner, minus softness
+ * (1 - 1/9) times the Laplacian; as plain sums in double. */
 static void test_the_gaussian_is_its_formula(void **state)
 {
     enum { side = 11 };
@@ -111,7 +111,7 @@ static void test_the_gaussian_is_its_formula(void **state)
                     const double tx = floor(px) + i - 2.0, ty = floor(py) + j - 2.0; /* corners */
                     if ((i - 2.5) * (i - 2.5) + (j - 2.5) * (j - 2.5) > 9.0)
                         continue;
-                    /* Samples lie between four texels: on corners, so half-way of both. */
+                    /* Samples are at corners, so each is the mean of four texels. */
                     double value = 0.0;
                     for (int k = 0; k < 4; k++)
                         value += 0.25 * in[0][((int)ty - 1 + k / 2) * side + (int)tx - 1 + k % 2];
@@ -125,7 +125,7 @@ static void test_the_gaussian_is_its_formula(void **state)
         }
 }
 
-/* ---- what all owe ---------------------------------------------------------------------------- */
+/* ---- common properties ----------------------------------------------------------------------- */
 
 static void test_a_constant_stays_what_it_is(void **state)
 {
@@ -168,7 +168,7 @@ static void test_a_mirror_changes_nothing(void **state)
     }
 }
 
-/* The article's trap: weights of 0 / 0 at texels' centres. */
+/* The article's fault: weights of 0 / 0 at texel centres. */
 static void test_without_its_guard_lanczos_has_no_number_at_centres(void **state)
 {
     float *in[3], *out[3];

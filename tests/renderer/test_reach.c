@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What lies too far from the camera for float32 is refused, and what is just near enough comes out
- * right: a face of an opaque box against the closed form of the half-space.
+ * Scenes too far from the camera for float32 are refused, and scenes just within range are rendered
+ * correctly: a face of an opaque box compared with the closed form of the half-space.
  */
 #include "tests/renderer/frames.h"
 
@@ -10,7 +10,7 @@
 
 static const double tiny_fov_rad = 2e-3;
 
-/* A cube of fog around a point ahead of the camera. */
+/* A cube of fog around a point in front of the camera. */
 static struct neph_medium *add_cube(struct test_scene *test, double extinction_per_m,
                                     double distance_m, double half_side_m)
 {
@@ -66,7 +66,7 @@ static struct neph_medium *add_blob(struct test_scene *test)
     return medium;
 }
 
-/* Its edge is soft: 7e-4 rms there, as measured against quadrature. */
+/* It has a soft edge; measured against quadrature: 7e-4 rms. */
 static void scene_far_blob(struct test_scene *test)
 {
     add_blob(test);
@@ -91,7 +91,7 @@ static void scene_soft_fog_far_below(struct test_scene *test)
     test_add_medium(test, 1.0, 0.01, 0.0);
 }
 
-/* The half-space below the ground; all rays begin above it. */
+/* The half-space below the ground; all rays start above it. */
 static void look_down_in_parallel(struct test_scene *test, double height_m)
 {
     test->scene.vertical_fov_rad = 0.0;
@@ -147,10 +147,10 @@ static void test_what_is_refused(void **state)
     }
 }
 
-/* --- just within reach -------------------------------------------------------------------- */
+/* --- just within range -------------------------------------------------------------------- */
 
-/* Sunlight scattered once by a half-space: E w p mu0 / (mu + mu0). (S. Chandrasekhar, Radiative
- * Transfer, 1960, the first order of diffuse reflection.) */
+/* Single scattering of sunlight by a half-space: E w p mu0 / (mu + mu0) (S. Chandrasekhar,
+ * "Radiative Transfer", 1960, first order of diffuse reflection). */
 static double half_space(const struct test_scene *test, struct neph_vec3 normal)
 {
     const struct neph_medium *medium = &test->scene.media[0];
@@ -170,8 +170,9 @@ static double mean_red(struct neph_image *frame)
     return mean;
 }
 
-/* 0.05 % was measured of the mean in float32 alone; the tracer's own noise over 1024 pixels of 256
- * samples is 0.1 %, and the march's of 65536 steps through 1000 mean free paths below that. */
+/* The error of the mean in float32 was measured as 0.05 %. The tracer's noise over 1024 pixels of
+ * 256 samples is 0.1 %; the error of the march's 65536 steps through 1000 mean free paths is
+ * smaller. */
 static void test_the_last_that_is_rendered_is_right(void **state)
 {
     enum { SIDE_PX = 32 };
@@ -189,8 +190,8 @@ static void test_the_last_that_is_rendered_is_right(void **state)
                       0.0);
 }
 
-/* Sunlight from a half-space, in pixels whose rays begin up to 9e4 mean free paths from the camera;
- * chance and steps as above. */
+/* Sunlight from a half-space in pixels with rays that start up to 9e4 mean free paths from the
+ * camera; noise and steps as above. */
 static void test_the_largest_orthographic_picture_is_right(void **state)
 {
     enum { WIDTH_PX = 48, HEIGHT_PX = 27 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the presets after the article and after other engines do in their own ways, on the device
- * and in closed form: weights, boxes, rejections and stand-ins of published sources.
+ * Methods of the presets after the article and after other engines, on the device and in closed
+ * form: weights, neighbourhood clamps, history rejection and fallback colours as published.
  */
 #include "renderer/realtime/reconstruction/check_reconstruct.h"
 
@@ -10,7 +10,7 @@
 
 /* --- the article ------------------------------------------------------------------------------ */
 
-/* The first slice turns by the golden ratio: 0.618034 of the circle a frame. */
+/* The first slice of the noise advances by the golden ratio: 0.618034 of a turn per frame. */
 static void test_a_slice_turns(void **state)
 {
     OWNED(memory) uint32_t *ranks = calloc(NEPH_RT_NOISE_COUNT, sizeof(*ranks));
@@ -24,14 +24,14 @@ static void test_a_slice_turns(void **state)
         for (uint32_t frame = 0; frame < 33; frame += 4) {
             const double value = cpu_dither(&dither, RT_DITHER_SLICE, x, y, frame, 0);
             const double turned = first + 0.6180339887498949 * frame;
-            /* 24 bits of a value, and a step of 32 bits times 32 frames */
+            /* a value has 24 bits; the step has 32 bits, times 32 frames */
             neph_assert_close(value, turned - floor(turned), 0, 2 * 0x1p-24);
         }
     }
 }
 
-/* Its override takes the sky for 1000 km away where 20 km are stored with rays: a ridge at 18 km is
- * not covered by rays of the sky. */
+/* The article's slot override uses 1000 km for the sky, while 20 km are stored with rays: a ridge
+ * at 18 km does not get rays of the sky. */
 static void test_the_sky_of_the_override(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -48,8 +48,8 @@ static void test_the_sky_of_the_override(void **state)
     assert_int_equal((int)tile[0], other);
 }
 
-/* History that says where it was looked up, in half-resolution texels: before a camera at rest by
- * the difference of the two frames' jitters, or not at all. */
+/* A history with its lookup position as its value, in half-resolution texels. For a static camera
+ * the position differs by the two frames' jitter, or not at all. */
 static void test_history_follows_the_jitter(void **state)
 {
     static const struct {
@@ -58,7 +58,7 @@ static void test_history_follows_the_jitter(void **state)
     } cases[] = {
         {"jittered_depth=on reproject_jitter=on", 1},
         {"jittered_depth=on reproject_jitter=off", 0},
-        {"jittered_depth=off reproject_jitter=on", 0}, /* the rays of media have none */
+        {"jittered_depth=off reproject_jitter=on", 0}, /* rays of media are not jittered */
     };
     for (int i = 0; i < 3; i++) {
         OWNED(passes) struct test_passes test;
@@ -73,7 +73,7 @@ static void test_history_follows_the_jitter(void **state)
         reconstruct_run(&test);
         float value[4];
         cpu_fetch_half(&test.cpu, RT_HISTORY, 7, 5, value);
-        /* half a pixel per pixel; float32 places of up to 32 px */
+        /* half a texel per pixel; float32 positions of up to 32 px */
         neph_assert_close(value[0], 7 + cases[i].follows * 0.1875, 0, 1e-5);
         neph_assert_close(value[1], 5 - cases[i].follows * 0.3125, 0, 1e-5);
     }
@@ -85,7 +85,7 @@ static void test_history_follows_the_jitter(void **state)
 static const int order[9][2] = {{1, 1}, {2, 1}, {0, 1}, {1, 2}, {1, 0},
                                 {2, 2}, {0, 2}, {2, 0}, {0, 0}};
 
-/* Nine tiles whose rays have the light 1 to 9 in that order and a depth each. */
+/* Nine tiles with the light 1 to 9 in that order and one depth each. */
 static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const float depths_m[9],
                       struct test_passes *test)
 {
@@ -104,14 +104,14 @@ static void open_nine(struct neph_vulkan *vulkan, const char *assignments, const
     }
 }
 
-/* The texel of the middle tile that is beside its ray: without a ray of its own. */
+/* The texel of the middle tile beside its ray, which has no ray of its own. */
 static void skipped_one(const struct test_passes *test, int half_pixel[2])
 {
     reconstruct_marched(test, 1, 1, half_pixel);
     half_pixel[0] ^= 1;
 }
 
-/* A channel of what it has been given. */
+/* A channel of that texel's result. */
 static double skipped_value(const struct test_passes *test, int channel)
 {
     int at[2];
@@ -119,7 +119,7 @@ static double skipped_value(const struct test_passes *test, int channel)
     return half_value(test, RT_HISTORY, at[0], at[1], channel);
 }
 
-/* From a texel of the middle tile to a ray of the nine, in tiles: square of the distance, and the
+/* Squared distance from a texel of the middle tile to one of the nine rays, in tiles, and its
  * bilinear weight. */
 static double distance_squared(const int half_pixel[2], int ray, double *bilinear)
 {
@@ -171,13 +171,13 @@ static void test_what_stands_in_for_history(void **state)
         cpu_put_half(&test.cpu, RT_HALF_DEPTH, at[0], at[1], (float[4]){100});
         reconstruct_run(&test);
         const double expected = cases[i].expected ? cases[i].expected : mean_of_nine(at, i == 4);
-        /* nine sums and products of float32 */
+        /* nine sums and products in float32 */
         neph_assert_close(half_value(&test, RT_HISTORY, at[0], at[1], 0), expected, 2e-6, 0);
     }
 }
 
-/* Rejected for its scene, a texel takes what fallback_rejected says; off the screen or in a
- * first frame what fallback does. */
+/* A history that is rejected because of the scene uses fallback_rejected; off the screen or in a
+ * first frame it uses fallback. */
 static void test_rejected_is_not_absent(void **state)
 {
     for (int is_rejected = 0; is_rejected < 2; is_rejected++) {
@@ -208,7 +208,7 @@ static int count_void(struct test_passes *test)
     return count;
 }
 
-/* History is bright, rays are dark, and none is fresh. */
+/* Bright history, dark rays, no fresh texel. */
 static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
                         struct test_passes *test)
 {
@@ -216,8 +216,8 @@ static void open_bright(struct neph_vulkan *vulkan, const char *assignments,
     test_fill(test, RT_HISTORY_BEFORE, 1, 1, 1, 1);
 }
 
-/* The very texel, or one of 3x3; or the very one where the wind has taken history by less than an
- * eighth of a pixel: 1 m is a quarter here. */
+/* The depth test compares one texel, or 3x3; or one texel unless the wind has moved the history by
+ * more than an eighth of a pixel: here 1 m is a quarter. */
 static void test_where_a_rejection_looks(void **state)
 {
     static const struct {
@@ -238,13 +238,13 @@ static void test_where_a_rejection_looks(void **state)
     }
 }
 
-/* What rests is multiplied with what the light has been, each channel by itself; of what the wind
- * takes along, by half at one and a half times box_motion_px, nothing is. */
+/* Static history is multiplied with the history gain, per channel; moving history by half at one
+ * and a half times box_motion_px, and fully at 0. */
 static void test_history_is_relit(void **state)
 {
     static const struct {
         const char *words;
-        double parts; /* of box_motion_px */
+        double parts; /* relative to box_motion_px */
         double expected[3];
     } cases[] = {{"relight=0.1", 0.0, {0.98, 1.0, 1.04}},
                  {"relight=0", 0.0, {1.0, 1.0, 1.0}},
@@ -268,11 +268,10 @@ static void test_history_is_relit(void **state)
     }
 }
 
-/* --- the box ------------------------------------------------------------------------------------
- */
+/* --- the neighbourhood clamp ---------------------------------------------------------------- */
 
-/* Rays of (1, 1, 1) and (3, 2, 1), transmittances 0.2 and 0.6: the box has the middle (2, 1.5, 1)
- * and reaches (1, 0.5, 0). */
+/* Rays of (1, 1, 1) and (3, 2, 1), transmittances 0.2 and 0.6: the range of the clamp has the
+ * middle (2, 1.5, 1) and the half-widths (1, 0.5, 0). */
 static void open_box(struct neph_vulkan *vulkan, const char *assignments, const float history[4],
                      float age, struct test_passes *test)
 {
@@ -283,7 +282,8 @@ static void open_box(struct neph_vulkan *vulkan, const char *assignments, const 
     test_fill(test, RT_HISTORY_STATE_BEFORE, age, 100, 0, 0);
 }
 
-/* Towards the middle: of (6, 2, 1) a quarter of the way is left, along red. Clamped: (3, 2, 1). */
+/* Clipping moves towards the middle: (6, 2, 1) keeps a quarter of the way, along red. Clamping
+ * gives (3, 2, 1). */
 static void test_colours_are_clipped(void **state)
 {
     static const struct {
@@ -301,13 +301,13 @@ static void test_colours_are_clipped(void **state)
          200,
          8},
         {"box_hold=clip history_age_max=16 box_age=0.5", {6, 2, 1, 0.9f}, {3, 1.625, 1, 0.6}, 1, 1},
-        /* transmittance alone is no reason to doubt; nor is what is inside */
+        /* no loss of age for transmittance only, nor inside the range */
         {"box_hold=clip history_age_max=16 box_age=0.5",
          {2, 1.5f, 1, 0.9f},
          {2, 1.5, 1, 0.6},
          8,
          8},
-        /* the box has no width along blue: its middle */
+        /* the range has no width along blue: its middle */
         {"box_hold=clip", {2.5f, 1.5f, 5, 0.4f}, {2, 1.5, 1, 0.4f}, 8, 8},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -323,8 +323,8 @@ static void test_colours_are_clipped(void **state)
     }
 }
 
-/* HDRP's running mean: the history of n rays weighs v f n / (n + 1), v = 1/2 where it was clipped,
- * f its accumulation factor. */
+/* HDRP's running mean: a history of n rays weighs v f n / (n + 1), with v = 1/2 if it was clipped,
+ * and f its accumulation factor. */
 static void test_a_fading_mean(void **state)
 {
     static const struct {
@@ -345,7 +345,8 @@ static void test_a_fading_mean(void **state)
     }
 }
 
-/* Rays of solids have the light 1 to 9 but for the sky's, 5 and 8, of which no solid takes any. */
+/* Rays of solids have the light 1 to 9 except for the sky's, 5 and 8, which do not count for
+ * solids. */
 static void test_the_sky_is_not_in_the_box_of_solids(void **state)
 {
     static const char *const assignments[] = {"box_depth=1e6 box_same_kind=off",
@@ -360,7 +361,7 @@ static void test_the_sky_is_not_in_the_box_of_solids(void **state)
     }
 }
 
-/* c52e mixes x / (1 + x): a fifth of the way from 3/4 to 1/2 is 0.7, which is 7/3. */
+/* c52e mixes in x / (1 + x): a fifth of the way from 3/4 to 1/2 is 0.7, which is 7/3. */
 static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 {
     OWNED(passes) struct test_passes test;
@@ -379,7 +380,7 @@ static void test_fresh_rays_are_mixed_tone_mapped(void **state)
 /* --- the upscale --------------------------------------------------------------------------------
  */
 
-/* A view of 12x12 pixels whose texels have the light 0 but for one, all at one depth. */
+/* A view of 12x12 pixels; all texels but one have the light 0, all have one depth. */
 static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
                          struct test_passes *test)
 {
@@ -390,7 +391,7 @@ static void open_upscale(struct neph_vulkan *vulkan, const char *assignments,
     test_fill(test, RT_HISTORY_STATE, 1, 100, 0, 0);
 }
 
-/* The light of pixel (6, 6). */
+/* Light of pixel (6, 6). */
 static double upscale(struct test_passes *test)
 {
     float value[4];
@@ -400,7 +401,7 @@ static double upscale(struct test_passes *test)
     return value[0];
 }
 
-/* The weights that HDRP has in its table for the upper left pixel of a texel, row by row. */
+/* HDRP's published weights for the upper left pixel of a texel, row by row. */
 static void test_square_weights_are_the_published(void **state)
 {
     static const double weights[9] = {0.324652, 0.535261, 0.119433, 0.535261, 0.882497,
@@ -412,16 +413,16 @@ static void test_square_weights_are_the_published(void **state)
         OWNED(passes) struct test_passes test;
         open_upscale(*state, "upscale=square", &test);
         cpu_put_half(&test.cpu, RT_HISTORY, 2 + i % 3, 2 + i / 3, (float[4]){1, 0, 0, 1});
-        neph_assert_close(upscale(&test), weights[i] / total, 0, 1e-6); /* six digits */
+        neph_assert_close(upscale(&test), weights[i] / total, 0, 1e-6); /* of six digits */
     }
 }
 
-/* Pixel (6, 6) lies 3/4 of the way from texel 2 to 3, along both axes. */
+/* Pixel (6, 6) is at 3/4 between texels 2 and 3, along both axes. */
 static void test_inverse_weights(void **state)
 {
     static const struct {
         const char *assignments;
-        float other_m; /* of three taps; of one, of light 1, as the pixel */
+        float other_m; /* depth of three taps; the fourth, of light 1, has the pixel's depth */
         double expected;
     } cases[] = {
         {"upscale=inverse upscale_depth=0.1", 109, 0.5625},
@@ -441,7 +442,7 @@ static void test_inverse_weights(void **state)
     }
 }
 
-/* Transmittances 0.99 and 0.97 differ by 2 % of the larger and by two thirds of the opacity. */
+/* Transmittances of 0.99 and 0.97 differ by 2 % of the larger, and by two thirds of the opacity. */
 static void test_contrast_of_opacity(void **state)
 {
     static const char *const assignments[] = {
@@ -461,8 +462,8 @@ static void test_contrast_of_opacity(void **state)
 /* --- lengths of the jitter ----------------------------------------------------------------------
  */
 
-/* What a slot that is marched every four frames sees of `length` places: all of them once in
- * 4 length / gcd(4, length) frames. Of 8 these are 2, of 7 all 7, in 28 frames. */
+/* Number of jitter positions out of `length` that a slot marched every four frames gets: all of
+ * them within 4 length / gcd(4, length) frames. Of 8 a slot gets 2, of 7 all 7, in 28 frames. */
 static int places_of_a_slot(int length)
 {
     double seen[64][2];

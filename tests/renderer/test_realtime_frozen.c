@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * The presets that others are measured against keep their bits: `off` is the march, `fixed` the
- * defaults and `ours1` the preset of the first published study. One hash of all channels of eight
- * frames; a change of any of them is meant, or a fault.
+ * Presets with frozen bits, against which others are measured: `off` is the march, `fixed` the
+ * defaults, and `ours1` the preset of the first published study. One hash covers all channels of
+ * eight frames; every change of a hash is either intended or a fault.
  *
- * Bits belong to one version of a driver and one width of its vectors. frozen_frames.txt has the
- * hashes of each device that was tried, and on another one the test says so and is skipped. After
- * a change that is meant, and on a new device, this command writes the hashes of the device that
- * runs:
+ * Bits depend on the driver's version and its vector width. frozen_frames.txt has the hashes of
+ * each tested device; on other devices the test is skipped with a message. After an intended
+ * change, and on a new device, this command writes the hashes of the present device:
  *
  *   NEPH_TEST_FREEZE=1 ctest --test-dir build/release -R renderer/test_realtime_frozen
  */
@@ -58,7 +57,7 @@ static void hash_frames(struct neph_vulkan *vulkan, const char *scene_name, cons
     neph_assert_ok(neph_hash(all, count * sizeof(*all), hex, &diag), &diag);
 }
 
-/* Scene, preset and hash of a line, when it is one of this device. */
+/* Scene, preset and hash of a line, if the line is for this device. */
 static bool read_line(const char *line, const char *device, char scene[32], char preset[16],
                       char hash[HASH_SIZE])
 {
@@ -67,8 +66,8 @@ static bool read_line(const char *line, const char *device, char scene[32], char
            strcmp(line + end, device) == 0;
 }
 
-/* Fill the hashes that the file has for this device, "" for a case that it lacks, and write the
- * lines of all other devices to `others`. Returns the number of lines of this device. */
+/* Reads the hashes of this device, "" for missing cases, and writes the lines of all other devices
+ * to `others`. Returns the number of lines of this device. */
 static int read_hashes(const char *device, char hashes[COUNT(cases)][HASH_SIZE], FILE *others)
 {
     OWNED(memory) char *text = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a scene puts into a running renderer (scenes/injection.h): that it arrives, is counted, and
- * is gone where the renderer says that it gets over it; and solids that move.
+ * Values that a scene injects into a running renderer (scenes/injection.h): they arrive, are
+ * counted, and vanish where the renderer is meant to recover; and moving solids.
  */
 #include "tests/renderer/sequence_test.h"
 
@@ -30,7 +30,7 @@ static size_t bad_values(const struct neph_image *image)
     return bad;
 }
 
-/* The pictures of a scene with injections against those with others; how many differ. */
+/* Number of frames that differ between two sets of injections. */
 static int differing(struct neph_vulkan *vulkan, struct neph_scene *scene,
                      const struct neph_settings *settings, const struct neph_injections *one,
                      const struct neph_injections *other)
@@ -55,8 +55,7 @@ static const struct neph_injections nothing = {.history_count = 0};
 
 /* --- histories and rays ----------------------------------------------------------------------- */
 
-/* Whatever lies in memory before a first picture: it is as good as nothing. Where validity is off
- * it is not. */
+/* Garbage in memory before the first frame has no effect. With validity off it has. */
 static void test_garbage_before_a_first_picture_never_shows(void **state)
 {
     struct test_scene test;
@@ -76,7 +75,7 @@ static void test_garbage_before_a_first_picture_never_shows(void **state)
     assert_true(differing(*state, &test.scene, &seed, &one, &other) > 0);
 }
 
-/* Every element of every history, each of its channels, and no more. */
+/* Every element and channel of every history is counted, and nothing else. */
 static void test_what_is_put_in_is_counted(void **state)
 {
     struct test_scene test;
@@ -90,8 +89,8 @@ static void test_what_is_put_in_is_counted(void **state)
         .history_count = 1, .histories = &history, .ray_count = 2, .rays = lists};
     OWNED(realtime) struct neph_realtime *realtime = open_realtime(*state, &test.scene, &settings);
     const uint64_t pixels = WIDTH_PX * HEIGHT_PX;
-    /* Half depth 1 channel, history 4 and its state 2, of a quarter of the pixels; the
-     * anti-aliasing 4 of all. A ray has 4. */
+    /* Half depth has 1 channel, history 4 and its state 2, at a quarter of the pixels;
+     * anti-aliasing 4 at all pixels; a ray 4. */
     const uint64_t expected[] = {0, pixels / 4 * (1 + 4 + 2) + pixels * 4, 5 * 4, pixels / 16 * 4,
                                  0};
     for (int frame = 0; frame < 5; frame++) {
@@ -102,7 +101,7 @@ static void test_what_is_put_in_is_counted(void **state)
     }
 }
 
-/* A renderer that does not look shows what it was given. */
+/* With validity off an injected value shows in the frame. */
 static void test_a_bad_ray_shows_where_nobody_looks(void **state)
 {
     struct test_scene test;
@@ -117,8 +116,9 @@ static void test_a_bad_ray_shows_where_nobody_looks(void **state)
     }
 }
 
-/* Words at random, of which one in 512 is no number in halves, one in 256 in floats, and half are
- * negative: the device counts in each target what the C counts, within the view alone. */
+/* Random words: one in 512 is invalid in half precision, one in 256 in float32, and half are
+ * negative. In each target the device counts the same number as the C code, inside the view
+ * only. */
 static void test_the_device_counts_what_is_bad(void **state)
 {
     uint64_t seed = 5;
@@ -134,7 +134,7 @@ static void test_the_device_counts_what_is_bad(void **state)
         for (size_t i = 0; i < neph_rt_device_words(&test.device, t); i++)
             test.cpu.targets[t][i] = (uint32_t)neph_test_random(&seed);
         for (size_t i = 0; i < test_elements(&test, t); i++) {
-            const uint32_t x = (uint32_t)i % shape->width - own.left; /* outside it is large */
+            const uint32_t x = (uint32_t)i % shape->width - own.left; /* large outside the view */
             const uint32_t y = (uint32_t)i / shape->width - own.top;
             float value[4];
             test_get(&test, t, i, value);
@@ -149,8 +149,8 @@ static void test_the_device_counts_what_is_bad(void **state)
     assert_true(all > 1000);
 }
 
-/* A renderer that is sound has none in any image; one whose history went bad has, and a ray that
- * was put in does not count itself. */
+/* A sound renderer has no bad value in any image; one with an invalid history has some. An injected
+ * ray does not count itself. */
 static void test_a_sequence_is_watched(void **state)
 {
     struct test_scene test;
@@ -174,8 +174,8 @@ static void test_a_sequence_is_watched(void **state)
 
 /* --- views ------------------------------------------------------------------------------------ */
 
-/* A view amid buffers full of no numbers is the view alone, bit by bit; one that counts tiles from
- * the corner of the buffer is not. */
+/* A view in buffers filled with NaN equals the single view, bit by bit; a renderer that counts
+ * tiles from the corner of the buffer differs. */
 static void test_a_split_view_is_the_view_alone(void **state)
 {
     struct test_scene test;
@@ -187,13 +187,13 @@ static void test_a_split_view_is_the_view_alone(void **state)
         assert_int_equal(differing(*state, &test.scene, &settings, &split, &nothing), 0);
     }
     if (!neph_test_is_night())
-        return; /* test_a_view_decides_alone of test_realtime_tile.c has the same of the pass */
+        return; /* test_a_view_decides_alone in test_realtime_tile.c tests this for the pass */
     const struct neph_settings faulty = test_preset("fixed", "tile_origin=buffer");
     assert_true(differing(*state, &test.scene, &faulty, &split, &nothing) > 0);
 }
 
-/* The first picture has no past, whoever was rendered before it; the next ones have a wrong one.
- * Without a history a second view costs nothing but its time. */
+/* The first frame has no history, even after another view; later frames have a wrong one. Without
+ * history a second view only costs time. */
 static void test_a_mirrored_view_leaves_its_history(void **state)
 {
     struct test_scene test;
@@ -204,7 +204,7 @@ static void test_a_mirrored_view_leaves_its_history(void **state)
     assert_int_equal(differing(*state, &test.scene, &whole, &mirror, &nothing), 0);
 }
 
-/* As who resizes by hand. */
+/* Equals a resize by the caller. */
 static void test_another_size_and_back(void **state)
 {
     struct test_scene test;
@@ -228,7 +228,7 @@ static void test_another_size_and_back(void **state)
     }
 }
 
-/* Pictures in flight have none before them. */
+/* Injections that need the frame before are refused in flight. */
 static void test_no_other_picture_in_flight(void **state)
 {
     struct test_scene test;
@@ -245,8 +245,8 @@ static void test_no_other_picture_in_flight(void **state)
 
 /* --- the origin ------------------------------------------------------------------------------- */
 
-/* By a power of two, so that nothing is rounded: the same bits, where history follows; else the
- * camera has gone far, and nothing has a past. */
+/* A shift of the origin by a power of two has no rounding: the same bits with a reprojected
+ * history; else the camera seems to have moved far, and the history is invalid. */
 static void test_pictures_do_not_know_where_the_world_lies(void **state)
 {
     struct test_scene test;
@@ -267,7 +267,7 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
         test.scene.injections = &shifted;
         OWNED(image) struct neph_image *b = test_next(away, &test.scene, frame, NULL);
         OWNED(image) struct neph_image *d = test_next(forgotten, &test.scene, frame, NULL);
-        /* a bar's face rounded in double, once */
+        /* a bar's face, rounded once in double */
         assert_true(test_largest_difference(a, b, NULL) < 1e-6);
         assert_true((test_largest_difference(c, d, NULL) > 1e-3) == (frame >= 2));
     }
@@ -275,7 +275,7 @@ static void test_pictures_do_not_know_where_the_world_lies(void **state)
 
 /* --- solids that move ------------------------------------------------------------------------ */
 
-/* A box that turns about its middle and goes to the right, and a ball that goes round it. */
+/* A box that rotates about its centre and moves to the right, and a sphere that orbits it. */
 struct movers {
     struct test_scene test;
     struct neph_solid_key keys[2][2];
@@ -287,7 +287,7 @@ static void scene_movers(struct movers *stage)
     struct neph_scene *scene = &stage->test.scene;
     test_scene_init(&stage->test);
     struct neph_medium *fog = test_add_medium(&stage->test, 0.02, 0.0, 0.0);
-    fog->bounds = (struct neph_bounds){{-30, -1, -30}, {30, 20, 2}}; /* the sun shines into it */
+    fog->bounds = (struct neph_bounds){{-30, -1, -30}, {30, 20, 2}}; /* open to the sun */
     test_add_box(&stage->test, (struct neph_vec3){-1.5, 0.5, -9.0},
                  (struct neph_vec3){1.5, 2.5, -8.0});
     test_add_sphere(&stage->test, (struct neph_vec3){3.0, 1.5, -8.5}, 0.6);
@@ -305,7 +305,8 @@ struct watch {
     int frame, pictures, checked, moving;
 };
 
-/* Against where the C has the points, hit by hit; what grazes a rim may be either. */
+/* Compares the motion target with positions computed in C, hit by hit; rays that graze an edge may
+ * differ. */
 static void check_motion(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                          void *context)
 {
@@ -343,7 +344,7 @@ static void check_motion(struct neph_rt_device *device, const struct neph_rt_pas
         }
 }
 
-/* A first picture has nothing that has moved, and nobody looks for it. */
+/* In a first frame nothing has moved, and the pass does not run. */
 static void test_motion_is_that_of_the_solids(void **state)
 {
     struct movers stage;
@@ -362,8 +363,8 @@ static void test_motion_is_that_of_the_solids(void **state)
     assert_true(watch.moving > 3 * WIDTH_PX * HEIGHT_PX / 20);
 }
 
-/* What may move and rests costs and shows what it would if it could not move at all: behind
- * the last of its keys. */
+/* A movable solid without motion costs the same and gives the same frames as a fixed one: behind
+ * its last key. */
 static void test_movers_that_rest_are_none(void **state)
 {
     enum { RESTING = 8, PICTURES = 12 };
@@ -377,7 +378,7 @@ static void test_movers_that_rest_are_none(void **state)
     OWNED(realtime) struct neph_realtime *bare = open_realtime(*state, still, &settings);
     for (int i = 0; i < PICTURES; i++) {
         struct neph_realtime_stats stats;
-        const int frame = RESTING + i; /* the last of the keys and behind it */
+        const int frame = RESTING + i; /* the last of the keys, and later */
         OWNED(image) struct neph_image *a = test_next(resting, &stage.test.scene, frame, &stats);
         OWNED(image) struct neph_image *b = test_next(bare, still, frame, NULL);
         assert_int_equal(stats.pass_traffic_bytes[motion], 0);
@@ -398,7 +399,7 @@ static struct neph_image *eighth_frame(struct neph_vulkan *vulkan, const struct 
     return image;
 }
 
-/* Over the pixels of solids. */
+/* Error over the pixels of solids. */
 static double error_of_solids(const struct neph_image *image, const struct neph_image *truth)
 {
     const float *a = neph_image_channel(image, "G"), *b = neph_image_channel(truth, "G");
@@ -409,7 +410,7 @@ static double error_of_solids(const struct neph_image *image, const struct neph_
     return sqrt(sum);
 }
 
-/* Without a box to hold it, a history that does not follow shows what was there before. */
+/* Without a neighbourhood clamp a history without reprojection shows the earlier frame. */
 static void test_anti_aliasing_follows_solids(void **state)
 {
     static const char *const words[] = {"taa_box=none solid_motion=off",
@@ -418,7 +419,7 @@ static void test_anti_aliasing_follows_solids(void **state)
     double errors[2];
     scene_movers(&stage);
     for (int i = 0; i < 2; i++)
-        stage.keys[i][1].turn_rad = 0.0; /* what turns has another light */
+        stage.keys[i][1].turn_rad = 0.0; /* a rotating solid changes its lighting */
     OWNED(scene) struct neph_scene *still = test_still(&stage.test.scene, 7.0);
     OWNED(image) struct neph_image *truth = eighth_frame(*state, still, words[1]);
     for (int follows = 0; follows < 2; follows++) {
@@ -430,7 +431,7 @@ static void test_anti_aliasing_follows_solids(void **state)
     assert_true(errors[1] < 0.7 * errors[0]);
 }
 
-/* What stands still costs no pass, no memory and no bit. */
+/* In a scene without moving solids the setting costs no pass and no memory, and changes no bit. */
 static void test_what_stands_still_costs_nothing(void **state)
 {
     struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The records of the passes say what their shaders do: what is read and written is looked up in the
- * compiled shaders themselves.
+ * The declarations of the passes agree with their shaders: reads and writes are found in the
+ * compiled SPIR-V.
  */
 #include "tests/renderer/renderer_test.h"
 #include "tests/renderer/shader_words.h"
@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-/* The few words of SPIR-V 1.5 that matter here. */
+/* The opcodes of SPIR-V 1.5 that are needed. */
 enum {
     OP_CONSTANT = 43,
     OP_LOAD = 61,
@@ -22,17 +22,17 @@ enum {
     DECORATION_BINDING = 33,
 };
 
-/* What is known of a number of the module; 0: nothing. */
+/* Properties of an id of the module; 0: unknown. */
 struct id {
     uint32_t binding;  /* + 1 */
     uint32_t constant; /* + 1 */
-    uint32_t target;   /* + 1: points into it */
+    uint32_t target;   /* + 1: a pointer into it */
 };
 
 struct module {
     struct id *ids;
-    uint32_t targets_binding; /* + 1: the last of all but those of images and texels */
-    bool sees_targets;        /* as texels, too */
+    uint32_t targets_binding; /* + 1: the last binding, except for images and texels */
+    bool sees_targets;        /* accesses targets as texels, too */
     uint32_t reads, writes;
 };
 
@@ -47,7 +47,7 @@ static void take_access(struct module *module, const uint32_t *words)
     if (base->binding == 0 || (base->binding != module->targets_binding &&
                                !(module->sees_targets && is_of_texels(base->binding - 1))))
         return;
-    assert_true(index->constant > 0); /* the optimiser knows which target it is */
+    assert_true(index->constant > 0); /* the optimizer knows which target it is */
     module->ids[words[2]].target = index->constant;
 }
 
@@ -70,8 +70,8 @@ static void take_instruction(struct module *module, const uint32_t *words)
     }
 }
 
-/* Adds what a shader does with these constants; where a pass looks at the scene texels are those of
- * its grids. */
+/* Adds the accesses of a shader with the given constants. In passes that read the scene, texels
+ * belong to its grids. */
 static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_shader *shader,
                          const uint32_t *constants, int count, struct module *sum)
 {
@@ -90,7 +90,7 @@ static void reflect_with(const struct neph_rt_pass *pass, const struct neph_rt_s
     sum->writes |= module.writes;
 }
 
-/* With settings that are read and not known, on a CPU and, of passes without rays, on a GPU. */
+/* With settings that are read and not constant, on a CPU and, for passes without rays, on a GPU. */
 static struct module reflect(const struct neph_rt_pass *pass)
 {
     const uint32_t on_gpu[RT_CONSTANT_COUNT] = {[RT_GPU_ACCESS_CONSTANT] = 1};
@@ -126,7 +126,7 @@ static void test_records_are_what_shaders_do(void **state)
     }
 }
 
-/* Nothing is read that no pass before it makes, in this frame or the last. */
+/* Every target that is read was written by a pass before, in this frame or the last. */
 static void test_what_is_read_was_written(void **state)
 {
     uint32_t there = 0;
@@ -144,7 +144,8 @@ static void test_what_is_read_was_written(void **state)
     }
 }
 
-/* What is handed on is written, and has the same shape under both names whatever the settings. */
+/* Targets that are handed on are written, and have the same shape under both names for all
+ * settings. */
 static void test_histories_have_one_shape(void **state)
 {
     for (int format = RT_FORMAT_HALF; format <= RT_FORMAT_FLOAT; format++) {
@@ -176,7 +177,7 @@ static void test_choices_fit_into_their_constants(void **state)
     }
 }
 
-/* A thread for each texel, or for each column of them, the last of which may be cut. */
+/* One thread per texel, or per column of texels; the last column may be smaller. */
 static void test_threads_cover_all_texels(void **state)
 {
     struct neph_settings settings = neph_options_default(neph_rt_options);
@@ -205,7 +206,7 @@ static void test_threads_cover_all_texels(void **state)
                                           .shader = {.column = cases[i].column}};
         assert_int_equal(neph_rt_thread_count(&view, &pass, &pass.shader), cases[i].count);
     }
-    /* A group of 64 for each block. */
+    /* A group of 64 per block. */
     const struct neph_rt_condition always = {RT_OVERRIDE, (int)settings.values[RT_OVERRIDE]};
     const struct neph_rt_shader plain = {.column = 0}, wide = {.block = {32, 8}},
                                 square = {.block = {8, 8}};
@@ -221,7 +222,8 @@ static void test_threads_cover_all_texels(void **state)
     assert_int_equal(neph_rt_thread_count(&view, &none, &plain), 10 * 6);
 }
 
-/* As many columns of every picture, of whole pixels; what is asked for is kept. */
+/* The number of froxel columns is the same for every frame size, in whole pixels; a given size is
+ * used. */
 static void test_columns_of_froxels_go_with_the_picture(void **state)
 {
     static const struct {

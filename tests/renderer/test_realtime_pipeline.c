@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The real-time renderer as a whole: what must hold of its frames whatever its passes do.
+ * The real-time renderer as a whole: properties of its frames that do not depend on single
+ * passes.
  */
 #include "tests/renderer/sequence_test.h"
 
@@ -21,7 +22,7 @@ static struct neph_image *marched(struct neph_vulkan *vulkan, const struct neph_
     return test_march(vulkan, scene, &params, stats);
 }
 
-/* --- what equals what ----------------------------------------------------------------------- */
+/* --- equal frames --------------------------------------------------------------------------- */
 
 static void test_off_is_the_march(void **state)
 {
@@ -36,15 +37,15 @@ static void test_off_is_the_march(void **state)
     }
 }
 
-/* Numbers as they are, and nothing that moves them. */
+/* Exact values, without anything that varies them. */
 static struct neph_settings plain(void)
 {
     return test_preset("fixed", "taa=off ray_dither=none box=none upscale_dither=none "
                                 "override=none target_format=float");
 }
 
-/* In a march at half resolution each ray goes through the middle of a half-resolution texel: the
- * rays of the tiles are some of its, bit by bit. */
+/* In a march at half resolution each ray goes through the middle of a half-resolution texel, so the
+ * rays of tiles are among them, bit by bit. */
 struct ray_check {
     const struct neph_image *half;
     int checked;
@@ -80,7 +81,7 @@ static void test_a_tile_marches_as_march_does(void **state)
 {
     struct test_scene test;
     test_scene_fence(&test);
-    test.scene.solid_count = 0; /* or depths of the map would cut some rays elsewhere */
+    test.scene.solid_count = 0; /* else depths of the map would end some rays elsewhere */
     const struct neph_settings settings = plain();
     const struct neph_march_params params = {
         .width_px = WIDTH_PX / 2, .height_px = HEIGHT_PX / 2, .steps = 64, .sun_steps = 16};
@@ -93,11 +94,11 @@ static void test_a_tile_marches_as_march_does(void **state)
     assert_int_equal(check.checked, 4 * (WIDTH_PX / 4) * (HEIGHT_PX / 4));
 }
 
-/* Those of a day come first; what each of them costs is its kernels. Every preset of a day renders
- * frames in motion in tests/harness/e2e_realtime.py. */
+/* Presets of the day come first; most of each one's time is compiling its kernels. Moving frames of
+ * every preset of the day are in tests/harness/e2e_realtime.py. */
 static const char *const presets[] = {"off",   "seed",  "fixed", "ours",
                                       "ours1", "unity", "ue",    "c52e"};
-/* Those with validity=on, of a day and of a night. */
+/* Presets with validity=on, for the day and the night. */
 static const char *const sound[] = {"fixed", "ours", "ue", "c52e", "unity"};
 
 static int preset_count(void)
@@ -123,9 +124,8 @@ static void check_nothing(struct neph_vulkan *vulkan, const struct neph_scene *s
     }
 }
 
-/* Where there is no medium every preset without anti-aliasing shows the scene itself, bit by bit.
- * One below the ground makes the kernels those of the other tests; without any see
- * test_few_and_many_solids_look_alike. */
+/* Without media every preset without anti-aliasing shows the scene, bit by bit. One medium below
+ * the ground keeps the kernels of other tests; test_few_and_many_solids_look_alike has none. */
 static void test_zero_density_changes_nothing(void **state)
 {
     struct test_scene test;
@@ -144,8 +144,9 @@ static void generalise(struct neph_rt_device *device, const struct neph_rt_pass 
     device->specialises = false;
 }
 
-/* Choices that are compiled into the shaders and choices that are looked up make the same bits:
- * what is tested pass by pass is what is used, and two renderers make the same frames. */
+/* Settings as constants of the shaders and settings read at run time give the same bits. So the
+ * results of tests of single passes apply to the renderer; and two renderers give the same
+ * frames. */
 static void test_specialised_shaders_make_the_same_bits(void **state)
 {
     for (int p = 1; p < neph_test_by_day(3, COUNT(presets)); p++) {
@@ -165,8 +166,8 @@ static void test_specialised_shaders_make_the_same_bits(void **state)
 
 /* --- convergence ---------------------------------------------------------------------------- */
 
-/* A static scene before a static camera: the error against the march falls while the four slots
- * come in, and then stays where the upscale leaves it. No dither, so that nothing else moves. */
+/* Static scene and camera: the error against the march decreases while the four slots are filled,
+ * and then stays at the upscale's error. No dither, so nothing else varies. */
 static void test_error_against_the_number_of_frames(void **state)
 {
     struct test_scene test;
@@ -182,7 +183,7 @@ static void test_error_against_the_number_of_frames(void **state)
     }
     for (int frame = 1; frame < 4; frame++)
         assert_true(errors[frame] < errors[frame - 1]);
-    for (int frame = 4; frame < 12; frame++) /* all four slots are there: nothing moves any more */
+    for (int frame = 4; frame < 12; frame++) /* all four slots are filled: static */
         assert_true(errors[frame] == errors[3]);
 }
 
@@ -209,13 +210,13 @@ static size_t count_bad(struct neph_rt_device *device)
 }
 
 struct injection {
-    int first, count; /* put them in one by one, every other frame from this one on */
+    int first, count; /* values to inject one by one, in every other frame from this one on */
     const float (*values)[4];
     int seen;       /* frames so far */
     size_t bad[16]; /* per frame, after its last pass */
 };
 
-/* The value whose turn it is; NULL: none. */
+/* The value to inject in a frame; NULL: none. */
 static const float *injected(const struct injection *injection, int frame)
 {
     const int after = frame - injection->first;
@@ -237,8 +238,8 @@ static void inject(struct neph_rt_device *device, const struct neph_rt_pass *pas
         injection->bad[injection->seen++] = count_bad(device);
 }
 
-/* One bad ray in one frame: where validity is on, nothing of it is left a frame later, and nothing
- * but the ray itself was ever bad. */
+/* One bad ray in one frame: with validity on, it has no effect a frame later, and no other value
+ * was ever bad. */
 static void test_a_bad_ray_is_gone_one_frame_later(void **state)
 {
     static const float values[][4] = {
@@ -259,7 +260,7 @@ static void test_a_bad_ray_is_gone_one_frame_later(void **state)
     }
 }
 
-/* Fill what the first frame might take for its past. */
+/* Fills the targets that the first frame could mistake for its history. */
 static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *pass, void *context)
 {
     static const int past[] = {RT_HISTORY_BEFORE, RT_HISTORY_STATE_BEFORE, RT_HALF_DEPTH_BEFORE,
@@ -267,7 +268,7 @@ static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *
     uint32_t *pattern = context;
     if (strcmp(pass->name, "scene") != 0 || !pattern[1])
         return;
-    pattern[1] = 0; /* the first frame alone */
+    pattern[1] = 0; /* only in the first frame */
     for (size_t t = 0; t < COUNT(past); t++) {
         const size_t words = neph_rt_device_words(device, past[t]);
         OWNED(memory) uint32_t *garbage = malloc(words * sizeof(*garbage));
@@ -278,7 +279,7 @@ static void fill_past(struct neph_rt_device *device, const struct neph_rt_pass *
     }
 }
 
-/* NaN in single and half, 1e30, and arbitrary bits. */
+/* NaN in float32 and half precision, 1e30, and arbitrary bits. */
 static void test_garbage_in_the_history_never_shows(void **state)
 {
     static const uint32_t patterns[] = {0x7fc00000u, 0x7e007e00u, 0x7149f2cau, 0};
@@ -340,8 +341,8 @@ static void test_no_bad_number_in_motion(void **state)
     }
 }
 
-/* Resizes on the way; each frame has its size, and the first of a size is that of a renderer made
- * for it, but for the phase of slots, dithers and jitter, which goes on. */
+/* Resizes: each frame has its size, and the first frame of a size equals a new renderer's, except
+ * for the phase of slots, dithers and jitter, which continues. */
 static void test_sizes(void **state)
 {
     static const int sizes_px[][2] = {{1, 1},   {2, 3},   {5, 4}, {37, 21},
@@ -389,7 +390,7 @@ static void test_a_fourteenth_of_the_evaluations(void **state)
     }
 }
 
-/* --- what is refused ------------------------------------------------------------------------ */
+/* --- refusals ------------------------------------------------------------------------------- */
 
 static void test_coloured_extinction_is_refused(void **state)
 {
@@ -432,8 +433,8 @@ static void test_given_depth(void **state)
     assert_non_null(strstr(diag.message, "pixel 5,0"));
 }
 
-/* Shaders are compiled for a few solids and look at many one by one: what is behind the media is
- * what the march sees there, on both sides of where that changes. */
+/* Shaders are specialized for a few solids and read many one by one: in both cases the background
+ * equals the march's. */
 static void test_few_and_many_solids_look_alike(void **state)
 {
     static const int counts[] = {0, RT_SOLIDS_UNKNOWN - 1, RT_SOLIDS_UNKNOWN};
@@ -459,7 +460,7 @@ static void test_few_and_many_solids_look_alike(void **state)
     }
 }
 
-/* A wall that only takes light, across the view. */
+/* An absorbing wall across the view. */
 static void scene_dark(struct test_scene *test)
 {
     test_scene_init(test);
@@ -468,8 +469,9 @@ static void scene_dark(struct test_scene *test)
     wall->albedo = (struct neph_rgb){0.0, 0.0, 0.0};
 }
 
-/* Whatever the angle of a ray is, its way to the wall over that through it is 8 over 3, and T tells
- * the latter, L. The mean of t over what is lost along it is t0 + L (1 / tau - 1 / (e^tau - 1)). */
+/* For every ray the distance to the wall over the length through it is 8 / 3, and T gives that
+ * length L. The mean of t, weighted with the absorbed light, is t0 + L (1 / tau - 1 / (e^tau -
+ * 1)). */
 static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass *pass,
                        void *context)
 {
@@ -492,7 +494,7 @@ static void check_dark(struct neph_rt_device *device, const struct neph_rt_pass 
     }
 }
 
-/* Where nothing shines nothing is marched, here as in `march`, and T is as good as there. */
+/* Without light nothing is marched, here as in `march`, and T is as accurate as there. */
 static void test_what_does_not_shine_is_not_marched(void **state)
 {
     struct test_scene test;

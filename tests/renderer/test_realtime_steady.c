@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of which it is known that nothing has changed for long (renderer/realtime/stillness.h):
- * the gradient does not look at them, and no bit of them or of what follows is another one.
+ * Static sequences (renderer/realtime/stillness.h): when nothing has changed for long, the gradient
+ * pass does not run, and no bit of this or later frames differs.
  */
 #include "renderer/realtime/anti_aliasing/check_taa.h"
 #include "tests/renderer/sequence_test.h"
 
 #include "renderer/realtime/stillness.h"
 
-/* --- pictures -------------------------------------------------------------------------------- */
+/* --- frames --------------------------------------------------------------------------------- */
 
-/* A fence before a cloud that ends within the picture: edges, sky, thin and thick media. */
+/* A fence in front of a cloud that ends in view: edges, sky, thin and thick media. */
 static void fence_scene(struct test_scene *test)
 {
     test_scene_init(test);
@@ -21,8 +21,8 @@ static void fence_scene(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-1e3, -1.0, -1e3}, (struct neph_vec3){1e3, 0.0, 1e3});
 }
 
-/* `ours`, with the digits of its settings and so with its kernels, which is steady after few
- * pictures: what has changed is soon forgotten. */
+/* Preset `ours`, with its kernels, and short memories, so that it becomes static after few
+ * frames. */
 static struct neph_settings steady_settings(void)
 {
     return test_preset("ours", "steps=4 override_wake=1 change_hold=0.1");
@@ -38,7 +38,7 @@ static struct neph_realtime *open_realtime(struct neph_vulkan *vulkan,
     return realtime;
 }
 
-/* Whether passes have run for a picture. */
+/* Whether passes have run for a frame. */
 struct ran {
     bool scene, gradient;
 };
@@ -60,9 +60,9 @@ static struct ran render(struct neph_realtime *realtime, const struct neph_scene
     return (struct ran){has_run(&stats, "scene"), has_run(&stats, "gradient")};
 }
 
-/* After 9 looks and 6 pictures of forgetting it is known; then the sun moves, a cloud, a solid and
- * the camera, each of which is seen at once. Solids are looked at until each of the jitter's 7
- * places has seen them; at first nothing is kept of as many pictures. */
+/* The sequence counts as static after 9 gradients and 6 frames of decay. Then the sun moves, a
+ * cloud, a solid and the camera, each of which is detected at once. The scene pass runs until each
+ * of the jitter's 7 positions has been rendered; the first 7 frames are not cached. */
 static void test_no_bit_is_another(void **state)
 {
     enum { PICTURES = 88, KNOWN_AFTER = 15, PLACES = 7 };
@@ -94,7 +94,8 @@ static void test_no_bit_is_another(void **state)
     assert_true(spared >= 14);
 }
 
-/* A picture in flight: the bytes of a pass. The upscale keeps no volume where nobody reads it. */
+/* Renders a frame in flight and returns the bytes of a pass. The upscale writes no volume that is
+ * not read. */
 static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *scene, int frame,
                     const char *pass)
 {
@@ -106,8 +107,8 @@ static uint64_t fly(struct neph_realtime *realtime, const struct neph_scene *sce
     return stats.pass_traffic_bytes[neph_rt_pass_index(pass)];
 }
 
-/* Pictures in flight, of which some are read, each beside one after pictures that all were. The sun
- * moves, and the way back from what is known is the same, too. */
+/* Frames in flight, some of them read back, compared with frames that are all read back. The sun
+ * moves; the transition from static to moving is the same, too. */
 static void test_what_nobody_reads_is_no_other_picture(void **state)
 {
     enum { PICTURES = 52, SUN_MOVES = 34, KNOWN_AFTER = 15 };
@@ -135,8 +136,8 @@ static void test_what_nobody_reads_is_no_other_picture(void **state)
     assert_true(unread >= 14);
 }
 
-/* Where media only take light what is anti-aliased is made once for each place of the jitter, and
- * no ray marched again until something moves. */
+/* With absorbing media only, anti-aliased frames are computed once per jitter position, and no ray
+ * is marched again until something moves. */
 static void test_what_takes_light_alone_is_made_once(void **state)
 {
     enum { PICTURES = 56, SUN_MOVES = 42, KEPT_AFTER = 22 };
@@ -177,7 +178,7 @@ static void fill(struct test_passes *test, int target, double most, double w, ui
     }
 }
 
-/* A picture at rest that a gradient has looked at, which saw no change. */
+/* A static frame for which the gradient has found no change. */
 static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passes *test)
 {
     static const int sizes_px[][2] = {{64, 36}, {35, 18}};
@@ -205,8 +206,8 @@ static void open_steady(struct neph_vulkan *vulkan, int round, struct test_passe
     cpu_tile_index(&test->cpu);
 }
 
-/* By the kernels of lavapipe and, in odd rounds, of a GPU. The ray that a tile keeps is what the
- * gradient would keep. */
+/* With the kernels of lavapipe and, in odd rounds, of a GPU. The ray that a tile keeps is the one
+ * that the gradient would keep. */
 static void test_passes_that_know_do_as_those_that_look(void **state)
 {
     static const struct {
@@ -241,7 +242,7 @@ static void test_passes_that_know_do_as_those_that_look(void **state)
     }
 }
 
-/* --- what is not known ----------------------------------------------------------------------- */
+/* --- when a sequence is not static ---------------------------------------------------------- */
 
 static bool is_known(const int size_px[2], const char *words, uint32_t pictures)
 {

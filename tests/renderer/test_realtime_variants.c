@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shaders that a kind of device has for itself against the readable shader of the same pass, from
- * the same random targets: the same results, by another way.
+ * Shader variants for a kind of device compared with the readable shader of the same pass, on the
+ * same random targets.
  */
 #include "tests/renderer/realtime_test.h"
 
 #include <math.h>
 
-/* One half step: where both round the same sum, of float32 terms in another order, to halves. */
+/* Half a step of half precision: both round the same sum, with float32 terms in another order. */
 static const double half_step = 0x1p-10;
 
-/* Passes whose results are rounded freely, and how far apart their sums may be for values up to 1,
- * before both are rounded to halves. All else has the same bits. The upscale interpolates, which
- * loses no digits of a value. The anti-aliasing is off by up to 16 ulps, and by 100 times as much
- * where the contrast law acts (allowed() of anti_aliasing/check_taa.h). */
+/* Passes with results that may be rounded differently, and the difference of their sums for values
+ * up to 1, before rounding to half precision. All other passes have the same bits. The upscale
+ * interpolates, which loses no digits. The anti-aliasing has errors of up to 16 ulps, and 100 times
+ * as much where the contrast law applies (allowed() in anti_aliasing/check_taa.h). */
 static const struct {
     const char *pass;
     double error;
 } free_passes[] = {{"upscale", 0.0}, {"anti-aliasing", 100.0 * 16.0 * 0x1p-24}};
 
-/* The first is for passes that are rounded freely. */
+/* The first is for passes that may be rounded differently. */
 static const int sizes_px[][2] = {{61, 35}, {1, 1}, {2, 3}, {5, 4}, {64, 36}, {127, 33}};
 
 static int free_pass(const char *name)
@@ -61,8 +61,8 @@ static void fill_at_random(struct test_passes *test, int target, uint64_t *seed)
     }
 }
 
-/* The targets that a pass and the one that its variant absorbs write, after both. For the caller to
- * free. */
+/* The targets that the pass, and the pass that its variant absorbs, write, after both. The caller
+ * frees them. */
 static void take_results(struct test_passes *test, uint32_t targets, uint32_t *results[])
 {
     for (int t = 0; t < RT_TARGET_COUNT; t++)
@@ -118,7 +118,7 @@ static void compare(struct test_passes *test, const struct neph_rt_pass *pass, i
                  (int)test->device.kind, apart, count, neph_rt_target_name(target));
 }
 
-/* Before a camera that moves or is static. */
+/* With a moving or a static camera. */
 static void compare_pass(struct neph_vulkan *vulkan, const struct neph_rt_pass *pass, int kind,
                          int preset, uint64_t seed)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a device must have: devices that there are not, each without one row of the table, are
- * refused in words or used without it. No Vulkan driver is called.
+ * Requirements of a device: fictitious devices, each without one row of the table, are refused with
+ * a message or used without the feature. No Vulkan driver is called.
  */
 #include "tests/neph_test.h"
 
@@ -17,7 +17,7 @@ static void set_number(struct neph_device_facts *facts, const struct neph_requir
     memcpy((char *)facts + row->offset, &number, sizeof(number));
 }
 
-/* A device that has just what is asked for. */
+/* A device that meets each requirement exactly. */
 static struct neph_device_facts sufficient_device(const char *name, bool is_cpu)
 {
     struct neph_device_facts facts = {.is_cpu = is_cpu};
@@ -29,7 +29,7 @@ static struct neph_device_facts sufficient_device(const char *name, bool is_cpu)
     return facts;
 }
 
-/* One less than is needed; of bits, none. */
+/* One less than required; for bits, none. */
 static uint32_t too_little(const struct neph_requirement *row)
 {
     return row->kind == NEPH_REQUIREMENT_BITS ? 0 : row->needed - 1;
@@ -99,7 +99,7 @@ static void test_all_that_is_missing_is_named(void **state)
             assert_null(strstr(diag.message, rows[i].name));
 }
 
-/* To ask for a feature that it lacks would be an error of the driver without a name. */
+/* Enabling a feature that the device lacks would give a driver error without the feature's name. */
 static void test_only_features_that_a_device_has_are_enabled(void **state)
 {
     struct neph_device_facts facts = sufficient_device("Abacus 3", false);
@@ -133,8 +133,8 @@ static void test_a_device_that_lacks_something_is_passed_over(void **state)
                                         sufficient_device("Mill", true)};
     assert_int_equal(choose(facts, 3, NULL), 0);
     assert_int_equal(choose(facts, 3, "rule"), 1);
-    facts[0].features.shaderInt64 = VK_FALSE; /* of a CPU */
-    facts[1].features.shaderInt64 = VK_FALSE; /* no GPU is asked for it */
+    facts[0].features.shaderInt64 = VK_FALSE; /* the CPU device */
+    facts[1].features.shaderInt64 = VK_FALSE; /* not required of a GPU */
     assert_int_equal(choose(facts, 3, NULL), 2);
     assert_int_equal(choose(facts, 2, NULL), 1);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Specialised shaders on disk: whole or not there, whatever happens to the folder.
+ * Specialized shaders on disk: a file is complete or missing, in every state of the folder.
  */
 #include "tests/base/scratch.h"
 
@@ -42,7 +42,7 @@ static void put(struct neph_shader_cache *cache, uint32_t number)
     neph_shader_cache_write(cache, key, words, sizeof(words));
 }
 
-/* What is read is what was written, or nothing. */
+/* Whether an entry exists; its content must be the one written. */
 static bool has(struct neph_shader_cache *cache, uint32_t number)
 {
     char key[NEPH_HASH_HEX_SIZE];
@@ -80,7 +80,7 @@ static void test_kept_for_the_next_run(void **state)
     neph_shader_cache_destroy(NULL);
 }
 
-/* Each thing that a shader is made from changes its name. */
+/* Every input of a shader changes its key. */
 static void test_the_key(void **state)
 {
     enum { KEYS = 5 };
@@ -96,7 +96,8 @@ static void test_the_key(void **state)
             assert_string_not_equal(keys[i], keys[j]);
 }
 
-/* Cut anywhere, one byte changed, a folder in its place: not there, and made again. */
+/* Truncated at any place, with one byte changed, or a folder of that name: missing, and written
+ * again. */
 static void test_damaged_files(void **state)
 {
     const struct scratch *scratch = *state;
@@ -127,7 +128,8 @@ static void test_damaged_files(void **state)
     neph_shader_cache_destroy(cache);
 }
 
-/* A folder that cannot be: nothing is kept, and nobody is told. (Root writes to read-only ones.) */
+/* A folder that cannot exist: nothing is cached, without a message. (Root can write to read-only
+ * ones.) */
 static void test_no_folder(void **state)
 {
     struct neph_shader_cache *cache = open_cache("/dev/null/cache");
@@ -138,14 +140,14 @@ static void test_no_folder(void **state)
     assert_false(has(NULL, 1));
 }
 
-/* Beyond the limit what was not used for longest goes; what else lies in the folder stays. */
+/* Beyond the limit the least recently used files are deleted; other files in the folder stay. */
 static void test_the_limit(void **state)
 {
     enum { FILES = 70, FILE_BYTES = 1 << 20 };
     const struct scratch *scratch = *state;
     struct neph_shader_cache *cache = open_cache(scratch->folder);
     char path[2 * SCRATCH_PATH_MAX], other[SCRATCH_PATH_MAX];
-    put(cache, 0); /* makes the folder */
+    put(cache, 0); /* creates the folder */
     scratch_write(scratch_path(state, other, "shaders/README"), "mine", 4);
     for (uint32_t i = 1; i <= FILES; i++) {
         path_of(state, i, path);

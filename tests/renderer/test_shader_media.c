@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shaders of the media, value by value through shaders/probe_media.comp, against
- * scenes/media.h in double precision. A ray is rounded to float32 first and given to both sides. A
- * tolerance is what float32 can know: positions to `place` roundings of their size, each function
- * to a few roundings, both times the slope of the answer.
+ * The shaders of media, value by value through shaders/probe_media.comp, compared with
+ * scenes/media.h in double precision. A ray is rounded to float32 first and given to both sides.
+ * Tolerances follow from float32: positions are accurate to `place` roundings of their size,
+ * functions to a few roundings, both times the derivative of the result.
  */
 #include "tests/renderer/probe.h"
 
@@ -15,7 +15,7 @@ static const uint32_t probe_code[] = {
 #include "shaders/probe_media.comp.inc"
 };
 
-/* of shaders/probe_media.comp */
+/* layout of shaders/probe_media.comp */
 struct probe {
     float origin_m[3];
     float length_m;
@@ -29,12 +29,12 @@ struct answer {
 };
 
 static const double epsilon = 0x1p-24;   /* unit roundoff */
-static const double smallest = 0x1p-126; /* densities below it may be flushed to 0 */
+static const double smallest = 0x1p-126; /* smaller densities may be flushed to 0 */
 static const uint64_t seed = 20240611;
 
 enum { PROBES_MAX = 4000 };
 
-/* The camera of a test scene: the origin of all probes. */
+/* Sets the camera, the origin of all probes. */
 static void look_from(struct test_scene *test, struct neph_vec3 camera_m)
 {
     test_scene_init(test);
@@ -42,7 +42,7 @@ static void look_from(struct test_scene *test, struct neph_vec3 camera_m)
     test->key.look_at_m = neph_vec3_add(camera_m, (struct neph_vec3){0.0, 0.0, -1.0});
 }
 
-/* For the caller to free. */
+/* The caller frees the result. */
 static struct answer *ask(struct neph_vulkan *vulkan, const struct test_scene *test,
                           const struct probe *probes, int count)
 {
@@ -73,7 +73,7 @@ static double pick(uint64_t *random, const double *values, size_t count)
 }
 #define PICK(random, values) pick((random), (values), sizeof(values) / sizeof((values)[0]))
 
-/* Often along an axis or in a plane of them, or next to it. */
+/* Often along an axis, in a plane of two axes, or nearly so. */
 static struct neph_vec3 odd_direction(uint64_t *random)
 {
     static const double components[] = {0.0, 0.0, 1.0, -1.0, 1e-7, -1e-7, 1e-30, 0.5};
@@ -94,7 +94,7 @@ static struct neph_vec3 point_near(uint64_t *random, struct neph_vec3 center_m, 
                               center_m.z + reach_m * neph_test_uniform(random, -1, 1)};
 }
 
-/* A ray from a world point, rounded to float32 relative to the camera. */
+/* A ray from a world-space point, rounded to float32 relative to the camera. */
 static struct probe probe_from(const struct test_scene *test, struct neph_vec3 origin_m,
                                struct neph_vec3 direction, double length_m)
 {
@@ -111,12 +111,12 @@ static struct neph_vec3 vec3(const float v[3])
     return (struct neph_vec3){v[0], v[1], v[2]};
 }
 
-/* The ray as the truth sees it. A rounded direction is not quite unit: the double side stretches
- * the ray by its length, which is 6e-8. */
+/* The ray of the reference. A rounded direction is not exactly unit; the double side scales the ray
+ * by its length, which differs from 1 by 6e-8. */
 struct ray {
     struct neph_vec3 origin_m, direction;
     double length_m;
-    double place_m; /* what float32 knows of places near its ends */
+    double place_m; /* float32 error of positions near its ends */
 };
 
 static struct ray ray_of(const struct test_scene *test, const struct probe *p)
@@ -128,8 +128,8 @@ static struct ray ray_of(const struct test_scene *test, const struct probe *p)
                         4.0 * epsilon * size_m};
 }
 
-/* Worst error in parts of what is allowed, for people; how many probes were left out, and how many
- * have met the medium. */
+/* Worst errors relative to the tolerance, for the printed summary; probes left out, and probes that
+ * met the medium. */
 struct worst {
     double extinction, depth;
     int left_out, met;
@@ -146,7 +146,7 @@ static void hold(double actual, double expected, double allowed, double *worst, 
         *worst = fmax(*worst, fabs(actual - expected) / allowed);
 }
 
-/* Marching may leave out 1e-7 of optical depth per medium, and more only to rounding. */
+/* A march may omit an optical depth of 1e-7 per medium, and more only by rounding. */
 static void hold_stretch(const struct answer *answer, const struct ray *ray,
                          const struct neph_medium *medium, double allowed, int i)
 {
@@ -160,7 +160,7 @@ static void hold_stretch(const struct answer *answer, const struct ray *ray,
         fail_msg("probe %d: the stretch %g..%g leaves out %.3g", i, t0_m, t1_m, left_out);
 }
 
-/* A kind of medium, the scene's first: a probe of it, and what an answer may be off by. */
+/* A kind of medium, the first of the scene: draws a probe, and checks a result. */
 typedef struct probe draw_probe(const struct test_scene *test, uint64_t *random, int i);
 typedef void check_answer(const struct test_scene *test, const struct ray *ray,
                           const struct answer *answer, int i, struct worst *worst);
@@ -198,7 +198,7 @@ static void print_worst(const char *name, const struct worst *worst)
 
 /* --- Gaussian blobs ----------------------------------------------------------------------- */
 
-/* neph_medium_support() ends where extinction has fallen to this. */
+/* extinction at which neph_medium_support() ends */
 static const double support_cut = 1e-12;
 
 static struct probe draw_gaussian(const struct test_scene *test, uint64_t *random, int i)
@@ -222,7 +222,7 @@ static void check_gaussian(const struct test_scene *test, const struct ray *ray,
     const double place_m = ray->place_m + 4.0 * epsilon * far_m;
     const double r = neph_vec3_length(to_center_m) / w_m;
     const double extinction = extinction_at(test, ray);
-    /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the slope r / w of x. */
+    /* e^-x: its own rounding, the rounding of x = r^2 / 2, and the derivative r / w of x. */
     const double relative = epsilon * (16.0 + 8.0 * r * r) + place_m / w_m * r;
     hold(answer->extinction_per_m, extinction,
          extinction * expm1(relative) + support_cut * medium->extinction_per_m, &worst->extinction,
@@ -234,7 +234,8 @@ static void check_gaussian(const struct test_scene *test, const struct ray *ray,
         medium, neph_vec3_along(ray->origin_m, ray->direction, nearest_m));
     const double q = log(medium->extinction_per_m / fmax(peak, 1e-300));
     const double here_m = place_m + 8.0 * epsilon * fmin(ray->length_m, r * w_m + 6.0 * w_m);
-    /* Ends and line are off by `here`: the ends cost their density, the line its slope. */
+    /* Ends and line have an error of `here`: times the density for the ends, times the derivative
+     * for the line. */
     const double allowed = depth * epsilon * (24.0 + 8.0 * q) +
                            here_m * (2.0 * peak + depth / w_m * sqrt(2.0 * q)) +
                            8.0 * support_cut * medium->extinction_per_m * w_m;
@@ -263,7 +264,7 @@ static void test_gaussian_blobs(void **state)
 
 /* --- plumes of smoke ---------------------------------------------------------------------- */
 
-/* How steeply the exponent changes at a place [1/m], and what it is there. */
+/* Derivative of the exponent at a point [1/m]; `folds` receives the exponent. */
 static double plume_slope_per_m(const struct neph_plume *plume, struct neph_vec3 point_m,
                                 double *folds)
 {
@@ -299,12 +300,12 @@ static void check_plume(const struct test_scene *test, const struct ray *ray,
     double folds;
     const double slope_per_m = plume_slope_per_m(plume, ray->origin_m, &folds);
     const double extinction = extinction_at(test, ray);
-    if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below the foot */
+    if (fabs(neph_vec3_dot(from_foot_m, plume->axis)) > place_m) /* above or below */
         hold(answer->extinction_per_m, extinction,
              extinction * expm1(epsilon * (16.0 + 16.0 * folds) + place_m * slope_per_m) + cut,
              &worst->extinction, "extinction", i);
-    /* The quadrature, the rounding of the exponent, and places: at the ends they cost the density,
-     * beside the ray its slope where the density counts. */
+    /* The quadrature, the rounding of the exponent, and positions: times the density at the ends,
+     * times the derivative beside the ray where the density is relevant. */
     const double depth = depth_along(test, ray);
     const double here_m = place_m + 16.0 * epsilon * (neph_vec3_length(from_foot_m) + scale_m);
     const double steepest_per_m = 1.0 / plume->scale_height_m + 6.0 / plume->width_m;
@@ -333,7 +334,7 @@ static void test_plumes(void **state)
 
 /* --- shells ------------------------------------------------------------------------------- */
 
-/* How far along a ray from its lowest part the density matters, and so positions do. */
+/* Length from a ray's lowest point over which the density, and so the position, is relevant. */
 static double relevant_m(const struct neph_shell *shell, double r_m, double lowest_m,
                          double length_m)
 {
@@ -373,7 +374,7 @@ static void check_shell(const struct test_scene *test, const struct ray *ray,
     const double seen_m = relevant_m(shell, r_m, lowest_m, ray->length_m);
     const double here_m = place_m + 16.0 * epsilon * seen_m;
     assert_true(answer->optical_depth >= 0.0f && isfinite(answer->optical_depth));
-    /* Tangent to the ground within a rounding: in the densest air, or under the ground. */
+    /* Tangent to the ground within rounding: in the densest air, or below the ground. */
     if (fabs(low_m) <= 4.0 * here_m || fabs(height_m) <= 4.0 * here_m) {
         worst->left_out++;
         return;
@@ -382,7 +383,7 @@ static void check_shell(const struct test_scene *test, const struct ray *ray,
     const double ends = extinction +
                         neph_medium_extinction_per_m(
                             medium, neph_vec3_along(ray->origin_m, ray->direction, ray->length_m));
-    /* Where a ray meets the ground at a slant, a height off by `here` moves the place by here /
+    /* Where a ray meets the ground at a slant, an altitude error `here` moves the point by here /
      * slant. */
     const double slant = low_m < 0.0 ? sqrt(-low_m * (2.0 * r_m + low_m)) / r_m : 1.0;
     const double ground = low_m < 0.0 ? medium->extinction_per_m / slant : 0.0;
@@ -424,7 +425,7 @@ static void test_shells(void **state)
 
 /* --- tents -------------------------------------------------------------------------------- */
 
-/* How much of a ray is below the top of the tent. */
+/* Length of the ray below the top of the tent. */
 static double below_top_m(const struct neph_tent *tent, const struct ray *ray, double more_m)
 {
     const struct neph_vec3 from_center_m = neph_vec3_sub(ray->origin_m, tent->center_m);
@@ -457,7 +458,8 @@ static void check_tent(const struct test_scene *test, const struct ray *ray,
     hold(answer->extinction_per_m, extinction_at(test, ray),
          per_m * (place_m / tent->half_width_m + 8.0 * epsilon), &worst->extinction, "extinction",
          i);
-    /* Heights along the ray are off by roundings of its length, wherever the tent is. */
+    /* Altitudes along the ray have rounding errors of its length, for every position of the
+     * tent. */
     const double inside_m = below_top_m(tent, ray, place_m);
     const double height_m = place_m + 16.0 * epsilon * inside_m;
     const double depth = depth_along(test, ray);
@@ -514,7 +516,7 @@ static bool is_near_face(const struct neph_bounds *bounds, struct neph_vec3 p, d
            fabs(p.z - bounds->min_m.z) < place_m || fabs(p.z - bounds->max_m.z) < place_m;
 }
 
-/* What moving the faces of the bounds out and in does to an optical depth: a ray along a face. */
+/* Effect on the optical depth when the faces of the bounds move: for rays along a face. */
 static double edge_effect(const struct neph_medium *medium, const struct ray *ray, double by_m)
 {
     struct neph_medium wide = *medium, narrow = *medium;
@@ -562,11 +564,11 @@ static void check_grid(const struct test_scene *test, const struct ray *ray,
     const double extent_m = extent_of(grid, &center_m);
     const double corner_m = neph_vec3_length(neph_vec3_sub(center_m, test->key.position_m)) +
                             extent_m;
-    /* A place is off by a few roundings of its size and of the corner's, and by one of its number
-     * among the nodes; that moves the density by at most its largest slope. */
+    /* A position has a few roundings of its size and of the corner's, and one of its node number;
+     * times the largest slope of the density. */
     const double place_m = ray->place_m + 4.0 * epsilon * corner_m;
     const double slope = peak * (place_m * per_m + 4.0 * epsilon * nodes);
-    if (!is_near_face(&medium->bounds, ray->origin_m, place_m)) /* in or out */
+    if (!is_near_face(&medium->bounds, ray->origin_m, place_m)) /* certainly inside or outside */
         hold(answer->extinction_per_m, extinction_at(test, ray), slope + 8.0 * epsilon * peak,
              &worst->extinction, "extinction", i);
     const double depth = depth_along(test, ray);
@@ -596,14 +598,14 @@ static void test_grids(void **state)
                                                                  cases[c].distance_m)));
         struct neph_medium *medium = test_add_cloud(&test, NEPH_MEDIUM_GRID, 0.7);
         medium->grid = random_lattice(cases[c].size, origin_m, cases[c].spacing_m, -0.5, &random);
-        if (c == 2) /* bounds that cut the lattice */
+        if (c == 2) /* bounds that cut the grid */
             medium->bounds = (struct neph_bounds){{1005.0, 20.0, -INFINITY}, {1030.0, 40.0, 20.0}};
         check_probes(*state, &test, &random, draw_grid, check_grid, &worst);
     }
     print_worst("grids", &worst);
 }
 
-/* Several media with data: each finds its own. */
+/* Several media with data: each reads its own. */
 static void test_grids_beside_each_other(void **state)
 {
     uint64_t random = seed;
@@ -633,8 +635,8 @@ static void test_grids_beside_each_other(void **state)
     }
 }
 
-/* A lattice without end, from a camera far from its origin: as double precision has it, one period
- * away and many, along faces and through them. */
+/* An endless grid seen from far away, compared with double precision: one period away and many,
+ * along faces and through them. */
 static void test_endless_grids(void **state)
 {
     uint64_t random = seed;
@@ -672,7 +674,7 @@ static void test_endless_grids(void **state)
 
 /* --- Horizon clouds ----------------------------------------------------------------------- */
 
-/* At an altitude above the bottom of the layer, level distances from its pole. */
+/* A point at an altitude above the bottom of the layer, at horizontal distances from its pole. */
 static struct neph_vec3 point_in_layer(const struct neph_horizon_params *params, double x_m,
                                        double z_m, double altitude_m)
 {
@@ -682,7 +684,7 @@ static struct neph_vec3 point_in_layer(const struct neph_horizon_params *params,
     return (struct neph_vec3){x_m, params->bottom_m + altitude_m - sag_m, z_m};
 }
 
-/* What shapes are divided by, but for gc: the weather map at a place. */
+/* The weather map at a point; shapes are divided by it, times gc. */
 static double coverage_at(const struct neph_horizon *horizon, struct neph_vec3 point_m)
 {
     enum { SIDE = NEPH_HORIZON_WEATHER_SIDE };
@@ -700,8 +702,8 @@ static double coverage_at(const struct neph_horizon *horizon, struct neph_vec3 p
     return sum;
 }
 
-/* How much the density changes, with and without detail, among the places that float32 may take
- * for a point. */
+/* Changes of the density, with and without detail, among the positions to which float32 may round a
+ * point. */
 static void change_nearby(const struct neph_horizon *horizon, struct neph_vec3 point_m,
                           double place_m, double change[2])
 {
@@ -718,7 +720,7 @@ static void change_nearby(const struct neph_horizon *horizon, struct neph_vec3 p
     }
 }
 
-/* As far as the place that the camera looks at. */
+/* Rays up to the distance of the camera's target. */
 static struct probe draw_horizon(const struct test_scene *test, uint64_t *random, int i)
 {
     const struct neph_horizon_params *params = &test->scene.media[0].horizon->params;
@@ -732,9 +734,9 @@ static struct probe draw_horizon(const struct test_scene *test, uint64_t *random
                       1e4);
 }
 
-/* Positions: a few roundings of the distance from the camera, of its height and of one repeat of
- * the weather map. Formulas: a few roundings of numbers up to 1, divided by the coverage and by
- * 1 - erosion, which is at least 0.2; times the most mass there is. */
+/* Positions: a few roundings of the distance from the camera, of the camera's height and of one
+ * repeat of the weather map. Formulas: a few roundings of numbers up to 1, over the coverage and
+ * over 1 - erosion, which is at least 0.2; times the largest mass. */
 static void check_horizon(const struct test_scene *test, const struct ray *ray,
                           const struct answer *answer, int i, struct worst *worst)
 {
@@ -800,9 +802,9 @@ static void test_horizon_clouds(void **state)
     print_worst("Horizon clouds", &worst);
 }
 
-/* --- hostile media ------------------------------------------------------------------------ */
+/* --- extreme media -------------------------------------------------------------------------- */
 
-/* Extremes of every number: whatever they mean, the answers are numbers. */
+/* Extremes of every parameter: all results are finite. */
 static void test_extreme_media_give_no_nonsense(void **state)
 {
     static const double sizes[] = {1e-9, 1e-3, 1.0, 1e5, 1e12};
@@ -821,7 +823,7 @@ static void test_extreme_media_give_no_nonsense(void **state)
         medium->gaussian = (struct neph_gaussian){center_m, PICK(&random, sizes)};
         medium->shell = (struct neph_shell){center_m, PICK(&random, sizes), PICK(&random, sizes)};
         if (kinds[round % 3] == NEPH_MEDIUM_GRID) {
-            const double spacing_m = fmax(PICK(&random, sizes), /* finer is refused */
+            const double spacing_m = fmax(PICK(&random, sizes), /* finer spacings are refused */
                                           1e-12 * neph_vec3_length(center_m));
             medium->grid = random_lattice((const int[3]){3, 2, 4}, center_m,
                                           (struct neph_vec3){spacing_m, spacing_m, 2.0 * spacing_m},
@@ -875,7 +877,7 @@ static void test_extreme_horizon_clouds_give_no_nonsense(void **state)
     uint64_t random = seed;
     struct neph_diag diag = {0};
     const struct neph_horizon_params defaults = neph_horizon_defaults();
-    struct neph_horizon *horizon; /* its textures depend on the seed alone */
+    struct neph_horizon *horizon; /* its textures depend on the seed only */
     neph_assert_ok(neph_horizon_create(&defaults, &horizon, &diag), &diag);
     for (int round = 0; round < 60; round++) {
         struct test_scene test;

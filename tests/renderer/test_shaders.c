@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The shader functions, value by value through shaders/probe.comp, against the double-precision
- * functions of scenes/. Inputs are rounded to float32 first and given to both sides, so what is
- * measured is the shader's arithmetic. A tolerance is the unit roundoff of float32 times the
- * condition number of the question, with Vulkan's bound for exp(x): 3 + 2|x| ulp.
+ * Shader functions, value by value through shaders/probe.comp, compared with the double-precision
+ * functions of scenes/. Inputs are rounded to float32 first and given to both sides, so only the
+ * shader's arithmetic is measured. Tolerances are the unit roundoff of float32 times the condition
+ * number, with Vulkan's bound for exp(x): 3 + 2|x| ulp.
  */
 #include "tests/renderer/probe.h"
 
@@ -17,7 +17,7 @@ static const uint32_t probe_code[] = {
 #include "shaders/probe.comp.inc"
 };
 
-/* of shaders/probe.comp */
+/* as in shaders/probe.comp */
 enum probe_what {
     PROBE_PHI,
     PROBE_TRANSMITTANCE,
@@ -45,7 +45,7 @@ struct answer {
 static const double epsilon = 0x1p-23; /* one ulp at 1 */
 static const uint64_t seed = 20240607;
 
-/* Room for the probes of a test and their answers. */
+/* Storage for the probes of a test and their results. */
 #define PROBES_MAX 20000
 static struct probe *new_probes(void)
 {
@@ -72,7 +72,7 @@ static float scale(uint64_t *random, double low, double high)
     return (float)exp(neph_test_uniform(random, log(low), log(high)));
 }
 
-/* A unit vector rounded to float32; now and then along an axis or nearly so. */
+/* A unit vector rounded to float32; sometimes along an axis or nearly so. */
 static void direction(uint64_t *random, float out[4])
 {
     double v[3];
@@ -118,7 +118,7 @@ static void test_phi_and_friends(void **state)
         const double phi = neph_phi(x);
         worst_phi = fmax(worst_phi, fabs(answers[3 * i].value[0] / phi - 1.0));
         neph_assert_close(answers[3 * i].value[0], phi, 3e-7, 0.0);
-        /* x near 0 that the device flushes costs no more than the smallest normal number. */
+        /* Flushing x near 0 has an error of at most the smallest normal number. */
         neph_assert_close(answers[3 * i + 1].value[0], exp(-x), epsilon * (3.0 + 2.0 * x), 2e-38);
         neph_assert_close(answers[3 * i + 2].value[0], -expm1(-x), 4e-7, 2e-38);
     }
@@ -132,19 +132,19 @@ static void test_sum_of_many_steps_keeps_its_digits(void **state)
     for (int i = 0; i < 4; i++)
         probes[i] = (struct probe){.what = PROBE_SUM, .a = {terms[i]}, .b = {60000.0f}};
     OWNED(memory) struct answer *answers = ask(*state, probes, 4);
-    for (int i = 0; i < 4; i++) /* a plain sum of 0.1 is off by 1e-3 here */
+    for (int i = 0; i < 4; i++) /* a plain sum of 0.1 has an error of 1e-3 here */
         neph_assert_close(answers[i].value[0], 60000.0 * (double)terms[i], epsilon, 0.0);
 }
 
-/* The driver of lavapipe ends loops in silence (see compute.h): up to the limit that the renderers
- * keep to, every turn must be made, in every thread of a workgroup. */
+/* The driver of lavapipe ends loops silently (compute.h). Up to the limit that the renderers
+ * respect, every iteration must be executed, in every thread of a work group. */
 static void test_loops_make_all_their_turns(void **state)
 {
     static const float turns[][2] = {{1, 64990}, {20000, 1}, {250, 250}, {10, 6400}};
     struct probe *probes = new_probes();
     for (int i = 0; i < 256; i++)
         probes[i] = (struct probe){.what = PROBE_LOOPS, .a = {turns[i % 4][0], turns[i % 4][1]}};
-    for (int i = 0; i < 4; i++) { /* alone, and then all of them beside each other */
+    for (int i = 0; i < 4; i++) { /* each by itself, then all in parallel */
         OWNED(memory) struct answer *answers = ask(*state, &probes[i], 1);
         assert_true(answers[0].value[0] == turns[i][0] * turns[i][1]);
         assert_true(answers[0].value[1] == turns[i][0]);
@@ -178,7 +178,7 @@ static void test_phase_functions(void **state)
                         : uniform(&random, -0.999, 0.999);
         direction(&random, p->b);
         direction(&random, p->c);
-        if (i % 5 == 0) { /* at or near the peak, forwards or backwards */
+        if (i % 5 == 0) { /* at or near the peak, forward or backward */
             const float sign = i % 10 ? 1.0f : -1.0f;
             for (int k = 0; k < 3; k++)
                 p->c[k] = sign * p->b[k] + (i % 20 < 10 ? 0.0f : uniform(&random, -1e-3, 1e-3));
@@ -198,14 +198,14 @@ static void test_phase_functions(void **state)
         const double cosine = neph_vec3_dot(neph_vec3_normalize(vec3(p->b)),
                                             neph_vec3_normalize(vec3(p->c)));
         const double expected = neph_phase_per_sr(&phase, cosine);
-        /* A vector off by a rounding turns by 6e-8: towards the peak, base^(-3/2) with base =
-         * (1-|g|)^2 + |g| angle^2 turns that into at most 3/2 * 2 * 6e-8 sqrt|g| / (1-|g|). */
+        /* A rounding of the vector turns it by 6e-8. Near the peak the factor base^(-3/2), with
+         * base = (1-|g|)^2 + |g| angle^2, makes this at most 3/2 * 2 * 6e-8 sqrt|g| / (1-|g|). */
         const double a = fabs((double)p->a[0]);
         const double turned = row->has_asymmetry ? 3.0 * 0.5 * epsilon / (1.0 - a) : 0.0;
         const double error = fabs(answers[i].value[0] / expected - 1.0);
         worst = fmax(worst, error / (8.0 * epsilon + turned));
         neph_assert_close(answers[i].value[0], expected, 8.0 * epsilon + turned, 0.0);
-        /* The power of Rayleigh's root is exp2 of a product, good to a few dozen roundings. */
+        /* The power for Rayleigh's root is exp2 of a product, accurate to a few dozen roundings. */
         neph_assert_close(answers[i].value[1], row->versine(fabs(phase.g), p->a[1]), 0.0,
                           64.0 * epsilon);
         neph_assert_close(answers[i].value[2], neph_phase_mean_cosine(&phase), 4.0 * epsilon, 0.0);
@@ -215,8 +215,8 @@ static void test_phase_functions(void **state)
 
 /* --- fog ---------------------------------------------------------------------------------- */
 
-/* Fog as it reaches the shader: reference height moved by neph_gpu_fog_layer_from(), y relative to
- * the camera. The truth uses the same float32 numbers. */
+/* Fog as the shader gets it: the reference height moved by neph_gpu_fog_layer_from(), y relative to
+ * the camera. The reference uses the same float32 numbers. */
 static void set_layer(struct probe *p, struct neph_gpu_fog_layer layer)
 {
     p->a[0] = layer.extinction_per_m;
@@ -246,7 +246,7 @@ static void random_fog(uint64_t *random, struct probe *p, int i)
     p->b[2] = i % 11 ? scale(random, 1e-3, 1e6) : NEPH_GPU_FAR_M;
 }
 
-/* Relative error that float32 may make in extinction at y: of exp, and of its rounded argument. */
+/* Relative float32 error of the extinction at y: of exp, and of its rounded argument. */
 static double extinction_tolerance(const struct probe *p, double y_m, double y_magnitude_m)
 {
     const double exponent = fabs((double)p->a[1] * (y_m - (double)p->a[2]));
@@ -277,7 +277,7 @@ static void test_fog_optical_depth(void **state)
         const double magnitude_m = fabs((double)p->b[0]) +
                                    (dense_y_m == end_y_m ? fabs(end_y_m - p->b[0]) : 0.0);
         const double relative = extinction_tolerance(p, dense_y_m, magnitude_m);
-        /* Transmittance must hold in every case; an optical depth above 100 is black. */
+        /* The transmittance must be correct in every case; an optical depth above 100 is black. */
         if (relative < 1.0) {
             const double transmitted = exp(-expected);
             neph_assert_close(answers[i].value[1], transmitted,
@@ -285,7 +285,7 @@ static void test_fog_optical_depth(void **state)
                               2e-38 + relative * 0.37);
             compared++;
         }
-        /* A density below the smallest normal number may be flushed. */
+        /* A density below the smallest normal number may be flushed to 0. */
         const double decay = fabs((double)p->a[1] * (double)p->b[1]) * (double)p->b[2];
         if (expected < 100.0 && exponent > -80.0 && relative < 0.01)
             neph_assert_close(depth, expected, relative,
@@ -317,7 +317,7 @@ static void test_fog_extinction(void **state)
     }
 }
 
-/* The ends of a march need only be roughly right: what they leave out must be as small as said. */
+/* The ends of a march are approximate; the omitted parts must be as small as documented. */
 static void test_fog_distances_leave_out_what_they_say(void **state)
 {
     struct probe *probes = new_probes();
@@ -338,7 +338,8 @@ static void test_fog_distances_leave_out_what_they_say(void **state)
         assert_true(distance_m >= 0.0 && !isnan(thin_end_m));
         const double met = neph_fog_layer_optical_depth(&layer, p->b[0], p->b[1], distance_m);
         const double total = neph_fog_layer_optical_depth(&layer, p->b[0], p->b[1], INFINITY);
-        /* A distance is known to ~1e-6 of itself, a steep fog needs it to a part of its height. */
+        /* A distance has a relative error of ~1e-6; a steep fog needs it to a fraction of its scale
+         * height. */
         const double rate_per_m = fabs((double)p->a[1] * (double)p->b[1]);
         const double blur = exp(fmin(20.0, rate_per_m * distance_m * 1e-6));
         if (distance_m < 0.99 * (double)NEPH_GPU_FAR_M) {
@@ -402,8 +403,8 @@ static void test_boxes(void **state)
         double t0_m = -INFINITY, t1_m = INFINITY;
         const bool expected = neph_bounds_clip(&box, vec3(p->c), vec3(p->d), &t0_m, &t1_m);
         const bool actual = answers[i].value[2] > 0.0f;
-        /* (face - origin) / direction: two roundings. Where entry and exit are as close as that,
-         * hit and miss are the same answer. */
+        /* (face - origin) / direction: two roundings. Where entry and exit are closer than that,
+         * hit and miss are both correct. */
         const double allowed_m = 2.0 * epsilon * fmax(fabs(t0_m), fabs(t1_m));
         if (isfinite(allowed_m) && fabs(t1_m - t0_m) <= 2.0 * allowed_m) {
             grazing++;
@@ -420,7 +421,7 @@ static void test_boxes(void **state)
     assert_true(met > count / 10 && grazing < count / 1000);
 }
 
-/* What the device knows of a sphere when the camera is at the origin. */
+/* Data of a sphere on the device, for a camera at the origin. */
 static void place_sphere(struct probe *p)
 {
     const struct neph_solid sphere = {
@@ -455,8 +456,8 @@ static void test_spheres(void **state)
         const double miss_m = neph_vec3_length(neph_vec3_along(offset_m, vec3(p->d), middle_m));
         const double radius_m = p->b[3];
         const double half_squared = (radius_m - miss_m) * (radius_m + miss_m);
-        /* The nearest point is off by a few roundings of the distance; the half chord by that
-         * times its slope miss / half chord. */
+        /* The nearest point has an error of a few roundings of the distance; the half chord has
+         * that times its slope, miss / half chord. */
         const double position_m = 3.0 * epsilon * neph_vec3_length(offset_m);
         if (fabs(radius_m - miss_m) < 4.0 * position_m) {
             grazing++;
@@ -476,9 +477,9 @@ static void test_spheres(void **state)
     assert_true(met > count / 10 && grazing < count / 100);
 }
 
-/* The Earth below, from up to 100 m over it: where rays meet the ground. Its place is exact in
- * float32, its radius is in double what it is there. The height of the ray's start is good to a few
- * roundings of its distance from the camera; on the way down that grows by 1 / sine. */
+/* The Earth from up to 100 m above it: where rays meet the ground. Its position is exact in
+ * float32, and the double side uses the float32 radius. The altitude of the ray's start is accurate
+ * to a few roundings of its distance from the camera; along the ray this grows by 1 / sine. */
 static void test_the_ground_of_a_planet(void **state)
 {
     struct probe *probes = new_probes();
@@ -533,7 +534,7 @@ static float moved(float value, int ulps)
     return value;
 }
 
-/* The half itself, and three floats about the middle between it and the next larger one. */
+/* The half itself, and three floats around the middle between it and the next larger one. */
 static void about_half(uint32_t half, float values[4])
 {
     const uint32_t magnitude = half & 0x7fffu;
@@ -559,8 +560,7 @@ static bool is_written_right(float answer, float value)
     return isnan(value) ? isnan(neph_rt_from_half(half)) : half == neph_rt_to_half(value);
 }
 
-/* Bits of what the driver does otherwise than the CPU reference's conversions, for `count` halves.
- * */
+/* Bits of the driver's conversions that differ from the CPU reference, for `count` halves. */
 static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uint32_t first,
                            int count)
 {
@@ -583,7 +583,7 @@ static uint32_t wrong_from(struct neph_vulkan *vulkan, struct probe *probes, uin
     return wrong;
 }
 
-/* Whatever this driver does, it is asked right. */
+/* neph_halves_ask() reports the driver's behaviour correctly, for every driver. */
 static void test_what_a_drivers_halves_are_worth(void **state)
 {
     struct probe *probes = new_probes();

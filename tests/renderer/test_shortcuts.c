@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shortcuts of the march: each off keeps the bits, each on does something, and what it changes
- * stays within what it promises.
+ * Approximations of the ray marcher: each one off keeps the bits, each one on has an effect, and
+ * its error is within its bound.
  */
 #include "tests/renderer/frames.h"
 
@@ -42,8 +42,8 @@ static void add_sparse_grid(struct test_scene *test)
         (struct neph_vec3){0.6, 0.5, 0.7}, -9.0, &random);
 }
 
-/* Tests that only need some grid take two: they share a kernel, whose making is most of what they
- * cost. */
+/* Tests that need some grid use two, so that they share a kernel; compiling it is most of their
+ * time. */
 static void add_two_grids(struct test_scene *test)
 {
     add_sparse_grid(test);
@@ -111,7 +111,8 @@ static void test_skipping_keeps_the_bits(void **state)
     check_skip(*state, &test.scene, params, "coloured, with closed forms");
 }
 
-/* In fog every step counts: the cloud alone is not asked, which no counter tells. */
+/* In fog every step counts; only the cloud's density is not sampled in empty cells, which no
+ * counter shows. */
 static void test_skipping_in_fog_keeps_the_bits(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -133,7 +134,7 @@ static struct neph_medium *add_slab(struct test_scene *test, double extinction_p
     return slab;
 }
 
-/* Where there is only fog, there is nothing to skip or to cache. */
+/* With fog only there is nothing to skip or to cache. */
 static void test_fog_alone_keeps_the_bits(void **state)
 {
     struct test_scene test;
@@ -163,10 +164,11 @@ static double cache_error(struct neph_vulkan *vulkan, const struct neph_scene *s
     return test_largest_difference(with, without, "volume");
 }
 
-/* Between nodes a distance h apart a depth is off by h^2 / 8 times the sum of its second
- * derivatives along the axes. Of a Gaussian's depth none is above s sqrt(2 pi) / w across the sun's
- * direction and s e^-0.5 / w along it: together 3.2 s / w, and thrice that for all axes. Radiance
- * is at most that times the sun's irradiance and the largest phase function. */
+/* Bound of the interpolation error at a node distance h: h^2 / 8 times the sum of the second
+ * derivatives of the depth along the axes. For a Gaussian they are at most s sqrt(2 pi) / w across
+ * the sun's direction and s e^-0.5 / w along it: together 3.2 s / w, and three times that for all
+ * axes. The radiance error is at most that times the sun's irradiance and the largest phase
+ * function. */
 static double cache_bound(const struct neph_scene *scene, int voxels)
 {
     const double spacing_m = 2.0 * blob_reach_m / (voxels - 1);
@@ -184,7 +186,7 @@ static void check_cache(struct neph_vulkan *vulkan, const struct neph_scene *sce
         print_message("%d nodes: volume off by %.2e, at most %.2e\n", voxels, error,
                       cache_bound(scene, voxels));
         assert_true(error > 0.0 && error < cache_bound(scene, voxels));
-        assert_true(error < before / 2.5); /* 4 where all derivatives above the second are 0 */
+        assert_true(error < before / 2.5); /* 4 for vanishing higher derivatives */
         before = error;
     }
 }
@@ -196,8 +198,8 @@ static void test_the_sun_cache_is_of_second_order(void **state)
     check_cache(*state, &test.scene);
 }
 
-/* A coloured cloud has three depths a node, of which red's is the largest here. The fog is in
- * front, and in the shadow behind. */
+/* A coloured cloud has three depths per node; red's is the largest here. Fog is in front of it, and
+ * in its shadow. */
 static void test_the_sun_cache_has_colours(void **state)
 {
     struct test_scene test;
@@ -222,7 +224,7 @@ static size_t cache_bytes(struct neph_vulkan *vulkan, const struct neph_scene *s
     return bytes;
 }
 
-/* Three depths a node are for colours, and for nothing else that is known of a scene. */
+/* A node has three depths only for coloured media, not for other properties of a scene. */
 static void test_the_sun_cache_has_a_depth_a_channel(void **state)
 {
     enum { NODES = 9 * 9 * 9 };
@@ -236,7 +238,7 @@ static void test_the_sun_cache_has_a_depth_a_channel(void **state)
     assert_int_equal(cache_bytes(*state, &test.scene), 3 * NODES * sizeof(float));
 }
 
-/* Filled once, and again when the sun or the cloud has moved: then as if it were the first. */
+/* Filled once, and again when the sun or the cloud has moved, with the result of a new cache. */
 static void check_refill(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                          struct neph_march *march, uint64_t *fill_evaluations)
 {
@@ -261,7 +263,7 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
     params.sun_steps = 6;
     OWNED(march) struct neph_march *march = test_march_open(*state, &test.scene, &params);
     check_refill(*state, &test.scene, march, &evaluations);
-    /* Six of each node but those from which the sun ray leaves the bounds at once. */
+    /* Six per node, except for nodes at which the sun ray leaves the bounds at once. */
     assert_true(evaluations > 6 * 31 * 31 * 31 * 9 / 10 && evaluations <= 6 * 32 * 32 * 32);
     test.scene.sun.direction = neph_vec3_normalize((struct neph_vec3){-0.5, 0.7, -0.6});
     check_refill(*state, &test.scene, march, &evaluations);
@@ -271,7 +273,8 @@ static void test_the_sun_cache_follows_sun_and_cloud(void **state)
     assert_true(evaluations > 0);
 }
 
-/* Spread over pictures: what is there is filled at once, and what is new a part in each. */
+/* Refilled over several frames: an existing cache is used at once, and a part is renewed in each
+ * frame. */
 static void test_the_sun_cache_is_filled_over_pictures(void **state)
 {
     enum { PICTURES = 4 };
@@ -306,8 +309,8 @@ static void test_the_sun_cache_is_filled_over_pictures(void **state)
 
 /* --- early out ------------------------------------------------------------------------------ */
 
-/* What is left out is seen through less than the limit: the brightest that light can be scattered
- * once to, and what is behind. */
+/* The omitted part has a transmittance below the limit, times the largest single scattering and the
+ * background. */
 static void test_early_out_loses_what_it_says(void **state)
 {
     struct test_scene test;
@@ -346,22 +349,22 @@ static double growth_difference(struct neph_vulkan *vulkan, const struct neph_sc
     return test_largest_difference(equal, grown, layer);
 }
 
-/* Steps of any length add up to the stretch, and both kinds converge to the same. */
+/* Growing steps cover the ray, and converge to the same result. */
 static void test_growing_steps_tile_the_ray(void **state)
 {
     struct test_scene test;
     test_scene_init(&test);
     add_slab(&test, 0.2);
-    /* pow() is good to 16 ulp or so at a largest power of 20, and edges to 1e-6 of 25 m. */
+    /* pow() is accurate to 16 ulp at a largest power of 20, and edges to 1e-6 of 25 m. */
     assert_true(growth_difference(*state, &test.scene, 64, 1.05, "transmittance") < 3e-6);
     const double coarse = growth_difference(*state, &test.scene, 16, 1.2, "volume");
     const double fine = growth_difference(*state, &test.scene, 64, pow(1.2, 0.25), "volume");
     print_message("growing steps: volume off by %.2e, with four times as many %.2e\n", coarse,
                   fine);
-    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 where the step error is of order 2 */
+    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 for a second-order step error */
 }
 
-/* --- steps that grow by depth --------------------------------------------------------------- */
+/* --- joined steps --------------------------------------------------------------------------- */
 
 static double depth_growth_difference(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                       struct neph_march_params params, uint64_t steps[2])
@@ -372,14 +375,14 @@ static double depth_growth_difference(struct neph_vulkan *vulkan, const struct n
     params.shortcuts.depth_growth = 4.0;
     OWNED(image) struct neph_image *grown = test_march(vulkan, scene, &params, &some);
     const double difference = test_largest_difference(equal, grown, "volume");
-    /* What lies behind is the whole medium, by steps of any length. */
+    /* The transmittance covers the whole medium, for steps of any length. */
     assert_true(test_largest_difference(equal, grown, "transmittance") < 3e-6);
     steps[0] = every.view_steps;
     steps[1] = some.view_steps;
     return difference;
 }
 
-/* They tile the ray, there are fewer, and both kinds converge to the same: a step is at most 16
+/* Joined steps cover the ray, are fewer, and converge to the same result: a step is at most 16
  * times as long. */
 static void test_steps_grow_by_depth(void **state)
 {
@@ -395,11 +398,11 @@ static void test_steps_grow_by_depth(void **state)
     const double fine = depth_growth_difference(*state, &test.scene, params, steps);
     print_message("steps that grow by depth: volume off by %.2e, with four times as many %.2e\n",
                   coarse, fine);
-    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 where the step error is of order 2 */
+    assert_true(coarse > 1e-5 && fine < coarse / 8.0); /* 16 for a second-order step error */
 }
 
-/* Where no optical depth gets to 1 / depth_growth, all are as they were, but for the order of sums:
- * the march passes its clear steps in another loop. */
+/* Where no optical depth reaches 1 / depth_growth, the steps are unchanged, up to the order of
+ * sums: clear steps are passed in another loop. */
 static void test_steps_in_thin_media_do_not_grow(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -444,7 +447,8 @@ static void test_what_is_of_no_use_is_refused(void **state)
     }
 }
 
-/* Two clouds, of which one moves: empty cells do not stay empty. Both together do. */
+/* Two clouds, one of them moving: empty cells do not stay empty. With both moving together they
+ * do. */
 static void test_skipping_refuses_media_that_part(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -468,8 +472,8 @@ static void test_skipping_refuses_media_that_part(void **state)
 
 /* --- in real time --------------------------------------------------------------------------- */
 
-/* The second of two frames. By day of the march itself, whose kernels are there, by night of the
- * split frame. */
+/* The second of two frames. By day of the march itself, with kernels that exist already; at night
+ * of the split frame. */
 static struct neph_image *second_frame(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                        const char *assignments, struct neph_realtime_stats *stats)
 {
@@ -494,7 +498,7 @@ static void test_shortcuts_in_real_time(void **state)
     OWNED(image) struct neph_image *fast = second_frame(*state, &test.scene, all, &stats[1]);
     assert_false(test_same_bits(slow, fast));
     assert_true(stats[1].view_steps < stats[0].view_steps);
-    /* The lattice is there already: one evaluation a step is left. */
+    /* The grid exists already: one evaluation per step remains. */
     assert_int_equal(stats[1].density_evaluations, stats[1].view_steps);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sky's tables against closed forms, the exact light of one order, adding-doubling, and the
- * oracle.
+ * The sky's tables compared with closed forms, with the exact light of one order, with
+ * adding-doubling, and with the oracle.
  */
 #include "tests/renderer/frames.h"
 
@@ -42,8 +42,8 @@ static struct neph_scene *look(const struct neph_scene *earth, double sun_deg, d
 
 /* --- harmonics -------------------------------------------------------------------------------- */
 
-/* Over a product rule that is exact for their products: z by Gauss (here by many midpoints, to
- * 1e-5), the azimuth by 64 even ones. */
+/* Integrated by a product rule that is exact for products of harmonics: many midpoints in z (to
+ * 1e-5), and equal steps of azimuth. */
 static void test_harmonics_are_orthonormal(void **state)
 {
     enum { COUNT_Z = 2000, COUNT_PHI = 32, DEGREE = 5, MOMENTS = 21 };
@@ -63,8 +63,8 @@ static void test_harmonics_are_orthonormal(void **state)
             assert_true(fabs(sums[a][b] - (a == b)) < 3e-5);
 }
 
-/* In the plane of z and x sines vanish, and the addition theorem is whole: the series of a phase
- * function over the product of the values at two directions is the phase function. */
+/* In the plane of z and x the sine terms vanish from the addition theorem: the sum over degrees of
+ * coefficient times the harmonics of two directions is the phase function. */
 static void test_phase_functions_are_their_series(void **state)
 {
     struct neph_sky_air air;
@@ -94,8 +94,8 @@ static void test_phase_functions_are_their_series(void **state)
 
 /* --- the table of transmittance --------------------------------------------------------------- */
 
-/* Linear between nodes, the usual number of them and half of that: worst at sunset, where it falls
- * from a tenth to nothing within a degree. */
+/* Linear interpolation with the usual number of nodes and with half of them: the largest error is
+ * at sunset, where the transmittance falls from a tenth to 0 within a degree. */
 static void test_sun_table(void **state)
 {
     struct neph_sky_air air;
@@ -132,8 +132,8 @@ static void test_sun_table(void **state)
 
 /* --- one order -------------------------------------------------------------------------------- */
 
-/* Largest distance from the exact light, of itself; below 1e-4 of the sunlight per sr, which is
- * what the air above the tables' top scatters, of that. */
+/* Largest relative difference to the exact light; below 1e-4 of the sunlight per sr (the light of
+ * the air above the tables' top) relative to that. */
 static double off_by(const struct neph_scene *scene, int steps, double *transmittance)
 {
     struct neph_sky_params params = usual;
@@ -159,7 +159,7 @@ static double off_by(const struct neph_scene *scene, int steps, double *transmit
     return worst;
 }
 
-/* Any place, level rays and straight ones, down to the ground and past it: second order in the
+/* Several places, horizontal and vertical rays, to the ground and past it: second order in the
  * steps. */
 static void test_one_order_is_exact_in_the_limit(void **state)
 {
@@ -185,7 +185,7 @@ static void test_one_order_is_exact_in_the_limit(void **state)
 
 /* --- all orders ------------------------------------------------------------------------------- */
 
-/* Air of 100 m on a large black ball, whose solid is the caller's, and all orders of sunlight. */
+/* Air of 100 m on a large black sphere (the caller's solid), with all orders of sunlight. */
 static struct neph_scene thin_air(double radius_m, double depth, double albedo,
                                   struct neph_phase phase, double sun_cosine,
                                   struct neph_solid *ground)
@@ -203,8 +203,8 @@ static struct neph_scene thin_air(double radius_m, double depth, double albedo,
     return scene;
 }
 
-/* A thin atmosphere on a large ball, black below: plane-parallel to sqrt(H / R),
- * 3e-3: light that comes level sees the curve. */
+/* A thin atmosphere on a large black sphere: plane-parallel up to sqrt(H / R), 3e-3, because
+ * horizontal light sees the curvature. */
 static void check_slab(struct neph_phase phase, int degree, double tolerance)
 {
     static const double cosines[] = {0.9, 0.6, 0.35};
@@ -237,7 +237,7 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
     double worst = 0.0;
     for (int i = 0; i < 12; i++) {
         const double azimuth_rad = 0.3 + 0.8 * (i / 3), y = cosines[i % 3], x = sqrt(1.0 - y * y);
-        /* Sunlight travels to -x: light that leaves like it comes from +x, and is seen there. */
+        /* Sunlight travels to -x: light in the same direction comes from +x. */
         const struct neph_vec3 up = {x * cos(azimuth_rad), y, x * sin(azimuth_rad)};
         const struct neph_vec3 down = {up.x, -y, up.z};
         const struct neph_vec3 foot_m = {0, 1e-3, 0}, high_m = {0, 1390.0, 0};
@@ -252,8 +252,9 @@ static void check_slab(struct neph_phase phase, int degree, double tolerance)
     assert_true(worst < tolerance);
 }
 
-/* Moments of degree 0 and of 0 and 2 are all that isotropic and Rayleigh scattering know: what is
- * left is of steps, nodes and directions. Henyey-Greenstein needs more, and has more with more. */
+/* Isotropic and Rayleigh scattering have moments of degree 0, and of 0 and 2, only: the remaining
+ * errors are from steps, nodes and directions. Henyey-Greenstein needs more degrees, and improves
+ * with them. */
 static void test_all_orders_in_a_slab(void **state)
 {
     check_slab((struct neph_phase){NEPH_PHASE_ISOTROPIC, 0.0}, 0, 3e-3);
@@ -264,11 +265,11 @@ static void test_all_orders_in_a_slab(void **state)
 
 /* --- published values ------------------------------------------------------------------------- */
 
-/* Light of all orders in a slab that scatters as Rayleigh without polarisation, of optical depth
- * 0.2, the sun 4.6 degrees high, in the plane of the sun, towards it from below and from above:
- * A. Sweigart, "Radiative Transfer in Atmospheres Scattering According to the Rayleigh Phase
- * Function with Absorption" (Astrophys. J. Suppl. 22, 1970), table 1, as the second test of DISORT
- * (K. Stamnes et al., Appl. Opt. 27, 1988) prints it. The irradiance across the sunlight is pi. */
+/* All orders in a slab with Rayleigh scattering without polarization, optical depth 0.2, sun at 4.6
+ * degrees, in the plane of the sun, from below and from above: A. Sweigart, "Radiative Transfer in
+ * Atmospheres Scattering According to the Rayleigh Phase Function with Absorption" (Astrophys. J.
+ * Suppl. 22, 1970), table 1, as printed in the second test of DISORT (K. Stamnes et al., Appl. Opt.
+ * 27, 1988). The irradiance perpendicular to the sunlight is pi. */
 static const struct {
     double albedo, below[3], above[3];
 } sweigart[] = {
@@ -278,8 +279,8 @@ static const struct {
 static const double sweigart_sun_cosine = 0.080442;
 static const double sweigart_cosines[3] = {0.018014, 0.538263, 0.981986};
 
-/* So large a ball that the first direction, a degree above the horizon, sees hardly any curve: 1e-3
- * of its way there. */
+/* A sphere so large that the first direction, a degree above the horizon, has hardly any curvature:
+ * 1e-3 of its length. */
 static void test_sweigarts_rayleigh_sky(void **state)
 {
     const struct neph_sky_params params = {.steps = 192,
@@ -320,7 +321,7 @@ static void test_sweigarts_rayleigh_sky(void **state)
     assert_true(worst < 5e-3 && grazing < 1.5e-2);
 }
 
-/* The mean of a wide picture, by the oracle to 1 %; of each pixel at night. */
+/* The mean of a wide frame compared with the oracle, to 1 %; at night every pixel. */
 static void test_all_orders_of_the_earth(void **state)
 {
     const int samples = neph_test_by_day(400, 20000);
@@ -342,13 +343,13 @@ static void test_all_orders_of_the_earth(void **state)
     }
     print_message("sun at 5 degrees: %.4f of the oracle's light, whose noise is %.4f\n",
                   seen / truth, sqrt(3.0 * noise2) / truth);
-    /* The channels of a path are not independent: 3 times their variances at the most. */
+    /* A path's channels are correlated: at most 3 times the sum of their variances. */
     neph_assert_close(seen, truth, 0.015, 3.0 * sqrt(3.0 * noise2));
 }
 
 /* --- solids ----------------------------------------------------------------------------------- */
 
-/* Boxes and a ball from 50 m to 40 km away, one in the shadow of another. */
+/* Boxes and a sphere at 50 m to 40 km, one in the shadow of another. */
 static struct neph_scene *with_solids(const struct neph_scene *earth, struct neph_solid solids[5],
                                       enum neph_scattering scattering)
 {
@@ -366,8 +367,8 @@ static struct neph_scene *with_solids(const struct neph_scene *earth, struct nep
     return scene;
 }
 
-/* Without scattering all is known but the sky's table: as the exact light is. With one order the
- * air before a far solid is known, too, but for the shadow of the ball, through which few look. */
+/* Without scattering everything but the sky's table is exact. With one order the air in front of a
+ * distant solid is, too, except for the shadow of the sphere, which few rays cross. */
 static void test_solids_behind_air(void **state)
 {
     enum { WIDTH = 36, HEIGHT = 24 };
@@ -406,8 +407,8 @@ static void test_solids_behind_air(void **state)
     }
 }
 
-/* Irradiance of a level surface at the ground by its moments is what was summed for the ground; to
- * what degrees above 4 have, and the few directions that are summed: 4 %. */
+/* Irradiance of a horizontal surface at the ground, from the moments and as summed for the ground.
+ * They agree up to degrees above 4 and the few directions of the sum: 4 %. */
 static void test_moments_light_surfaces(void **state)
 {
     struct neph_sky_air air;
@@ -439,8 +440,8 @@ static void test_moments_light_surfaces(void **state)
 
 /* --- a table of views ------------------------------------------------------------------------- */
 
-/* Linear between nodes that are half as far apart: a quarter of the error. The sun in the picture,
- * and the horizon. */
+/* Linear interpolation between nodes at half the distance: a quarter of the error. Sun and horizon
+ * in view. */
 static void test_view_table_is_the_walk_in_the_limit(void **state)
 {
     enum { WIDTH = 13, HEIGHT = 11, TABLES = 2 };
@@ -474,8 +475,8 @@ static void test_view_table_is_the_walk_in_the_limit(void **state)
     assert_true(worst[0] < 0.03 && worst[1] < 0.3 * worst[0]);
 }
 
-/* The ground from a few metres up: 100 m to 4 km of air before it, of which as much is missing as
- * the way is shorter than between two nodes; towards the sun and away from it. */
+/* The ground from a few metres above it: through 100 m to 4 km of air, with distances between two
+ * nodes; towards the sun and away from it. */
 static void test_view_table_sees_the_ground_near(void **state)
 {
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
@@ -507,8 +508,8 @@ static void test_view_table_sees_the_ground_near(void **state)
 
 /* --- layers ----------------------------------------------------------------------------------- */
 
-/* What a medium is cut into, and in which order its parts come, is no matter: sums of the same
- * numbers, to their rounding, which is that of the floats of the table of transmittance. */
+/* Splitting a medium and reordering the parts changes nothing but the rounding of sums, which is
+ * that in float32 of the transmittance table. */
 static void test_splitting_a_medium_changes_nothing(void **state)
 {
     OWNED(scene) struct neph_scene *earth = test_load("catalog/sky_earth");
@@ -545,8 +546,8 @@ static void test_splitting_a_medium_changes_nothing(void **state)
 
 /* --- on a device ------------------------------------------------------------------------------ */
 
-/* In float32 heights along a ray are good to 1e-7 of its length, and light to that over a scale
- * height: 4e-5 of the darkest place of a picture, measured 3e-6. */
+/* In float32 altitudes along a ray are accurate to 1e-7 of its length, and light to that over a
+ * scale height: 4e-5 of the darkest pixel; measured 3e-6. */
 static void test_device_equals_the_cpu_reference(void **state)
 {
     struct neph_vulkan *vulkan = *state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Shaders with their specialization constants built in: what a probe of all sorts of ways answers,
- * against the same in C, that the layer finds nothing wrong with the renderer's own, and what
- * becomes of a shader that is none.
+ * Shaders with their specialization constants applied: results of a probe with many control-flow
+ * constructs compared with C, validation of the renderer's shaders by the layer, and invalid
+ * shaders.
  */
 #include "tests/renderer/probe.h"
 
@@ -42,7 +42,7 @@ struct constants {
     float factor;
 };
 
-/* --- shaders/probe_constants.comp once more ----------------------------------------------- */
+/* --- shaders/probe_constants.comp in C -------------------------------------------------------- */
 
 static uint32_t early(const struct constants *c, uint32_t x)
 {
@@ -126,7 +126,7 @@ static void test_every_way(void **state)
     }
 }
 
-/* --- the renderer's own ------------------------------------------------------------------- */
+/* --- the renderer's shaders ----------------------------------------------------------------- */
 
 static const struct {
     const char *name;
@@ -149,7 +149,7 @@ static bool has_open_constants(const uint32_t *words, size_t size_bytes)
     return has;
 }
 
-/* The layer reads every module that is made. */
+/* The layer validates every module that is created. */
 static void check_module(struct neph_vulkan *vulkan, const uint32_t *words, size_t size_bytes)
 {
     const VkShaderModuleCreateInfo info = {
@@ -197,8 +197,8 @@ static void test_valid_whatever_the_constants(void **state)
     }
 }
 
-/* Bits that a shader does not read make no other kernel (kernel.c), whatever they are: the words of
- * both are the same. A step of the real-time pipeline reads few of 150 settings. */
+/* Bits that a shader does not read make no other kernel (kernel.c): the words are the same for all
+ * values of these bits. A pass of the real-time pipeline reads few of 150 settings. */
 static void test_bits_that_are_not_read_change_nothing(void **state)
 {
     enum { COUNT = RT_CONSTANT_COUNT };
@@ -227,7 +227,7 @@ static void test_bits_that_are_not_read_change_nothing(void **state)
     }
 }
 
-/* A march of nothing knows no medium, no light and no cloud. */
+/* A march of an empty scene contains no medium, no light and no cloud. */
 static void test_unused_goes(void **state)
 {
     const uint32_t nothing[12] = {0}, all_kinds[12] = {(1u << NEPH_MEDIUM_KIND_COUNT) - 1, 262532};
@@ -241,7 +241,7 @@ static void test_unused_goes(void **state)
     assert_true(4 * bytes[0] < bytes[1]);
 }
 
-/* The tracer's work groups have the size that a constant says. */
+/* The tracer's work groups have the size given by a constant. */
 static void test_the_size_of_work_groups_stays(void **state)
 {
     enum { HEADER_WORDS = 5, OP_DECORATE = 71, BUILT_IN = 11, WORKGROUP_SIZE = 25 };
@@ -267,7 +267,7 @@ static bool has_int64(const uint32_t *words, size_t size_bytes)
     return has;
 }
 
-/* renderer/requirements.c asks a CPU for shaderInt64, and no GPU. */
+/* renderer/requirements.c requires shaderInt64 of a CPU device, but not of a GPU. */
 static void test_kernels_of_a_gpu_need_no_int64(void **state)
 {
     static const struct {
@@ -290,11 +290,11 @@ static void test_kernels_of_a_gpu_need_no_int64(void **state)
         }
 }
 
-/* --- what is refused ---------------------------------------------------------------------- */
+/* --- refusals ------------------------------------------------------------------------------- */
 
 enum { PACKED_HEAD = 2 + 34 };
 
-/* As pack_shader.py packs, with constant 1 and the lowest digit of constant 33. */
+/* Packed as by pack_shader.py, with constant 1 and the lowest digit of constant 33. */
 static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
 {
     uLongf deflated = (64 - PACKED_HEAD) * sizeof(*packed);
@@ -311,7 +311,7 @@ static size_t pack(const void *module, size_t size_bytes, uint32_t packed[64])
     return PACKED_HEAD * sizeof(*packed) + deflated;
 }
 
-/* The batch that needs a kernel is told of its shader, its constants and the reason. */
+/* The batch that needs a kernel gets its shader's name, its constants and the reason. */
 static void test_a_refused_shader_is_named(void **state)
 {
     static const uint32_t no_spirv[8] = {0x07230203, 0x00010500, 0, 2, 0, 0x0001ffff, 1, 2};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What is asked for after a loop: what a device makes of it, and that renderer/spirv_loops.h finds
- * what lavapipe loses. All kernels that any test makes are looked at in the same way.
+ * Values used after a loop: the results of devices, and that renderer/spirv_loops.h detects the
+ * kernels for which lavapipe loses them. Kernels of all tests are checked in the same way.
  */
 #include "tests/renderer/probe.h"
 #include "tests/renderer/shader_words.h"
@@ -14,7 +14,7 @@ static const uint32_t probe_code[] = {
 
 enum { ANSWERS = 64 };
 
-/* --- shaders/probe_loops.comp once more: asked[i] is i ---------------------------------------- */
+/* --- shaders/probe_loops.comp in C -------------------------------------------------------- */
 
 static uint32_t carried(uint32_t x)
 {
@@ -79,7 +79,7 @@ static struct neph_kernel_params params_of(uint32_t way)
                                        .constants = {way, 0}};
 }
 
-/* How many threads answer something else. */
+/* Number of threads with a wrong result. */
 static int run(struct neph_vulkan *vulkan, uint32_t way)
 {
     const struct neph_kernel_params params = params_of(way);
@@ -118,8 +118,8 @@ static void test_what_is_lost_is_found(void **state)
     }
 }
 
-/* The shader is right, and so is a GPU; lavapipe loses what it is said to lose, and no more than
- * that: threads that leave last have their own. Such a kernel is a message of validation's. */
+/* The shader is correct, and so is a GPU. lavapipe loses exactly the predicted values: threads that
+ * leave last keep theirs. Such a kernel causes a validation message. */
 static void test_the_fault(void **state)
 {
     struct neph_vulkan *vulkan = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loops that are divided for a validation layer (renderer/spirv_split.h): the modules are valid,
- * answer what they answered, and the checks of the layer can be added to them.
+ * Loops that are split for a validation layer (renderer/spirv_split.h): the modules are valid,
+ * their results are unchanged, and the layer's checks can be added.
  */
 #include "tests/renderer/probe.h"
 #include "tests/renderer/shader_words.h"
@@ -49,7 +49,7 @@ static int count_accesses(const uint32_t *words, size_t word_count)
     return count;
 }
 
-/* The layer reads every module that is made. */
+/* The layer validates every module that is created. */
 static void check_module(struct neph_vulkan *vulkan, const uint32_t *words, size_t size_bytes)
 {
     const VkShaderModuleCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -84,7 +84,7 @@ static void test_headers_have_no_access(void **state)
     assert_true(before > 0);
 }
 
-/* Ways 0 and 1 of shaders/probe_loops.comp, which lavapipe renders as they are meant. */
+/* Ways 0 and 1 of shaders/probe_loops.comp, which lavapipe executes correctly. */
 static void check_answers(struct neph_vulkan *vulkan)
 {
     for (uint32_t way = 0; way < 2; way++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sun rays of few steps, which grow and lie within a cone: what they are is written down once more
- * here, in double precision, and where a medium is even they know its optical depth.
+ * Sun rays with few steps, which grow or are in a cone, compared with the same rule in double
+ * precision; in a homogeneous medium they give its optical depth.
  */
 #include "tests/renderer/frames.h"
 
@@ -17,14 +17,14 @@ static const struct neph_march_params marched = {.width_px = WIDTH_PX,
                                                  .sun = NEPH_MARCH_MARCHED,
                                                  .sun_steps = 6};
 
-/* --- once more ------------------------------------------------------------------------------ */
+/* --- in double precision -------------------------------------------------------------------- */
 
 static struct neph_vec3 cross(struct neph_vec3 a, struct neph_vec3 b)
 {
     return (struct neph_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* Optical depth of a medium from a point towards the sun, which does not stand straight above. */
+/* Optical depth of a medium from a point towards the sun, which must not be at the zenith. */
 static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m,
                        struct neph_vec3 to_sun, const struct neph_march_params *params)
 {
@@ -54,7 +54,7 @@ static double depth_of(const struct neph_medium *medium, struct neph_vec3 from_m
 
 /* --- the ground's light --------------------------------------------------------------------- */
 
-/* Optical depth towards the sun at what a pixel shows of level ground. */
+/* Optical depth towards the sun from the radiance of a pixel of horizontal ground. */
 static double shown_depth(const struct neph_image *frame, const struct test_scene *test, int pixel)
 {
     const double radiance = (double)neph_image_channel(frame, "R")[pixel];
@@ -65,7 +65,8 @@ static double shown_depth(const struct neph_image *frame, const struct test_scen
     return -log(radiance / through / clear);
 }
 
-/* The largest difference over all pixels of ground, and how many have something before the sun. */
+/* Largest difference over all ground pixels, and the number of pixels with a medium towards the
+ * sun. */
 static double worst_difference(struct neph_vulkan *vulkan, const struct test_scene *test,
                                const struct neph_march_params *params, int *shaded)
 {
@@ -94,8 +95,8 @@ static void add_ground(struct test_scene *test)
     test_add_box(test, (struct neph_vec3){-1e3, -3.0, -1e3}, (struct neph_vec3){1e3, -2.0, 1e3});
 }
 
-/* Float32 knows a point 20 m away to 2e-6 m, where densities change by up to 0.9 in a cell of 0.5 m
- * and at six steps of a metre. */
+/* float32 has an error of 2e-6 m for a point at 20 m, where densities change by up to 0.9 in a cell
+ * of 0.5 m, over six steps of a metre. */
 static void test_through_voxels(void **state)
 {
     static const struct neph_shortcuts rays[] = {
@@ -126,7 +127,7 @@ static void test_through_voxels(void **state)
     }
 }
 
-/* Lengths add up to the way, wherever in the medium the points are. */
+/* The lengths add up to the path, for all points in the medium. */
 static void test_in_an_even_medium(void **state)
 {
     struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Traced light: a slab by adding and doubling, white furnaces of every medium, texels against the
- * tracer, and pictures that follow each other.
+ * Traced light: slabs compared with adding and doubling, white furnaces of every medium, texels
+ * compared with the tracer, and sequences.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -23,7 +23,7 @@ static struct neph_march_params params_of(uint32_t seed)
     };
 }
 
-/* The mean of a channel; each value is finite and not negative. */
+/* Mean of a channel; asserts that each value is finite and not negative. */
 static double mean_of(const struct neph_image *frame, const char *channel)
 {
     const float *values = neph_image_channel(frame, channel);
@@ -52,8 +52,8 @@ static const struct {
      true},
 };
 
-/* Within four standard errors, found from seeds, and those within 2 %: so a wrong order of
- * scattering, which is 5 % and more here, is seen. */
+/* Within four standard errors, from several seeds, which must be below 2 %: so a missing order of
+ * scattering, 5 % or more here, is detected. */
 static void test_slabs_are_those_of_adding_and_doubling(void **state)
 {
     for (size_t s = 0; s < sizeof(slabs) / sizeof(slabs[0]); s++) {
@@ -108,9 +108,9 @@ static const struct {
     void (*build)(struct test_scene *test);
 } furnaces[] = {{"blob", add_blob}, {"shell", add_shell}, {"blob and fog", add_two}};
 
-/* In a sky of 1 that lights all alike, what absorbs nothing cannot be seen. Each path brings home
- * 1; what is off is those under way at the end for those at the start, and nothing where they count
- * that ahead. By day only of one scene: others are kernels of their own. */
+/* In a uniform sky of 1 a medium without absorption is invisible. Each path finds 1; the error is
+ * the difference between paths unfinished at the end and at the start, and 0 where paths count an
+ * estimate ahead. By day for one scene only, because others need kernels of their own. */
 static void check_furnaces(struct neph_vulkan *vulkan, const struct neph_march_params *params,
                            size_t by_day)
 {
@@ -152,13 +152,13 @@ static void test_white_furnaces(void **state)
 enum { TEXEL_PX = 8, WIDE = WIDTH_PX / TEXEL_PX, HIGH = (HEIGHT_PX + TEXEL_PX - 1) / TEXEL_PX };
 enum { TEXELS = WIDE * HIGH, RUNS = 2 };
 
-/* What a texel is: a mean, and what its noise goes by the inverse root of. */
+/* A texel: its mean light, and a weight; the noise is proportional to the inverse root of the
+ * weight. */
 struct texel {
     double light, weight;
 };
 
-/* A picture by itself: what texels have in the end, and the paths that are under way then (may be
- * NULL). Both for free(). */
+/* A single frame: the final texels, and the unfinished paths (may be NULL). Both for free(). */
 static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
                                           const struct neph_scene *scene,
                                           const struct neph_march_params *params,
@@ -183,7 +183,7 @@ static struct neph_gpu_light_texel *trace(struct neph_vulkan *vulkan,
     return texels;
 }
 
-/* What the cache holds, of one picture at rest. */
+/* The texels of one static frame. */
 static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint32_t seed,
                    bool looks_ahead, struct texel texels[TEXELS])
 {
@@ -197,8 +197,8 @@ static void cached(struct neph_vulkan *vulkan, const struct neph_scene *scene, u
     }
 }
 
-/* What it should hold: the tracer's light over the opacity, of its pixels, but for what of the sun
- * was scattered once. (Where there is no sun, what was scattered once is the sky's.) */
+/* The expected texels: the tracer's light over the opacity of their pixels, without single
+ * scattering of sunlight. (Without a sun, single scattering is the sky's.) */
 static void projected(struct neph_vulkan *vulkan, const struct neph_scene *scene, uint64_t seed,
                       struct texel texels[TEXELS])
 {
@@ -261,9 +261,9 @@ static void check_texels(const struct texel held[RUNS][TEXELS],
     assert_true(squares / (RUNS * TEXELS) < 2.2);
 }
 
-/* At rest each texel is what the tracer finds there, within the noise of both: with two seeds of
- * each, 24 z-scores whose mean square is 1. Chance alone makes it 2.2 once in 10^4 times, or one
- * score 5. What paths count ahead changes nothing of that. */
+/* In a static scene each texel agrees with the tracer, within the noise of both: two seeds of each
+ * give 24 z-scores with a mean square of 1. By chance it exceeds 2.2, or one score 5, once in 10^4
+ * times. Counting estimates ahead does not change this. */
 static void test_texels_are_what_the_tracer_finds(void **state)
 {
     struct test_scene test;
@@ -279,8 +279,8 @@ static void test_texels_are_what_the_tracer_finds(void **state)
     check_texels(ahead, wanted);
 }
 
-/* A sky that lights media, or a bright ground in the sun: by the tracer, as above. (Both at once
- * are refused: nothing brings the sky's light to what is seen of the ground.) */
+/* A sky that illuminates media, or a bright sunlit ground, compared with the tracer. (Both at once
+ * are refused: the sky's light on the visible ground is not computed.) */
 static void test_sky_and_ground(void **state)
 {
     for (int ground = neph_test_by_day(1, 0); ground < 2; ground++) {
@@ -305,9 +305,9 @@ static void test_sky_and_ground(void **state)
     }
 }
 
-/* --- what is ahead ---------------------------------------------------------------------------- */
+/* --- estimates ahead ------------------------------------------------------------------------ */
 
-/* What a texel has found, without what its paths have counted ahead and not taken back. */
+/* The light that a texel has found, without its paths' estimates that are not yet subtracted. */
 static double found_in(const struct neph_gpu_light_texel *texel,
                        const struct neph_gpu_light_path paths[PATHS])
 {
@@ -317,8 +317,8 @@ static double found_in(const struct neph_gpu_light_texel *texel,
     return sum;
 }
 
-/* Paths go the same way whatever they expect, so two estimates leave the same light, but for the
- * rounding of sums of some hundred numbers: 1e-5 of them. */
+/* Paths do not depend on the estimate, so two estimates give the same light up to the rounding of
+ * sums of some hundred numbers: 1e-5. */
 static void test_what_is_ahead_is_taken_back(void **state)
 {
     enum { ESTIMATES = 2 };
@@ -344,16 +344,16 @@ static void test_what_is_ahead_is_taken_back(void **state)
     }
     print_message("with both estimates the same, where sums differ by up to %.1f %%\n",
                   100.0 * apart);
-    assert_true(apart > 1e-3); /* they had something to take back */
+    assert_true(apart > 1e-3); /* some estimates are to be subtracted */
     for (int i = 0; i < ESTIMATES; i++) {
         free(texels[i]);
         free(paths[i]);
     }
 }
 
-/* The first picture after a cut, of a slab that light comes through after thousands of orders. Its
- * noise is 18 % a texel, of which some 100 are independent after the blur: 1.8 %, four times that,
- * and 2 % for P1 at a surface. */
+/* The first frame after a cut, of a slab that transmits light after thousands of orders. Its noise
+ * is 18 % per texel, of which some 100 are independent after the filter: 1.8 %. Allowed are four
+ * times that, and 2 % for P1 at a surface. */
 static void test_orders_that_had_no_time(void **state)
 {
     const struct neph_slab_params slab = {80.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.3}, 0.7, 0,
@@ -382,9 +382,9 @@ static void test_orders_that_had_no_time(void **state)
     assert_true(fabs(errors[1]) < 0.092);
 }
 
-/* Paths that end with their round, in diffused light: of a slab whose sun has moved since the first
- * picture, so that the lattice has followed it. The bias is P1's, 1.3 % as measured in many more
- * texels; the noise is of some 46 that the blur leaves independent. */
+/* Paths that end with their round, in diffused light: a slab after a change of the sun, so that the
+ * grid has followed it. The bias of P1 is 1.3 %, measured with many more texels; the noise is of
+ * some 46 texels that the filter leaves independent. */
 static void test_paths_that_end_ahead(void **state)
 {
     const struct neph_slab_params slab = {16.0, 1.0, {NEPH_PHASE_HENYEY_GREENSTEIN, 0.5}, 0.7, 0,
@@ -428,7 +428,7 @@ static void test_paths_that_end_ahead(void **state)
 
 /* --- similar media ---------------------------------------------------------------------------- */
 
-/* Error of the mean and standard deviation over the pixels, by the truth. */
+/* Error of the mean and standard deviation over the pixels, relative to the reference. */
 static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, double truth,
                      double similar, double *bias, double *rms)
 {
@@ -445,8 +445,8 @@ static void off_slab(struct neph_vulkan *vulkan, const struct test_scene *test, 
     *rms = sqrt(squares / (WIDTH_PX * HEIGHT_PX)) / truth;
 }
 
-/* A fifth of the way to delta-Eddington: what it is off by is docs/light.md's, with four standard
- * errors of 576 pixels, and its noise is the half. */
+/* A fifth of the way to delta-Eddington: the bias of docs/light.md, within four standard errors of
+ * 576 pixels, and half of the noise. */
 static void test_similar_media(void **state)
 {
     static const struct {
@@ -473,9 +473,9 @@ static void test_similar_media(void **state)
     }
 }
 
-/* --- pictures in a row ---------------------------------------------------------------------- */
+/* --- sequences ------------------------------------------------------------------------------ */
 
-/* The last of some pictures. */
+/* The last frame of a sequence. */
 static struct neph_image *play(struct neph_vulkan *vulkan, const struct neph_scene *scene,
                                uint32_t seed, int count)
 {
@@ -502,8 +502,8 @@ static void moving_scene(struct test_scene *test, struct neph_camera_key keys[2]
     test->scene.frame_count = PICTURES;
 }
 
-/* The camera goes around a cloud: sums are found again where their place was. A march alone at the
- * end is the truth; its and the split's own steps and blur differ by less than what is allowed. */
+/* The camera orbits a cloud: the sums are reprojected. The reference is a single march at the end;
+ * its and the split's own step errors and filters are below the tolerance. */
 static void test_light_follows_a_camera(void **state)
 {
     struct test_scene test;
@@ -536,7 +536,7 @@ static void test_same_seed_same_bits(void **state)
         neph_image_destroy(frames[i]);
 }
 
-/* --- what is refused ------------------------------------------------------------------------ */
+/* --- refusals ------------------------------------------------------------------------------- */
 
 static void test_what_it_cannot_is_refused(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The path tracer on the device against truth that knows no chance: exact single scattering,
- * a half-space, the white furnace.
+ * The path tracer on the device compared with references without noise: exact single scattering, a
+ * half-space, the white furnace.
  */
 #include "tests/base/scratch.h"
 #include "tests/renderer/fog_scenes.h"
@@ -51,10 +51,10 @@ static void scene_solids_in_fog(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){2.0, 3.0, -20.0}, 4.0);
 }
 
-/* The slack of the variance is 2 / n for n pairs in the one stratum that may have most of it. Where
- * a solid hides the sun from one part in a thousand of a ray, thousands of samples must have met
- * it before their spread can know. A shadow on 7 parts in n is met by none of n samples once in
- * e^7 = 1100 pixels, and then nothing knows of it: `unseen`. */
+/* Slack of the variance: 2 / n for n pairs in the one stratum that may have most of it. Where a
+ * solid shadows one thousandth of a ray, thousands of samples are needed before their variance
+ * includes it. A shadow on 7 / n of a ray is missed by all n samples once in e^7 = 1100 pixels, and
+ * the variance then does not include it: `unseen`. */
 static const struct {
     const char *name;
     void (*build)(struct test_scene *);
@@ -86,7 +86,7 @@ static void test_single_scattering_is_exact_transport(void **state)
 
 /* --- clouds -------------------------------------------------------------------------------- */
 
-/* Smooth and lumpy, zero in places; 2.2 x 1.4 x 2.2 m ahead of the camera. */
+/* Smooth and lumpy, zero in places; 2.2 x 1.4 x 2.2 m in front of the camera. */
 static void scene_grid(struct test_scene *test)
 {
     uint64_t random = seed;
@@ -137,7 +137,7 @@ static void scene_all(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){0.8, 1.5, -3.2}, 0.4);
 }
 
-/* A cloud layer, over the floor and behind thin fog: no closed form of its optical depth. */
+/* A cloud layer above the floor and behind thin fog, without a closed form of its optical depth. */
 static void scene_horizon(struct test_scene *test)
 {
     struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_HORIZON, 0.02);
@@ -158,7 +158,7 @@ static void scene_fogs_and_ball(struct test_scene *test)
     test_add_sphere(test, (struct neph_vec3){-1.0, 3.0, -14.0}, 2.0);
 }
 
-/* All orders of a scene's light, that of the surroundings included. */
+/* All orders of a scene's light, including the environment's. */
 static void build_lit(struct test_scene *test, void (*build)(struct test_scene *))
 {
     test_scene_init(test);
@@ -167,7 +167,7 @@ static void build_lit(struct test_scene *test, void (*build)(struct test_scene *
     test->scene.environment_light = true;
 }
 
-/* Around what scene_grid() and scene_gaussian() have, with air before and behind. */
+/* Around scene_grid() and scene_gaussian(), with air in front and behind. */
 static void add_bank(struct test_scene *test, double falloff_per_m)
 {
     struct neph_medium *bank = test_add_medium(test, 0.3, falloff_per_m, 0.5);
@@ -182,14 +182,14 @@ static const struct {
     {"shell", scene_shell},   {"two coloured", scene_two_coloured},
     {"all media", scene_all}, {"Horizon", scene_horizon},
 };
-/* From these on weights are by chance in the furnace, and the oracle is slow. */
+/* From these on weights are random in the furnace, and the oracle is slow. */
 enum { FIRST_OF_CHANCE = 3, FIRST_SLOW = 4 };
 
-/* The sun behind what is opaque: free flights would meet the far side, which is as bright as the
+/* The sun behind an opaque medium: free flights would reach the far side, which is as bright as the
  * near one, once in e^(optical depth) paths. */
 static void test_against_the_light(void **state)
 {
-    static const double faint = 1e-6; /* a medium of its kind, so that all share kernels */
+    static const double faint = 1e-6; /* of its kind, to share kernels */
     const struct {
         const char *name;
         double slab_depth, ball_depth;
@@ -217,10 +217,10 @@ static void test_against_the_light(void **state)
     }
 }
 
-/* All orders in a grid beneath fog that lets e^-16 of the sunlight pass: without a table of
- * sunlight, paths find the sunlight of first collisions by themselves. Second orders are 1e-6 of
- * the first. Where the sun crosses 7 / n of optical depth or less, none of n samples may collide,
- * and the pixel does not know of its noise. */
+/* All orders in a grid below fog with a transmittance of e^-16 for sunlight. Without a sun table,
+ * paths sample the sunlight of first collisions. Second orders are 1e-6 of the first. Where the sun
+ * ray crosses an optical depth of 7 / n or less, possibly none of n samples collides, and the
+ * pixel's variance does not include the noise. */
 static void test_a_grid_beneath_dark_fog(void **state)
 {
     enum { SAMPLES = 512 };
@@ -240,10 +240,10 @@ static void test_a_grid_beneath_dark_fog(void **state)
     judge("grid beneath dark fog", verdict, 2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
 }
 
-/* Fog 2^30 m beneath a grid, where a float32 knows a ray's way to 128 m: 13 mean free paths of the
- * majorant. Rays to the sun cross the grid where its density is a fiftieth of that, and must not
- * meet one tentative collision after the other in one place. Second orders are 1e-6 of the first.
- */
+/* Fog 2^30 m below a grid, where float32 positions on a ray have a resolution of 128 m: 13 mean
+ * free paths of the majorant. Sun rays cross the grid where its density is a fiftieth of that, and
+ * must not meet one tentative collision after the other at the same place. Second orders are 1e-6
+ * of the first. */
 static void test_a_grid_far_from_the_fog_below(void **state)
 {
     enum { SAMPLES = 512 };
@@ -271,8 +271,8 @@ static void test_a_grid_far_from_the_fog_below(void **state)
           2.0 * NEPH_TRACER_BATCH_SAMPLES / SAMPLES);
 }
 
-/* All that is known of light scattered once where the sun stands straight ahead: from everywhere on
- * the ray it has the same way, so that L = E albedo p tau e^-tau. `context`: tau. */
+/* Single scattering with the sun straight ahead in closed form: all points of the ray have the same
+ * whole path, so L = E albedo p tau e^-tau. `context`: tau. */
 static double lit_from_behind(const struct test_scene *test, const struct neph_pixel_ray *ray,
                               int i, int channel, const void *context)
 {
@@ -290,7 +290,7 @@ static void test_procedural_clouds_against_the_light(void **state)
 {
     neph_test_waits_for_the_night();
     const double optical_depth = 16.0,
-                 skewness = 9.0; /* of a path at most; free flights': hundreds */
+                 skewness = 9.0; /* of a path, at most; of free flights: hundreds */
     OWNED(media) struct test_scene test;
     test_scene_build(&test, scene_horizon);
     struct neph_medium *media = test.scene.media;
@@ -314,9 +314,9 @@ static void test_procedural_clouds_against_the_light(void **state)
                  skewness, params.samples);
 }
 
-/* A sun in the plane of a box's face: whether a place on the face lies in the box is a matter of
- * the last bit, so of the device, and nothing may hang on it. A sunray that leans either way by a
- * bit stands for two devices; bounds and share of pixels beyond as in
+/* A sun in the plane of a box's face: whether a point of the face is in the box depends on the last
+ * bit, and so on the device, and must not matter. Sun rays that lean to either side by one bit
+ * stand for two devices. Bounds and the fraction of outliers as in
  * harness/run/conform_compare.c. */
 static void test_the_last_bit_decides_little(void **state)
 {
@@ -340,7 +340,7 @@ static void test_the_last_bit_decides_little(void **state)
     neph_image_destroy(frames[1]);
 }
 
-/* Two independent estimates: z-scores of their difference, and how many there are. */
+/* Two independent estimates: z-scores of their difference, and the number of scores. */
 static int judge_pair(const char *name, const struct neph_image *a, const struct neph_image *b,
                       double variance_slack)
 {
@@ -385,8 +385,8 @@ static void test_without_scattering_the_rest_is_exact(void **state)
     assert_int_equal(v.count, 0);
 }
 
-/* Kernels know which kinds of media there are, and leave out what the others would need: each shape
- * by itself in each kind of fog, thin enough that a float32 knows its transmittance. */
+/* Kernels are specialized for the kinds of media in the scene: each shape by itself in each kind of
+ * fog, thin enough for an exact transmittance in float32. */
 static void test_shapes_in_fog_attenuate_exactly(void **state)
 {
     static void (*const shapes[])(struct test_scene *) = {scene_grid, scene_gaussian, scene_shell};
@@ -406,7 +406,7 @@ static void test_shapes_in_fog_attenuate_exactly(void **state)
         }
 }
 
-/* Against the oracle, whose frame has chances of its own. */
+/* Compares with the oracle, which has noise of its own. */
 static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
                             const struct test_scene *test, int samples)
 {
@@ -416,7 +416,7 @@ static void judge_by_oracle(struct neph_vulkan *vulkan, const char *name,
     judge_pair(name, frame, truth, 0.3);
 }
 
-/* The surroundings' light as well, as in the furnace, which shares the kernels. */
+/* With the environment's light, as in the furnace, which shares the kernels. */
 static void test_clouds_are_those_of_the_oracle(void **state)
 {
     const bool is_night = neph_test_is_night(); /* by day the spikes stand for other grids */
@@ -436,8 +436,8 @@ static void test_a_grid_in_fog_is_that_of_the_oracle(void **state)
     judge_by_oracle(*state, "grid in fog", &test, 128);
 }
 
-/* Light scattered once, the guess of its place among all that there is: colour, fog, a solid that
- * hides the sun, light of the surroundings. */
+/* Single scattering with guessed collisions and everything that affects them: colour, fog, a
+ * shadowing solid, environment light. */
 static void test_guessed_clouds_are_those_of_the_oracle(void **state)
 {
     neph_test_waits_for_the_night();
@@ -449,8 +449,8 @@ static void test_guessed_clouds_are_those_of_the_oracle(void **state)
     judge_by_oracle(*state, "Horizon, single", &test, 128);
 }
 
-/* Single nodes in a void: nearly every node is far above the density around it. 16 nodes have 17
- * cells with their ramps and 16 majorants, whose faces lie within the cells. */
+/* Single nodes in empty space: nearly every node is far above the density around it. 16 nodes have
+ * 17 cells with their ramps and 16 majorants with faces inside cells. */
 static void scene_spikes(struct test_scene *test)
 {
     struct neph_medium *medium = test_add_cloud(test, NEPH_MEDIUM_GRID, 30.0);
@@ -465,8 +465,8 @@ static void scene_spikes(struct test_scene *test)
     neph_assert_ok(neph_grid_seal(medium->grid, &diag), &diag);
 }
 
-/* Majorants hold for the nodes that the device draws, not only for what they are on the average:
- * where one does not, light gets through. */
+/* Majorants bound the nodes that the device draws, not only their mean: else light would leak
+ * through. */
 static void test_spikes_are_those_of_the_oracle(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -474,7 +474,7 @@ static void test_spikes_are_those_of_the_oracle(void **state)
     judge_by_oracle(*state, "spikes", &test, 1024);
 }
 
-/* Light is not seen at once in a breath of cloud: that is no error of 0. */
+/* A very thin cloud without light so far does not count as an error of 0. */
 static void test_no_light_is_no_target_reached(void **state)
 {
     struct test_scene test;
@@ -497,7 +497,7 @@ static void test_no_light_is_no_target_reached(void **state)
     neph_image_destroy(frame);
 }
 
-/* -cos 90 degrees is -6e-17 in double: a sun straight above all the same. */
+/* -cos 90 degrees is -6e-17 in double: the sun is at the zenith nevertheless. */
 static void test_level_rays_stay_in_their_cells(void **state)
 {
     static const double leanings[] = {0.0, 1e-23, -1e-23, -6.123e-17};
@@ -521,7 +521,7 @@ static double one(const struct test_scene *test, const struct neph_pixel_ray *ra
     return 1.0;
 }
 
-/* All is white in light that comes from everywhere. */
+/* White media and solids in uniform light. */
 static void heat(struct test_scene *test)
 {
     for (int m = 0; m < test->scene.medium_count; m++)
@@ -534,13 +534,13 @@ static void heat(struct test_scene *test)
     test->scene.scattering = NEPH_SCATTERING_MULTIPLE;
 }
 
-/* Every medium and every channel; where paths serve all channels at once their weights are by
- * chance, else each path brings home 1. */
+/* Every medium and every channel. Where paths serve all channels at once their weights are random;
+ * else each path finds 1. */
 static void test_clouds_in_the_white_furnace(void **state)
 {
     for (size_t s = 0; s < COUNT(clouds); s++) {
         if (s > 0 && s < FIRST_SLOW && !neph_test_is_night())
-            continue; /* kernels of their own, of what "all media" has among its own */
+            continue; /* need kernels of their own, and are part of "all media" */
         OWNED(media) struct test_scene test;
         test_scene_build(&test, clouds[s].build);
         heat(&test);
@@ -554,8 +554,8 @@ static void test_clouds_in_the_white_furnace(void **state)
 
 /* --- multiple scattering: a half-space ----------------------------------------------------- */
 
-/* Chandrasekhar's half-space, and how deep a slab has to be to stand for it: albedo 0.9 and an
- * optical depth of 40 let e^-(0.5 * 40) through. */
+/* Chandrasekhar's half-space, and the depth of a slab that stands for it: with albedo 0.9 an
+ * optical depth of 40 transmits e^-(0.5 * 40). */
 static double half_space(const struct test_scene *test, const struct neph_pixel_ray *ray, int i,
                          int channel, const void *context)
 {
@@ -576,9 +576,9 @@ static void test_the_half_space_is_chandrasekhars(void **state)
 
 /* --- emission ----------------------------------------------------------------------------- */
 
-/* Seen, beside sunlight that is scattered once and in the dark without scattering: fogs that
- * overlap, whose first collisions are forced, and a blob among them. Light scattered once is the
- * sun's alone. */
+/* Visible emission, with single scattering of sunlight and in darkness without scattering:
+ * overlapping fogs, with forced first collisions, and a blob. Single scattering is the sun's
+ * only. */
 static void test_emission_that_is_seen(void **state)
 {
     for (int is_dark = 0; is_dark < 2; is_dark++) {
@@ -603,8 +603,8 @@ static void test_emission_that_is_seen(void **state)
 
 /* --- dark media --------------------------------------------------------------------------- */
 
-/* Every pixel's value within 4.5 standard errors and rounding, and the error below a third of the
- * value: 256 samples of which half are shared out to the media, a few weighing more. */
+/* Every pixel within 4.5 standard errors and rounding, and the error below a third of the value:
+ * 256 samples, half of them shared out to the media, a few with more weight. */
 static void hold_error(const char *name, const struct neph_image *frame,
                        const struct test_scene *test)
 {
@@ -624,8 +624,8 @@ static void hold_error(const char *name, const struct neph_image *frame,
     }
 }
 
-/* A bright medium of an optical depth of 1e-6 in a dark one that takes all collisions: by its own
- * light, by the sun's, and with all orders, of which it has one. */
+/* A bright medium of optical depth 1e-6 in a dark one that takes all collisions: by emission, by
+ * sunlight, and with all orders, of which there is one. */
 static void test_bright_media_in_dark_ones(void **state)
 {
     for (int kind = 0; kind < 3; kind++) {
@@ -650,7 +650,7 @@ static void test_bright_media_in_dark_ones(void **state)
     }
 }
 
-/* A frame of 4 x 3 pixels, of which at least `seen_least` of the 36 values are not 0. */
+/* A frame of 4 x 3 pixels; at least `seen_least` of its 36 values must be above 0. */
 static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *test,
                            int seen_least)
 {
@@ -660,7 +660,7 @@ static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *
     const struct test_rgb found_in = test_layer(frame, NULL), truth_in = test_layer(truth, NULL);
     const struct test_rgb found_variance = test_layer(frame, "variance"),
                           truth_variance = test_layer(truth, "variance");
-    int seen = 0; /* values that are not 0 */
+    int seen = 0; /* values above 0 */
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < 12; i++) {
             const double found = (double)found_in.of[c][i], expected = (double)truth_in.of[c][i];
@@ -675,8 +675,8 @@ static void hold_to_oracle(struct neph_vulkan *vulkan, const struct test_scene *
     assert_true(seen >= seen_least);
 }
 
-/* In Horizon layers, whose depths the device has to guess: a glow that is thin, against the oracle.
- * The frame's corners do not meet it. */
+/* In Horizon layers, where the device guesses optical depths: thin emission, compared with the
+ * oracle. The frame's corners do not meet it. */
 static void test_a_glow_in_dark_clouds(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -692,8 +692,8 @@ static void test_a_glow_in_dark_clouds(void **state)
     hold_to_oracle(*state, &test, 18);
 }
 
-/* A sun below a fog without ground: no sunlight arrives, the tables that guesses make of it are
- * dark, and the fog's own light is all there is. The wall ends the rays, and so the guesses. */
+/* The sun below a fog without ground: no sunlight arrives, the tables of the guess are dark, and
+ * only the fog's emission remains. The wall ends the rays, and so the guesses. */
 static void test_a_guess_without_sunlight(void **state)
 {
     OWNED(media) struct test_scene test;
@@ -708,7 +708,7 @@ static void test_a_guess_without_sunlight(void **state)
 
 /* --- same bits ---------------------------------------------------------------------------- */
 
-/* Nor does where a path rests: in the middle of a grid, for one. */
+/* Splitting paths between dispatches does not change the result, in the middle of a grid either. */
 static void dispatches_change_no_bit(void **state, void (*build)(struct test_scene *))
 {
     static const struct {
@@ -737,7 +737,7 @@ static void test_dispatches_change_no_bit(void **state)
     dispatches_change_no_bit(state, scene_horizon);
 }
 
-/* Two seeds: z-scores of their difference are those of independent frames. */
+/* Two seeds: the z-scores of their difference are those for independent frames. */
 static void test_seeds_are_independent(void **state)
 {
     struct test_scene test;
@@ -781,7 +781,7 @@ static void test_a_rest_at_a_checkpoint_changes_no_bit(void **state)
     assert_int_equal(straight_stats.collisions, rested_stats.collisions);
     assert_int_equal(rested_stats.samples, 32);
     OWNED(image)
-    struct neph_image *again = render(*state, &test, &params, NULL); /* nothing is left to do */
+    struct neph_image *again = render(*state, &test, &params, NULL); /* nothing remains to do */
     assert_true(test_same_bits(straight, again));
 
     struct neph_diag diag = {0};
@@ -802,7 +802,7 @@ static void test_targets_and_time_limits_stop(void **state)
     params.target_error = 0.1;
     neph_image_destroy(render(*state, &test, &params, &stats));
     assert_true(stats.error <= 0.1 && stats.samples < 1024);
-    struct neph_tracer_stats again; /* the clock has no say in where it stops */
+    struct neph_tracer_stats again; /* the clock does not affect where it stops */
     neph_image_destroy(render(*state, &test, &params, &again));
     assert_int_equal(stats.samples, again.samples);
     params.target_error = 0.0;
@@ -843,7 +843,7 @@ static void test_refusals(void **state)
     test_add_medium(&test, 0.1, 0.0, 0.0)->albedo = (struct neph_rgb){1.0, 1.0, 1.0};
     test.scene.scattering = NEPH_SCATTERING_MULTIPLE;
     refuses(*state, &test, &good, NEPH_ERR_UNSUPPORTED, "no end");
-    /* A small ball in it is no ground; a fog that ends below but not above has no top. */
+    /* A small sphere in it is no ground; a fog that ends below but not above has no top. */
     test_add_sphere(&test, (struct neph_vec3){5.0, 0.0, -9.0}, 1.0);
     refuses(*state, &test, &good, NEPH_ERR_UNSUPPORTED, "");
     test.scene.media[0].bounds.min_m.y = -10.0;
@@ -854,7 +854,7 @@ static void test_refusals(void **state)
     refuses(*state, &test, &good, NEPH_ERR_UNSUPPORTED, "coloured");
 }
 
-/* Last, because the flag stays up. */
+/* Must be the last test: the interrupt flag stays set. */
 static void test_interruption_is_heard(void **state)
 {
     struct test_scene test;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tracer's sunlight by a table (shaders/tracer_sun.glsl) against a ray to the sun from each
- * event, which test_tracer.c holds to the oracle: whatever the table has, however few its nodes,
- * the light is the same but for noise, which the frame knows; and nothing is ever negative.
+ * The tracer's sunlight from a table (shaders/tracer_sun.glsl) compared with a shadow ray at each
+ * event, which test_tracer.c compares with the oracle. For every table, however coarse, the light
+ * is the same up to noise, the noise estimate is correct, and no value is negative.
  */
 #include "tests/renderer/fog_scenes.h"
 #include "tests/renderer/frames.h"
@@ -19,8 +19,8 @@ static void add_grid(struct test_scene *test, double extinction_per_m)
         (struct neph_vec3){0.18, 0.18, 0.18}, -0.3, &random);
 }
 
-/* A cloud whose higher orders have a colour of their own, in the shade of a ball, before a wall
- * that reflects; in thin fog, with a blob in it; under a sky that shines. */
+/* A cloud with coloured higher orders, in the shadow of a sphere, in front of a reflecting wall; in
+ * thin fog, with a blob in it; under a bright sky. */
 static void scene_of_all(struct test_scene *test)
 {
     add_grid(test, 8.0);
@@ -34,7 +34,7 @@ static void scene_of_all(struct test_scene *test)
     test->scene.environment_light = true;
 }
 
-/* Single nodes in a void, of which a table of few nodes knows nothing. */
+/* Single nodes in empty space, which a coarse table misses. */
 static void scene_of_spikes(struct test_scene *test)
 {
     add_grid(test, 30.0);
@@ -67,7 +67,7 @@ static struct neph_image *render(struct neph_vulkan *vulkan, const struct test_s
     return frame;
 }
 
-/* Differences of independent pixels add up to 0 within four of their own standard errors. */
+/* The differences of independent pixels add up to 0 within four standard errors. */
 static void judge_sum(const char *name, int nodes, float *const a[3], float *const b[3])
 {
     for (int c = 0; c < 3; c++) {
@@ -85,9 +85,9 @@ static void judge_sum(const char *name, int nodes, float *const a[3], float *con
     }
 }
 
-/* The squared differences are, in the mean, what both frames say. A mean of so many squares of a
- * normal number is within four standard errors, sqrt(2 / count) each, of 1, and that of light in
- * single paths half as far again. */
+/* The mean squared difference equals the variance that both frames report. The mean of as many
+ * squares of a normal number is within four standard errors, sqrt(2 / count) each, of 1; for light
+ * of single paths half as far again. */
 static void judge_variance(int nodes, const struct neph_image *a, const struct neph_image *b)
 {
     float *of_a[3], *of_b[3], *variance_a[3], *variance_b[3];
@@ -111,7 +111,7 @@ static void judge_variance(int nodes, const struct neph_image *a, const struct n
         fail_msg("%d nodes: the noise is not what the frame says", nodes);
 }
 
-/* Too coarse a table is not used, which is no test of it. */
+/* Whether the table is used: a table that is too coarse is not, and would test nothing. */
 static bool has_table(struct neph_vulkan *vulkan, const struct test_scene *test, int nodes)
 {
     OWNED(image) struct neph_image *rays = render(vulkan, test, 0, 1, 8);
@@ -153,8 +153,8 @@ static void test_a_table_that_misses_it_all_is_right(void **state)
     judge_tables(*state, scene_of_spikes, nodes, COUNT(nodes));
 }
 
-/* The worst that there is: a batch, which one event stands for, and a table that knows little.
- * render() looks. */
+/* The worst case: a batch that is represented by one event, and a coarse table. render() asserts
+ * that no value is negative. */
 static void test_no_light_is_negative(void **state)
 {
     OWNED(media) struct test_scene test;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The device: what is found, what is said when something is missing, and that validation really
- * listens.
+ * The device: discovery, messages when something is missing, and that validation messages fail a
+ * test.
  */
 #include "tests/renderer/renderer_test.h"
 
@@ -64,7 +64,7 @@ static const struct neph_kernel *sum_kernel(struct neph_vulkan *vulkan, uint32_t
     return kernel;
 }
 
-/* The shader that adds up a tracer's samples reads a few bits of constant 0, and has no constant
+/* The shader that sums the tracer's samples reads a few bits of constant 0, and has no constant
  * 2. */
 static void test_only_bits_that_the_shader_reads_make_another_kernel(void **state)
 {
@@ -94,7 +94,7 @@ static void assert_unavailable(const struct neph_vulkan_params *params, const ch
     assert_non_null(strstr(diag.hint, in_hint));
 }
 
-/* Run with environment variables that hide what is installed. */
+/* Runs with an environment variable that hides an installed component. */
 static void with_environment(const char *name, const char *value,
                              const struct neph_vulkan_params *params, const char *in_message,
                              const char *in_hint)
@@ -141,7 +141,7 @@ static void test_device_is_found_by_part_of_its_name(void **state)
     char device[256];
     read_device_name(device);
     for (char *c = device; *c; c++)
-        *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c); /* any case will do */
+        *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c); /* case-insensitive */
     struct neph_diag diag = {0};
     neph_assert_ok(
         neph_vulkan_create(&(struct neph_vulkan_params){.device = device}, &vulkan, &diag), &diag);
@@ -190,7 +190,7 @@ static void test_memory_is_counted_as_long_as_it_is_had(void **state)
                        &diag);
         assert_true(neph_device_memory() == before + sizes_bytes[i]);
         neph_buffer_destroy(vulkan, &buffers[i]);
-        neph_buffer_destroy(vulkan, &buffers[i]); /* nothing is given back twice */
+        neph_buffer_destroy(vulkan, &buffers[i]); /* nothing is freed twice */
     }
     assert_true(neph_device_memory() == before);
     assert_true(neph_device_memory_most() == before + sizes_bytes[1]);
@@ -229,7 +229,7 @@ static void test_too_many_work_groups_are_refused(void **state)
     neph_buffer_destroy(vulkan, &buffer);
 }
 
-/* --- what drivers have compiled -------------------------------------------------------------- */
+/* --- pipeline caches ------------------------------------------------------------------------ */
 
 static void open_and_close(const char *cache_folder)
 {
@@ -257,7 +257,7 @@ static char *only_file(const char *folder)
     return path;
 }
 
-/* It begins with the hash of the rest, as `b2sum -l 256` has it. */
+/* It starts with the hash of the remaining bytes, as printed by `b2sum -l 256`. */
 static bool is_sound(const char *path)
 {
     OWNED(memory) char *data = NULL;

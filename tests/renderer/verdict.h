@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * Frames of the tracer against the truth of each pixel: z-scores, whose mean and variance test the
- * image and its reported variance, and the frame's sum.
+ * Comparison of a tracer frame with the reference of each pixel. The mean and variance of the
+ * z-scores test the image and its variance estimate; the frame's sum is compared, too.
  */
 #ifndef NEPH_TESTS_VERDICT_H
 #define NEPH_TESTS_VERDICT_H
 
 #include "tests/renderer/frames.h"
 
-/* What a pixel of column i should be. */
+/* Reference of a pixel in column i. */
 typedef double truth_of_ray(const struct test_scene *test, const struct neph_pixel_ray *ray, int i,
                             int channel, const void *context);
 
@@ -16,12 +16,12 @@ struct verdict {
     int count; /* of z-scores */
     double z_mean, z_variance;
     double bias, bias_error; /* of the frame's sum, relative */
-    double exact_error;      /* relative, of pixels that know next to no chance */
+    double exact_error;      /* relative, of pixels with next to no noise */
 };
 
-/* float32 knows a radiance that is a sum of products to about this part of itself. A pixel has a
- * z-score when its standard error is this many times as large (and so adds 1 / 100 at most to the
- * variance of the scores); else it is held to rounding and four standard errors. */
+/* Relative rounding error of a radiance in float32 (a sum of products). A pixel gets a z-score when
+ * its standard error is `noisy` times larger, so rounding adds at most 1 / 100 to the variance of
+ * the scores. Other pixels must agree within rounding and four standard errors. */
 static const double rounding = 2e-6, noisy = 10.0;
 
 static inline struct verdict compare(const struct test_scene *test, const struct neph_image *frame,
@@ -60,8 +60,8 @@ static inline struct verdict compare(const struct test_scene *test, const struct
     return v;
 }
 
-/* The slacks: how far mean and variance of the z-scores may lie from 0 and 1 besides their own
- * chance (1 / sqrt(count) and sqrt(2 / count), four of them). */
+/* Slack: allowed distance of the scores' mean from 0 and variance from 1, in addition to their own
+ * standard errors (1 / sqrt(count) and sqrt(2 / count)), of which four are allowed. */
 static inline void judge_with_slack(const char *name, struct verdict v, double mean_slack,
                                     double variance_slack)
 {
@@ -78,8 +78,8 @@ static inline void judge_with_slack(const char *name, struct verdict v, double m
         fail_msg("%s: its variance is not what it says", name);
 }
 
-/* A score made with an estimated variance of n degrees of freedom has variance n / (n - 2) = 1 + 2
- * / n or so. */
+/* A score with an estimated variance of n degrees of freedom has the variance n / (n - 2), about 1
+ * + 2 / n. */
 static inline void judge(const char *name, struct verdict v, double variance_slack)
 {
     judge_with_slack(name, v, 0.0, variance_slack);

@@ -156,7 +156,7 @@ static struct error error_of(const struct test_scene *test, const struct neph_im
                           sqrt(squares * WIDTH_PX * HEIGHT_PX) / expected_sum};
 }
 
-/* Prints the table of docs/froxels.md. */
+/* Prints the table of docs/lights.md. */
 static void converges(struct neph_vulkan *vulkan, const char *name,
                       void (*make)(struct test_scene *test), double most_rms)
 {

@@ -116,7 +116,7 @@ layout(std430, binding = REALTIME_BINDING + 2) buffer TargetFours {
 } target_fours[KNOWN_TARGETS];
 
 #ifdef SEES_TEXELS
-// The same as texels, for reads on a CPU (neph_buffer_see_texels()).
+// The targets as texels, for reads on a CPU (neph_buffer_see_texels()).
 layout(binding = NEPH_GPU_TEXELS_BINDING, r32ui)
 uniform readonly uimageBuffer target_texels[RT_WORD_TARGET_COUNT];
 layout(binding = NEPH_GPU_TEXEL_PAIRS_BINDING, rg32ui)

@@ -10,8 +10,8 @@ HEAD = """# SPDX-License-Identifier: MIT
 name: {name}
 title: A ball of noise in {size} voxels
 description: >
-  Lumps, holes and hard edges at the scale of the cloud itself; optical depth of some {depth}.
-  Truth: tracer.
+  Lumps, holes and hard edges at the scale of the cloud, with an optical depth of about {depth}.
+  The reference is the path tracer `tracer`.
 camera: {{position_m: {camera_m}, look_at_m: [0, 0, 0], vertical_fov_deg: 34}}
 sun: {{direction: [-0.3, 0.8, 0.5], irradiance_w_per_m2: [3, 3, 3]}}
 scattering: multiple

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The functions of the included files, value by value, for tests/renderer/test_shaders.c: one
-// thread is one call.
+// Probe of the included functions, value by value, for tests/renderer/test_shaders.c: one thread is
+// one call.
 #extension GL_GOOGLE_include_directive : require
 
 #include "fog.glsl"
@@ -21,10 +21,10 @@ const uint PROBE_DISTANCE = 6;       // a = layer, b = (y, k_y, optical depth) -
 const uint PROBE_SOLID = 7;          // kind, a = low or centre, b = high, radius, c = origin,
                                      // d = direction -> t0, t1, 1 if met
 const uint PROBE_SUM = 8;            // a.x added b.x times -> sum
-const uint PROBE_LOOPS = 9;          // a = (outer, inner) turns -> turns made: all in the inner
-                                     // loop, of the outer loop alone
-const uint PROBE_HALVES = 10;        // kind: two halves -> as the driver reads them, and as whole
-                                     // numbers the halves that it writes of a.xy
+const uint PROBE_LOOPS = 9;          // a = (outer, inner) iterations -> iterations made: all inner
+                                     // ones, outer ones
+const uint PROBE_HALVES = 10;        // kind: two halves -> as converted by the driver, and the
+                                     // halves that it makes of a.xy, as integers
 
 struct Probe {
     vec4 a, b, c, d;

@@ -1,15 +1,15 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Ways through a shader that specialization constants decide, for tests/renderer/test_specialize.c,
-// which has all of this once more in C.
+// Control flow that depends on specialization constants, for tests/renderer/test_specialize.c,
+// which has the same functions in C.
 layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const uint KIND = 3;
 layout(constant_id = 1) const bool IS_ON = true;
 layout(constant_id = 2) const uint TURNS = 2;
 layout(constant_id = 3) const float FACTOR = 0.5;
-layout(constant_id = 4) const uint KEPT = 11; // its own value is taken
+layout(constant_id = 4) const uint KEPT = 11; // keeps its default
 
 const bool IS_BOTH = IS_ON && KIND == 2;
 const uint SHIFTED = (KIND << 3) | (IS_ON ? 1u : 0u);
@@ -23,7 +23,7 @@ layout(std430, set = 0, binding = 1) buffer Answers
     uvec4 answers[];
 };
 
-// Leaves early: one turn of a switch in SPIR-V.
+// Early returns, which become a switch with one case in SPIR-V.
 uint early(uint x)
 {
     if (KIND == 1)
@@ -58,7 +58,7 @@ uint chosen(uint x)
     return result;
 }
 
-// Loops that end at once, that a break ends, and with ways out that are never taken.
+// Loops that end at once, that a break ends, and with exits that are never taken.
 uint turns(uint x)
 {
     uint sum = 0;

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Dither number by number, for renderer/realtime/shared/check_dither.c: of kind ray_dither in each
-// of four channels, at the view's frame; the first pixel is (-70, -5).
+// Probe of the dither, for renderer/realtime/shared/check_dither.c: kind ray_dither in each of four
+// channels, at the view's frame; the first pixel is (-70, -5).
 #extension GL_GOOGLE_include_directive : require
 
 #include "renderer/realtime/shared/dither.glsl"

@@ -1,7 +1,7 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Looks of fog, value by value, for tests/renderer/test_fog_look.c: one thread is one ray.
+// Probe of the game-engine fog model, for tests/renderer/test_fog_look.c: one thread is one ray.
 #extension GL_GOOGLE_include_directive : require
 
 #include "fog_look.glsl"

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// What is asked for after a loop that threads leave one after the other, for
-// tests/renderer/test_spirv_loops.c, which has all of this once more in C.
+// Values read after a loop that threads leave at different times, for
+// tests/renderer/test_spirv_loops.c, which has the same functions in C.
 #extension GL_KHR_shader_subgroup_vote : require
 
 layout(local_size_x = 64) in;
@@ -45,7 +45,7 @@ uint last_read(uint x)
     return value;
 }
 
-// Whether it is enough, which one thread of a subgroup waits for.
+// The condition is a vote: all threads continue until the last one's value is large enough.
 uint last_read_together(uint x)
 {
     uint i = 0, value;
@@ -82,7 +82,7 @@ uint place_before(uint x)
     return before;
 }
 
-// Left in its first turn, whatever happens.
+// Always left in its first iteration.
 uint once(uint x)
 {
     do {

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The media of a scene as shaders/scene.glsl answers for them, value by value, for
-// tests/renderer/test_shader_media.c: one thread is one ray.
+// Probe of the media (renderer/shaders/scene.glsl), for tests/renderer/test_shader_media.c: one
+// thread is one ray.
 #extension GL_GOOGLE_include_directive : require
 
 #include "scene.glsl"

@@ -1,8 +1,8 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// Points of shaders/low_discrepancy.glsl for tests/renderer/test_low_discrepancy.c: one thread is
-// one point.
+// Points of renderer/shaders/low_discrepancy.glsl, for tests/renderer/test_low_discrepancy.c: one
+// thread is one point.
 #extension GL_GOOGLE_include_directive : require
 
 #include "low_discrepancy.glsl"

@@ -1,8 +1,9 @@
 #version 450
 // SPDX-License-Identifier: MIT
 //
-// The extinction of a medium at a point as sums over steps ask for it (shaders/grid_texture.glsl),
-// for tests/renderer/test_grid_texture.c: one thread is one point.
+// Extinction of a medium at a point, as sampled for sums over steps
+// (renderer/shaders/grid_texture.glsl), for tests/renderer/test_grid_texture.c: one thread is one
+// point.
 #extension GL_GOOGLE_include_directive : require
 
 #include "grid_texture.glsl"
