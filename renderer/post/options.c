@@ -73,8 +73,8 @@ const struct neph_option neph_post_options[POST_SETTING_COUNT + 1] = {
         "white_temperature_k", 6504, 1700, 25000,
         "light of this temperature is shown white [K]; 6504, the white of Rec.709, is neutral"),
     [POST_VIGNETTE] = REAL("vignette", 0, 0, 4,
-                           "tangent of the angle at the corners, which cos^4 of it darkens; Unreal "
-                           "Engine: 0.4 times sqrt(2)"),
+                           "tangent of the view angle at the corners, darkened by its cos^4; "
+                           "Unreal Engine: 0.4 times sqrt(2)"),
     [POST_FILM_SLOPE] = REAL("film_slope", 0.88, 0.01, 2, "slope of the straight part, over log10"),
     [POST_FILM_TOE] = REAL("film_toe", 0.55, 0, 0.99, "length of the toe"),
     [POST_FILM_SHOULDER] = REAL("film_shoulder", 0.26, 0, 0.99, "length of the shoulder"),
