@@ -220,7 +220,7 @@ static struct neph_benchmark_pass *pass_named(struct neph_benchmark_frames_engin
     return NULL;
 }
 
-/* Adds a pass whose density evaluations are included in the marcher's count. */
+/* Adds a pass with density evaluations that the marcher's count includes. */
 static void add_evaluator(const struct neph_benchmark_pass *pass, struct neph_benchmark_pass *march)
 {
     const size_t used = strlen(march->with);

@@ -34,7 +34,7 @@ struct neph_conform_params {
     int samples;                       /* paths per pixel of `tracer` */
     struct neph_shared_device *device; /* like neph_shot.device */
     bool quiet;                        /* no progress */
-    bool skip_absent; /* leave out a scene whose file or data is missing; otherwise an error */
+    bool skip_absent; /* skip scenes with a missing file or data; otherwise an error */
 };
 
 /* Renders the frames and counts their invalid values. `*report` is the list of the contents of all

@@ -275,8 +275,8 @@ static void test_coloured_fog(void **state)
 
 /* ---- unsupported media ----------------------------------------------------------------------- */
 
-/* Whether a Blender that is installed was built without voxels, as Debian's Blender 5 is: it refuses
- * every medium on a grid before a test's reason is met. */
+/* Whether the installed Blender was built without voxels, as Debian's Blender 5: it refuses every
+ * medium on a grid, before the condition that a test examines. */
 static bool is_without_voxels(int e)
 {
     char reason[256] = "";
